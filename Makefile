@@ -1,0 +1,39 @@
+# Everything a newcomer runs. `make demo` needs Python and a network to the
+# package index; `make test` also needs gfortran and installs it when missing.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out
+
+.PHONY: demo test lint format clean
+
+$(BIN)/pyport: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "pyport needs Python 3.11 or newer; say which with make PYTHON=python3.12"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+demo: $(BIN)/pyport
+	$(BIN)/pyport demo --out $(OUT)
+
+$(BIN)/tox: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet 'tox>=4.11'
+	@touch $@
+
+test: $(BIN)/tox
+	@sh .ci/install-gfortran
+	$(BIN)/tox run
+
+lint: $(BIN)/tox
+	$(BIN)/tox run -e lint
+
+format: $(BIN)/tox
+	$(BIN)/python -m pip install --quiet 'ruff>=0.8'
+	$(BIN)/ruff check --fix pyport tests
+	$(BIN)/ruff format pyport tests
+
+clean:
+	rm -rf $(VENV) .tox build dist $(OUT)

@@ -1,0 +1,5 @@
+"""`python -m pyport` is the `pyport` command."""
+
+from pyport.cli import main
+
+main()

@@ -1,0 +1,64 @@
+"""The command line: parse, call, print. One file a command, loaded when it is called."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from pyport import __version__
+from pyport.errors import BadInput
+
+#: Command -> the sentence that `pyport --help` shows without importing it.
+COMMANDS = {
+    "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
+    "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
+    "fit": "Fit a pointing model to recordings.",
+    "parity": "Hold the Python port to the published Fortran routines.",
+    "table": "Write the steering table of a pointing model.",
+}
+
+
+class Lazy(click.Group):
+    """A group that imports a command's module only when the command is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Return the names of all commands."""
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:  # noqa: ARG002
+        """Import `pyport.cli.NAME` and return its `command`."""
+        if name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"pyport.cli.{name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """List the commands from the table above, importing none."""
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(COMMANDS.items()))
+
+
+@click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="pyport")
+def pyport() -> None:
+    """Pointing models of radio telescopes: ported, tabulated, and their gaps explained."""
+
+
+def main() -> None:
+    """Run the command line; bad input is one line on standard error and exit status 2."""
+    try:
+        status = pyport.main(standalone_mode=False)
+    except (BadInput, click.ClickException) as error:
+        text = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        click.echo(f"pyport: error: {' '.join(text.split())}", err=True)
+        sys.exit(2)
+    except click.Abort:
+        click.echo("pyport: interrupted", err=True)
+        sys.exit(130)
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        click.echo(f"pyport: error: {place}{error.strerror or error}", err=True)
+        sys.exit(2)
+    sys.exit(status if isinstance(status, int) else 0)

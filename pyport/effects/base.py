@@ -1,0 +1,166 @@
+"""What an effect is, and the circumstances that it acts in.
+
+Signs and axes, everywhere inside the program: azimuth A from north through
+east, elevation E, cross-elevation offset x = dAz cos E, elevation offset
+y = dEl, both encoder minus true, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+
+Index = NDArray[np.intp] | NDArray[np.bool_] | slice
+
+
+class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
+    """An effect needs something that these recordings do not tell."""
+
+    def __init__(self, column: str):
+        self.column = column
+        super().__init__(f"needs {column}")
+
+
+@dataclass(frozen=True)
+class Site:
+    """A geodetic position: latitude and longitude (east positive) [rad], height [m]."""
+
+    latitude: float
+    longitude: float | None = None
+    height_m: float = 0.0
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """Where the telescope pointed, when, and in which conditions; n pointings.
+
+    `az` (from north through east, unwrapped as the cable is) and `el` are
+    true positions [rad], shape (n,). `columns` holds whatever else is known,
+    shape (n,) each, under the contract's names without a unit: `time` [s, UTC
+    since 1970], `hour_angle` (positive west), `ra`, `dec` [rad],
+    `scan_direction` (+1, -1, 0 for unknown), `scan_rate` [rad/s, positive],
+    `temperature_c`, ... and the labels `antenna`, `session`, `scan_axis`,
+    `source`, ... as strings. Numbers that are not known are NaN, labels "".
+    """
+
+    az: Array
+    el: Array
+    site: Site | None = None
+    columns: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return n, the number of pointings."""
+        return len(self.el)
+
+    def __contains__(self, name: str) -> bool:
+        """Tell whether a column is there."""
+        return name in self.columns
+
+    def column(self, name: str) -> NDArray[Any]:
+        """Return a column, or raise `MissingColumn`."""
+        try:
+            return self.columns[name]
+        except KeyError:
+            raise MissingColumn(name) from None
+
+    def latitude(self) -> float:
+        """Return the site's latitude [rad], or raise `MissingColumn`."""
+        if self.site is None:
+            raise MissingColumn("latitude_deg")
+        return self.site.latitude
+
+    def take(self, index: Index) -> Circumstances:
+        """Return the pointings that a mask, slice or list of rows selects."""
+        columns = {name: values[index] for name, values in self.columns.items()}
+        return replace(self, az=self.az[index], el=self.el[index], columns=columns)
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A number that a fit gives: its name, the unit it is reported in, its known value if any.
+
+    `scale` is the value in internal units (radians, seconds, ...) of one `unit`.
+    """
+
+    name: str
+    unit: str = "arcsec"
+    scale: float = np.pi / 648000
+    expected: float | None = None
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical cause that adds to every recorded offset, linear in its coefficients.
+
+    Attributes
+    ----------
+    id
+        The stable name, as reports and models spell it.
+    sentence
+        What it is, in words that an observer would use.
+    citation
+        Where the formula comes from.
+    coefficients
+        One for each column of the basis.
+    basis
+        Circumstances -> (x, y), each of shape (n, k): the offset across and
+        along elevation [rad] for a coefficient of one internal unit.
+    common
+        "array" when all antennas of an array share the coefficients (the sky,
+        the clock), "session" when they do within a session (a time tag),
+        "antenna" when each antenna has its own (its mechanics).
+    physical
+        False for a term that describes a shape and names no cause; such a
+        term can be part of a model, never the answer of a diagnosis.
+    variant
+        Which member of a family this is ("k = 3"), "" where there is no choice.
+    profile
+        For a family with a nonlinear parameter (a harmonic's number, the time of
+        a step): circumstances -> the members worth trying there.
+    """
+
+    id: str
+    sentence: str
+    citation: str
+    coefficients: tuple[Coefficient, ...]
+    basis: Callable[[Circumstances], tuple[Array, Array]]
+    common: str = "antenna"
+    physical: bool = True
+    variant: str = ""
+    profile: Callable[[Circumstances], tuple[Effect, ...]] | None = None
+
+    def variants(self, at: Circumstances) -> tuple[Effect, ...]:
+        """Return the members of the family to try in these circumstances, itself if it is none."""
+        return (self,) if self.profile is None else self.profile(at)
+
+    def columns(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return the basis (x, y), each (n, k), for these circumstances.
+
+        Raises
+        ------
+        MissingColumn
+            The recordings lack something that the effect needs.
+        """
+        return self.basis(at)
+
+    def missing(self, at: Circumstances) -> str | None:
+        """Name the first column that these recordings lack for this effect, if any."""
+        try:
+            self.basis(at)
+        except MissingColumn as lack:
+            return lack.column
+        return None
+
+
+def stack(at: Circumstances, *columns: tuple[Any, Any]) -> tuple[Array, Array]:
+    """Return a basis from one (x, y) pair for each coefficient; scalars are spread over n."""
+    n = len(at)
+    x = np.stack([np.broadcast_to(np.asarray(pair[0], float), (n,)) for pair in columns], axis=1)
+    y = np.stack([np.broadcast_to(np.asarray(pair[1], float), (n,)) for pair in columns], axis=1)
+    return x, y

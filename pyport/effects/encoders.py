@@ -1,0 +1,72 @@
+"""Encoders and the axes that they sit on: harmonics of azimuth and of elevation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+
+_BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19"
+_GREVE = "Greve et al. 1996, Radio Science 31, 1053"
+
+#: Harmonic numbers that are tried when none is given.
+HARMONICS = range(2, 9)
+
+
+def _wave(name: str) -> tuple[Coefficient, Coefficient]:
+    return Coefficient(f"{name}_sine"), Coefficient(f"{name}_cosine")
+
+
+def azimuth_eccentricity(at: Circumstances) -> tuple[Array, Array]:
+    """Return cos E (sin A, cos A) across."""
+    cos_e = np.cos(at.el)
+    return stack(at, (cos_e * np.sin(at.az), 0), (cos_e * np.cos(at.az), 0))
+
+
+def azimuth_harmonics(k: int) -> Effect:
+    """Return the k-th harmonic of the azimuth reading: cos E (sin kA, cos kA) across."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        cos_e = np.cos(at.el)
+        return stack(at, (cos_e * np.sin(k * at.az), 0), (cos_e * np.cos(k * at.az), 0))
+
+    return Effect(
+        "azimuth_harmonics",
+        "the azimuth encoder or drive errs with a harmonic of azimuth",
+        _BORKOWSKI,
+        _wave("azimuth_harmonic"),
+        basis,
+        variant=f"k = {k}",
+        profile=lambda _: tuple(map(azimuth_harmonics, HARMONICS)),
+    )
+
+
+def elevation_harmonics(k: int) -> Effect:
+    """Return nodding with the k-th harmonic of azimuth: (sin kA, cos kA) along elevation."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        return stack(at, (0, np.sin(k * at.az)), (0, np.cos(k * at.az)))
+
+    return Effect(
+        "elevation_harmonics",
+        "the telescope nods with a harmonic of azimuth",
+        _BORKOWSKI,
+        _wave("elevation_harmonic"),
+        basis,
+        variant=f"k = {k}",
+        profile=lambda _: tuple(map(elevation_harmonics, HARMONICS)),
+    )
+
+
+EFFECTS = (
+    Effect(
+        "azimuth_eccentricity",
+        "the azimuth encoder sits off centre",
+        _GREVE,
+        _wave("azimuth_eccentricity"),
+        azimuth_eccentricity,
+    ),
+    azimuth_harmonics(2),
+    elevation_harmonics(2),
+)

@@ -1,0 +1,79 @@
+"""The mount's geometry: encoder zeros, collimation, skew and tilt."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+
+_FIELD_SYSTEM = "Himwich, Mark IV Field System documentation, Pointing Model (1993)"
+
+
+def azimuth_zero(at: Circumstances) -> tuple[Array, Array]:
+    """Return a cos E across."""
+    return stack(at, (np.cos(at.el), 0))
+
+
+def elevation_zero(at: Circumstances) -> tuple[Array, Array]:
+    """Return a constant along elevation."""
+    return stack(at, (0, 1))
+
+
+def collimation(at: Circumstances) -> tuple[Array, Array]:
+    """Return a constant across."""
+    return stack(at, (1, 0))
+
+
+def skew(at: Circumstances) -> tuple[Array, Array]:
+    """Return c sin E across."""
+    return stack(at, (np.sin(at.el), 0))
+
+
+def tilt(at: Circumstances) -> tuple[Array, Array]:
+    """Return the lean of the azimuth axis toward north and toward east.
+
+    A lean t toward azimuth A0 gives t sin E sin(A - A0) across and
+    t cos(A - A0) along elevation; its components are t cos A0, t sin A0.
+    """
+    sin_a, cos_a, sin_e = np.sin(at.az), np.cos(at.az), np.sin(at.el)
+    return stack(at, (sin_e * sin_a, cos_a), (-sin_e * cos_a, sin_a))
+
+
+EFFECTS = (
+    Effect(
+        "azimuth_zero",
+        "the azimuth encoder's zero is off",
+        _FIELD_SYSTEM,
+        (Coefficient("azimuth_zero"),),
+        azimuth_zero,
+    ),
+    Effect(
+        "elevation_zero",
+        "the elevation encoder's zero is off",
+        _FIELD_SYSTEM,
+        (Coefficient("elevation_zero"),),
+        elevation_zero,
+    ),
+    Effect(
+        "collimation",
+        "the beam is not perpendicular to the elevation axis (box offset)",
+        _FIELD_SYSTEM,
+        (Coefficient("collimation"),),
+        collimation,
+    ),
+    Effect(
+        "skew",
+        "the elevation axis is not perpendicular to the azimuth axis",
+        _FIELD_SYSTEM,
+        (Coefficient("skew"),),
+        skew,
+    ),
+    Effect(
+        "tilt",
+        "the azimuth axis leans",
+        _FIELD_SYSTEM,
+        (Coefficient("tilt_north"), Coefficient("tilt_east")),
+        tilt,
+    ),
+)

@@ -1,0 +1,38 @@
+"""Gravity: how a dish sags as it is lowered."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+
+_BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 17 and 19"
+
+
+def sag_cosine(at: Circumstances) -> tuple[Array, Array]:
+    """Return g cos E along elevation: the moment of a weight about the elevation axis."""
+    return stack(at, (0, np.cos(at.el)))
+
+
+def sag_sine(at: Circumstances) -> tuple[Array, Array]:
+    """Return h sin E along elevation: the second quadrature of the same moment."""
+    return stack(at, (0, np.sin(at.el)))
+
+
+EFFECTS = (
+    Effect(
+        "sag_cosine",
+        "the structure sags under gravity, most at the horizon",
+        _BORKOWSKI,
+        (Coefficient("sag_cosine"),),
+        sag_cosine,
+    ),
+    Effect(
+        "sag_sine",
+        "the structure sags under gravity, most at the zenith",
+        _BORKOWSKI,
+        (Coefficient("sag_sine"),),
+        sag_sine,
+    ),
+)

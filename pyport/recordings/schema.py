@@ -1,0 +1,78 @@
+"""Recordings: measured pointing offsets, the circumstances they were taken in, and their origin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Index
+
+
+@dataclass(frozen=True)
+class SetAside:
+    """A row that cannot be used: its line in the file and the reason."""
+
+    line: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Recordings:
+    """n measured offsets with their circumstances; radians, encoder minus true.
+
+    Attributes
+    ----------
+    at
+        Where, when and in which conditions, shape (n,) each.
+    x, y
+        Cross-elevation and elevation offset [rad], shape (n,); NaN where that
+        axis was not measured.
+    sigma_x, sigma_y
+        One-sigma errors as recorded [rad], shape (n,); NaN where there is none.
+    line
+        Line (or row) of the file that each recording came from, shape (n,).
+    file
+        The file as the user named it.
+    meta
+        What the header says of all rows, as text, and under `azimuth_zero`,
+        `telescope`, ... as the contract names it.
+    set_aside
+        Rows of the file that are not among the n, none missing.
+    """
+
+    at: Circumstances
+    x: Array
+    y: Array
+    sigma_x: Array
+    sigma_y: Array
+    line: NDArray[np.int64]
+    file: Path
+    meta: dict[str, str] = field(default_factory=dict)
+    set_aside: tuple[SetAside, ...] = ()
+
+    def __len__(self) -> int:
+        """Return n."""
+        return len(self.y)
+
+    def take(self, index: Index) -> Recordings:
+        """Return the recordings that a mask, slice or list of rows selects."""
+        return replace(
+            self,
+            at=self.at.take(index),
+            x=self.x[index],
+            y=self.y[index],
+            sigma_x=self.sigma_x[index],
+            sigma_y=self.sigma_y[index],
+            line=self.line[index],
+        )
+
+    def label(self, name: str) -> NDArray[Any]:
+        """Return a label for each row, "" everywhere where the file has none."""
+        if name in self.at:
+            return self.at.column(name)
+        return np.full(len(self), "")
