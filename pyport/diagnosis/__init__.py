@@ -1,1 +1,1 @@
-"""diagnosis."""
+"""The detective: noise, detect, locate, identify, check, and what cannot be named."""

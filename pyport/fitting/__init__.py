@@ -1,1 +1,1 @@
-"""fitting."""
+"""Least squares: models as lists of effects, sufficient statistics, robust weights."""

@@ -1,0 +1,72 @@
+"""Candidates: every effect of the catalogue that these recordings could show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects import CATALOGUE, Effect, MissingColumn
+from pyport.fitting.stacking import Codes, Stack
+from pyport.recordings.schema import Recordings
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A member of an effect's family and where its columns stand in the design matrix."""
+
+    effect: Effect
+    columns: Codes
+    #: Which of the effect's coefficients those columns are: constant zero ones are left out.
+    coefficients: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Untestable:
+    """An effect that these recordings cannot show, and for want of what."""
+
+    effect: str
+    reason: str
+
+
+def design(
+    recordings: Recordings, stack: Stack, catalogue: dict[str, Effect] | None = None
+) -> tuple[Array, list[Candidate], list[Untestable]]:
+    """Return the columns of all candidates, what they are, and what cannot be tested.
+
+    Columns are in internal units, one for a coefficient of one.
+
+    Returns
+    -------
+    columns
+        Shape (m, K).
+    candidates
+        One for each member of each family.
+    untestable
+        Effects for which the recordings lack something.
+    """
+    blocks: list[Array] = []
+    candidates: list[Candidate] = []
+    untestable: list[Untestable] = []
+    start = 0
+    for effect in (catalogue or CATALOGUE).values():
+        if not effect.physical:
+            continue
+        try:
+            variants = effect.variants(recordings.at)
+            bases = [stack.columns(variant, recordings.at) for variant in variants]
+        except MissingColumn as lack:
+            untestable.append(Untestable(effect.id, f"for want of {lack.column}"))
+            continue
+        for variant, basis in zip(variants, bases, strict=True):
+            kept = np.flatnonzero(np.any(basis != 0, axis=0) & np.all(np.isfinite(basis), axis=0))
+            if len(kept) == 0:
+                untestable.append(Untestable(effect.id, "it moves nothing that was measured here"))
+                continue
+            blocks.append(basis[:, kept])
+            places = np.arange(start, start + len(kept))
+            candidates.append(Candidate(variant, places, tuple(int(one) for one in kept)))
+            start += len(kept)
+    columns = np.concatenate(blocks, axis=1) if blocks else np.zeros((len(stack), 0))
+    return columns, candidates, untestable

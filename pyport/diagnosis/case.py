@@ -1,0 +1,204 @@
+"""A case: recordings, model and candidates, brought into the form that the search works on."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.diagnosis import candidates as listing
+from pyport.diagnosis import noise_fit, shapes
+from pyport.diagnosis.candidates import Candidate, Untestable
+from pyport.diagnosis.evidence import Blocks, Evidence
+from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
+from pyport.fitting.gram import Gram, Part
+from pyport.fitting.models import Model, Term
+from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.recordings.schema import Recordings
+
+#: Readings of less weight than this are outliers: kept in the list, left out of the rms.
+OUTLIER_WEIGHT = 0.05
+DRAWS = 300
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """An effect in a fit, and the scope within which its coefficients are shared."""
+
+    candidate: Candidate
+    scope: str
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What does not change while a diagnosis goes on.
+
+    Attributes
+    ----------
+    recordings, model, stack
+        What was given.
+    residual
+        Data less what the model gives before any fit [rad], shape (m,).
+    base, candidates, shapes, untestable
+        Terms that are refitted, effects that may be named, shapes that may not,
+        and effects that these recordings cannot show.
+    columns
+        All their columns, shape (m, K).
+    blocks, block
+        The blocks, and the one (antenna in a session) of each reading, shape (m,).
+    pointing
+        Number of the pointing of each reading, shape (m,).
+    parts
+        The series that noise is fitted to.
+    seed
+        Of the draws of noise.
+    """
+
+    recordings: Recordings
+    model: Model
+    stack: Stack
+    residual: Array
+    base: tuple[Chosen, ...]
+    candidates: tuple[Candidate, ...]
+    shapes: tuple[Candidate, ...]
+    untestable: tuple[Untestable, ...]
+    columns: Array
+    blocks: Blocks
+    block: Codes
+    pointing: Codes
+    parts: tuple[Series, ...]
+    seed: int
+
+    def part(self, chosen: Chosen) -> Part:
+        """Return the columns of a choice and who shares their coefficients."""
+        return Part(chosen.candidate.columns, self.blocks.groups(chosen.scope))
+
+    def expanded(self, choices: Sequence[Chosen]) -> Array:
+        """Return a column for every coefficient of some choices, shape (m, P)."""
+        out = [np.zeros((len(self.columns), 0))]
+        for chosen in choices:
+            groups = self.blocks.groups(chosen.scope)[self.block]
+            columns = self.columns[:, chosen.candidate.columns]
+            out += [columns * (groups == one)[:, None] for one in range(int(groups.max()) + 1)]
+        return np.concatenate(out, axis=1)
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """The evidence, weighed with the noise that a choice of effects leaves.
+
+    Attributes
+    ----------
+    noises, weights
+        The noise of each series; robust weights of the readings, shape (m,).
+    evidence
+        The whitened products of all columns.
+    """
+
+    noises: tuple[Noise, ...]
+    weights: Array
+    evidence: Evidence
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Tell which readings are no outliers, shape (m,)."""
+        return self.weights >= OUTLIER_WEIGHT
+
+
+def prepare(
+    recordings: Recordings, model: Model, refit: Collection[str] | None = None, seed: int = 0
+) -> Setup:
+    """Bring recordings and a model into the form that the search works on.
+
+    Parameters
+    ----------
+    recordings, model
+        The measurements, and the model whose gaps are looked for.
+    refit
+        Ids of the model's effects that are fitted together with every
+        candidate; None for all of them.
+    seed
+        Of the draws of noise.
+    """
+    data = stack(recordings)
+    residual = data.value - data.spread(*model.offsets(recordings.at))
+    terms = [t for t in model.terms if refit is None or t.effect.id in refit]
+    base_columns, base = _base(recordings, data, terms)
+    found, candidates, untestable = listing.design(recordings, data)
+    generic, others = shapes.design(recordings, data)
+    first = base_columns.shape[1]
+    block_of_row, names = group(recordings, ("antenna", "session"))
+    return Setup(
+        recordings=recordings,
+        model=model,
+        stack=data,
+        residual=residual,
+        base=tuple(base),
+        candidates=_shifted(candidates, first),
+        shapes=_shifted(others, first + found.shape[1]),
+        untestable=tuple(untestable),
+        columns=np.concatenate([base_columns, found, generic], axis=1),
+        blocks=Blocks(np.array([n[0] for n in names]), np.array([n[1] for n in names])),
+        block=block_of_row[data.row],
+        pointing=pointings(recordings)[data.row],
+        parts=tuple(series(recordings, data)),
+        seed=seed,
+    )
+
+
+def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
+    """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
+    known = setup.expanded([*setup.base, *chosen])
+    candidates = setup.columns[:, sum(len(b.candidate.columns) for b in setup.base) :]
+    noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
+    data = np.concatenate([setup.columns, setup.residual[:, None]], axis=1)
+    white = whiten(data, weights, setup.parts, noises)
+    block = np.concatenate([setup.block, setup.block])
+    evidence = Evidence(
+        Gram.of(white, block, len(setup.blocks)),
+        setup.blocks,
+        pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
+        draws=DRAWS,
+        dof=_dof(setup.parts, noises, setup.blocks),
+        rng=np.random.default_rng(setup.seed),
+    )
+    return Weighed(tuple(noises), weights, evidence)
+
+
+def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:
+    return tuple(replace(one, columns=one.columns + by) for one in candidates)
+
+
+def _base(
+    recordings: Recordings, data: Stack, terms: Sequence[Term]
+) -> tuple[Array, list[Chosen]]:
+    """Return the columns of the refitted terms; labels that are no blocks get columns of their own."""
+    arrays: list[Array] = [np.zeros((len(data), 0))]
+    found: list[Chosen] = []
+    start = 0
+    for term in terms:
+        basis = data.columns(term.effect, recordings.at)
+        other = [label for label in term.per if label not in ("antenna", "session")]
+        codes, names = group(recordings, other)
+        split = [basis * (codes[data.row] == code)[:, None] for code in range(len(names))]
+        arrays.append(np.concatenate(split, axis=1))
+        scope = " and ".join(label for label in ("antenna", "session") if label in term.per)
+        width = arrays[-1].shape[1]
+        coefficients = tuple(range(basis.shape[1])) * len(names)
+        candidate = Candidate(term.effect, np.arange(start, start + width), coefficients)
+        found.append(Chosen(candidate, scope or "all"))
+        start += width
+    return np.concatenate(arrays, axis=1), found
+
+
+def _dof(parts: Sequence[Series], noises: Sequence[Noise], blocks: Blocks) -> Array:
+    """Return the degrees of freedom of each antenna's noise."""
+    return np.array(
+        [
+            sum(n.dof for p, n in zip(parts, noises, strict=True) if p.antenna == antenna)
+            for antenna in np.unique(blocks.antenna)
+        ]
+    )

@@ -1,0 +1,164 @@
+"""A diagnosis from recordings to findings, the steps in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis import findings as reading
+from pyport.diagnosis import holdout, joint
+from pyport.diagnosis.candidates import Untestable
+from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
+from pyport.diagnosis.evidence import gain_needed, threshold
+from pyport.diagnosis.finding import Finding, HeldOut
+from pyport.diagnosis.joint import rms
+from pyport.diagnosis.search import FAMILY_ERROR, Outcome, search
+from pyport.errors import BadInput
+from pyport.fitting.models import Model
+from pyport.recordings.schema import Recordings
+
+#: Below this many measured numbers beyond the model's own parameters nothing can be said.
+FEWEST_SPARE = 5
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What was found in some recordings.
+
+    Attributes
+    ----------
+    setup, weighed
+        The case and its last weighing; noise, weights and blocks are there.
+    findings
+        Strongest first; empty where nothing is missing.
+    p_value
+        Chance that noise alone would look like this, over the whole search.
+    detection_limits
+        For each testable effect the rms size that would have been seen [rad].
+    untestable
+        Effects that these recordings cannot show, and why.
+    before, after
+        Fits of the model alone and of the model with everything found.
+    counted
+        Readings that count in an rms: no outliers, no antenna that drowns in noise.
+    wild
+        Antennas that drown in noise.
+    heldout
+        Predictions of unseen readings by both fits.
+    unseen
+        Residuals behind `heldout`, before and after [rad], shape (m,) each.
+    """
+
+    setup: Setup
+    weighed: Weighed
+    findings: tuple[Finding, ...]
+    p_value: float
+    detection_limits: dict[str, float]
+    untestable: tuple[Untestable, ...]
+    before: joint.Joint
+    after: joint.Joint
+    counted: Array
+    wild: tuple[str, ...]
+    heldout: HeldOut
+    unseen: tuple[Array, Array]
+
+    @property
+    def mismatch(self) -> bool:
+        """Tell whether anything is missing from the model."""
+        return bool(self.findings)
+
+    def left(self, fit: joint.Joint) -> Array:
+        """Return the residuals of a fit [rad], shape (m,)."""
+        return self.setup.residual - fit.predicted
+
+
+def diagnose(
+    recordings: Recordings,
+    model: Model,
+    *,
+    refit: Collection[str] | None = None,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
+    """Find, name and model what a pointing model leaves out of recordings.
+
+    Parameters
+    ----------
+    recordings
+        The measurements.
+    model
+        The model whose gaps are looked for.
+    refit
+        Ids of the model's effects that are fitted together with every
+        candidate; None for all, an empty collection for none.
+    seed
+        Of everything that is drawn: same input and seed, same result.
+    tell
+        Called with a line whenever there is news.
+
+    Raises
+    ------
+    BadInput
+        There are too few recordings for the model.
+    """
+    setup = prepare(recordings, model, refit, seed)
+    _enough(setup)
+    outcome = search(setup, tell)
+    weighed = outcome.weighed
+    before = joint.fit(setup, weighed, ())
+    after = joint.fit(setup, weighed, outcome.chosen)
+    scene = reading.scene(setup, outcome, after, seed)
+    tell("holding data out")
+    partition = holdout.folds(setup, outcome.chosen, seed)
+    unseen = (
+        holdout.residuals(setup, weighed, (), partition),
+        holdout.residuals(setup, weighed, outcome.chosen, partition),
+    )
+    both = scene.counted & np.isfinite(unseen[0]) & np.isfinite(unseen[1])
+    return Diagnosis(
+        setup=setup,
+        weighed=weighed,
+        findings=tuple(reading.collect(scene)),
+        p_value=outcome.p_value,
+        detection_limits=_limits(setup, outcome),
+        untestable=setup.untestable,
+        before=before,
+        after=after,
+        counted=scene.counted,
+        wild=tuple(reading.wild_antennas(setup, scene.floor)),
+        heldout=HeldOut(
+            partition.scheme, rms(unseen[0][both]), rms(unseen[1][both]), rms(scene.floor[both])
+        ),
+        unseen=unseen,
+    )
+
+
+def _enough(setup: Setup) -> None:
+    """Refuse recordings that cannot even carry the model."""
+    needed = setup.expanded(setup.base).shape[1] + FEWEST_SPARE
+    there = len(setup.residual)
+    if there < needed:
+        raise BadInput(
+            f"{there} measured offsets are too few: {setup.model.name} and a search beside it "
+            f"need {needed}",
+            setup.recordings.file,
+        )
+
+
+def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
+    """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
+    needed = threshold(outcome.last, FAMILY_ERROR)
+    limits: dict[str, float] = {}
+    for trial in outcome.last:
+        if not trial.candidate.effect.physical or "antenna" in trial.scope:
+            continue
+        gain = gain_needed(trial, needed)
+        power = np.mean(np.sum(setup.expanded([Chosen(trial.candidate, trial.scope)]) ** 2, axis=1))
+        size = float(np.sqrt(gain * power / max(np.trace(trial.information), 1e-300)))
+        effect = trial.candidate.effect.id
+        limits[effect] = min(size, limits.get(effect, np.inf))
+    return limits
+

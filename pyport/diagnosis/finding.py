@@ -1,0 +1,118 @@
+"""Findings: what a diagnosis says, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pyport.angles import ARCSEC
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number in the unit it is reported in; `expected` where physics fixes it."""
+
+    name: str
+    value: float
+    sigma: float
+    unit: str
+    expected: float | None = None
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A stretch of a column that a mismatch is confined to."""
+
+    column: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a mismatch is: axes, labels, intervals that hold together, a curve, a beginning."""
+
+    axes: tuple[str, ...]
+    subset: dict[str, list[str]] = field(default_factory=dict)
+    region: tuple[Interval, ...] = ()
+    curve: tuple[tuple[float, float], ...] | None = None
+    since: str | None = None
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Rms of predictions of readings that the fit had not seen [rad]."""
+
+    scheme: str
+    before: float
+    after: float
+    noise_floor: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """How sure a finding is, and what came next to it."""
+
+    p_value: float
+    delta_bic: float
+    runner_up: str | None
+    runner_up_delta_bic: float | None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One mismatch: what was left out, where, how big, how sure, what else it could be.
+
+    `variant` says which member of a family it is; `visible_rms` and `true_rms`
+    [rad] are the effect's size after and before the model took its share;
+    `checks` are the ones that were made, with their outcome in words.
+    """
+
+    effect: str
+    members: tuple[str, ...]
+    verdict: str
+    sentence: str
+    where: Where
+    parameters: tuple[Parameter, ...]
+    evidence: Evidence
+    visible_rms: float
+    true_rms: float
+    variant: str = ""
+    heldout: HeldOut | None = None
+    looks_like: str | None = None
+    decide_by: str | None = None
+    checks: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """Return the finding as the report spells it."""
+        where = self.where
+        return {
+            "effect": self.effect,
+            "variant": self.variant,
+            "class": list(self.members),
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "where": {
+                "axes": list(where.axes),
+                "subset": where.subset,
+                "region": [vars(one) for one in where.region],
+                "curve": None
+                if where.curve is None
+                else [{"az_deg": az, "el_deg": el} for az, el in where.curve],
+                "since": where.since,
+            },
+            "parameters": [vars(one) for one in self.parameters],
+            "evidence": vars(self.evidence),
+            "visible_rms_arcsec": self.visible_rms / ARCSEC,
+            "true_rms_arcsec": self.true_rms / ARCSEC,
+            "heldout": None
+            if self.heldout is None
+            else {
+                "scheme": self.heldout.scheme,
+                "rms_before_arcsec": self.heldout.before / ARCSEC,
+                "rms_after_arcsec": self.heldout.after / ARCSEC,
+                "noise_floor_arcsec": self.heldout.noise_floor / ARCSEC,
+            },
+            "looks_like": self.looks_like,
+            "decide_by": self.decide_by,
+            "checks": list(self.checks),
+        }

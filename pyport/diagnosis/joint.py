@@ -1,0 +1,74 @@
+"""The joint fit: the model and everything that was found, refitted together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.fitting.gram import Solution
+from pyport.fitting.stacking import Codes
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A fit of the base and of some choices.
+
+    Attributes
+    ----------
+    choices
+        What was fitted, the base first.
+    solution
+        Values and covariance; sigmas are widened when more is left than noise.
+    starts
+        Where each choice's coefficients begin.
+    predicted
+        What the fit predicts for each reading [rad], shape (m,).
+    """
+
+    choices: tuple[Chosen, ...]
+    solution: Solution
+    starts: Codes
+    predicted: Array
+
+    def slice(self, choice: int) -> slice:
+        """Return where a choice's coefficients stand."""
+        return slice(int(self.starts[choice]), int(self.starts[choice + 1]))
+
+
+def fit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Joint:
+    """Fit the base and the chosen effects together."""
+    choices = (*setup.base, *chosen)
+    parts = [setup.part(one) for one in choices]
+    solution = weighed.evidence.gram.solve(parts)
+    starts = np.cumsum([0, *(part.size for part in parts)])
+    return Joint(choices, solution, starts, setup.expanded(choices) @ solution.values)
+
+
+def sigmas(joint: Joint, readings: int) -> Array:
+    """Return one-sigma errors; more scatter than the fitted noise widens them."""
+    left = max(1, readings - joint.solution.rank)
+    excess = max(1.0, joint.solution.residual / left)
+    return np.sqrt(np.maximum(np.diag(joint.solution.covariance), 0) * excess)
+
+
+def contribution(setup: Setup, joint: Joint, choice: int) -> Array:
+    """Return what one choice adds to each reading [rad], shape (m,)."""
+    return setup.expanded([joint.choices[choice]]) @ joint.solution.values[joint.slice(choice)]
+
+
+def visible(setup: Setup, weighed: Weighed, curve: Array) -> Array:
+    """Return what is left of a curve (m,) after the base took its share."""
+    base = setup.expanded(setup.base)
+    if base.shape[1] == 0:
+        return curve
+    used = weighed.used
+    return curve - base @ np.linalg.lstsq(base[used], curve[used], rcond=1e-9)[0]
+
+
+def rms(values: Array) -> float:
+    """Return the root mean square, 0 of nothing."""
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0

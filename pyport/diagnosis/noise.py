@@ -1,0 +1,204 @@
+"""Noise: how much of a recording's scatter no model can remove, and how it hangs together.
+
+Three parts, for each antenna and axis: readings of one pointing that differ
+(channels of one scan) scatter by `within`; pointings scatter by `between` on
+top; and what drifts is an Ornstein-Uhlenbeck process of amplitude `drift` and
+correlation time `time_s`. Whitening turns columns into ones whose scatter is
+unity, so that plain least squares is the right thing to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.fitting.stacking import Codes, Stack, group
+from pyport.recordings.schema import Recordings
+
+#: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them.
+TUKEY = 6.0
+#: Fewer pointings than this in one antenna and axis tell nothing of a drift.
+ENOUGH_FOR_DRIFT = 80
+#: Twice the log-likelihood that a drift must gain before it is believed: two more parameters.
+DRIFT_GAIN = 11.0
+#: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
+OUTLIER = 1e-3
+FAR = 1e4
+#: The smallest noise that is believed, in steps of the recorded digits (uniform rounding).
+ROUNDING = 1 / np.sqrt(12)
+
+
+@dataclass(frozen=True)
+class Series:
+    """The stacked numbers of one antenna and axis: the unit that noise is fitted to.
+
+    Attributes
+    ----------
+    rows
+        Their indices in the stack, shape (m,), ordered by time.
+    pointing
+        For each the number of its pointing within the series; readings of one
+        pointing share it, shape (m,).
+    time
+        Time of each pointing [s], sessions pulled apart; None where unknown.
+    antenna, is_y
+        What the series is of.
+    """
+
+    rows: Codes
+    pointing: Codes
+    time: Array | None
+    antenna: str
+    is_y: bool
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Fitted noise of one series [rad, s]; `dof` is what its scale was estimated from."""
+
+    within: float
+    between: float
+    drift: float = 0.0
+    time_s: float | None = None
+    dof: float = np.inf
+    how: str = "reml"
+
+    @property
+    def floor(self) -> float:
+        """Return the scatter of a single reading about the true curve [rad]."""
+        return float(np.sqrt(self.within**2 + self.between**2 + self.drift**2))
+
+
+def series(recordings: Recordings, stack: Stack) -> list[Series]:
+    """Split the stack into antennas and axes, ordered by time where there is one."""
+    antennas, names = group(recordings, ("antenna",))
+    sessions, _ = group(recordings, ("session",))
+    time = np.full(len(recordings), np.nan)
+    if "time" in recordings.at:
+        time = np.asarray(recordings.at.column("time"), float)
+    pointing = pointings(recordings)
+    found = []
+    for antenna, name in enumerate(names):
+        for is_y in (False, True):
+            rows = np.flatnonzero((antennas[stack.row] == antenna) & (stack.is_y == is_y))
+            if len(rows) == 0:
+                continue
+            of_row = stack.row[rows]
+            rows = rows[np.lexsort((pointing[of_row], time[of_row], sessions[of_row]))]
+            found.append(
+                _ordered(rows, stack.row[rows], pointing, time, sessions, name[0], is_y=is_y)
+            )
+    return found
+
+
+def _ordered(
+    rows: Codes,
+    of_row: Codes,
+    pointing: Codes,
+    time: Array,
+    sessions: Codes,
+    antenna: str,
+    *,
+    is_y: bool,
+) -> Series:
+    """Number the pointings of a series in order and pull its sessions apart in time."""
+    _, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
+    order = np.empty(len(first), np.intp)
+    order[np.argsort(first, kind="stable")] = np.arange(len(first))
+    when, session = time[of_row][np.sort(first)], sessions[of_row][np.sort(first)]
+    if not np.all(np.isfinite(when)):
+        return Series(rows, order[inverse], None, antenna, is_y)
+    apart = np.concatenate([[0.0], np.where(np.diff(session) != 0, 1e9, 0.0)]).cumsum()
+    when = np.maximum.accumulate(when + apart - when.min())
+    return Series(rows, order[inverse], when, antenna, is_y)
+
+
+def pointings(recordings: Recordings) -> Codes:
+    """Number the pointings: rows of the same antenna, session, moment, direction and scan."""
+    codes, _ = group(recordings, ("antenna", "session", "source"))
+    keys = [codes.astype(float), recordings.at.az, recordings.at.el]
+    for name in ("time", "hour_angle", "scan_direction"):
+        if name in recordings.at:
+            keys.append(np.nan_to_num(np.asarray(recordings.at.column(name), float)))
+    _, inverse = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
+    return inverse.ravel()
+
+
+def whiten(columns: Array, weights: Array, parts: Sequence[Series], noises: Sequence[Noise]) -> Array:
+    """Return columns of unit scatter.
+
+    Parameters
+    ----------
+    columns
+        Shape (m, K).
+    weights
+        Robust weights, shape (m,), one for an ordinary reading.
+    parts, noises
+        The series and the noise of each.
+
+    Returns
+    -------
+    Array
+        Shape (2 m, K): for each reading its deviation from its pointing's
+        mean, and the pointing's mean at its first reading, zero elsewhere.
+        Sums of products over all rows are what generalised least squares needs.
+    """
+    out = np.zeros((2 * len(columns), columns.shape[1]))
+    for part, noise in zip(parts, noises, strict=True):
+        _whiten_series(out, columns, weights, part, noise)
+    return out
+
+
+def _whiten_series(out: Array, columns: Array, weights: Array, part: Series, noise: Noise) -> None:
+    means, variance, deviations = by_pointing(columns[part.rows], weights[part.rows], part, noise)
+    out[part.rows] = deviations
+    first = part.rows[np.unique(part.pointing, return_index=True)[1]]
+    out[len(columns) + first] = decorrelate(means, variance, part, noise)
+
+
+def by_pointing(
+    columns: Array, weights: Array, part: Series, noise: Noise
+) -> tuple[Array, Array, Array]:
+    """Return each pointing's mean, the variance of that mean, and whitened deviations from it.
+
+    A lone reading has no deviation; its scatter is `within` and `between` together.
+    """
+    count = np.bincount(part.pointing)
+    within = np.where(noise.within > 0, noise.within, 1.0)
+    precision = np.maximum(weights, 1e-12) / within**2
+    total = np.bincount(part.pointing, precision)
+    means = np.stack(
+        [np.bincount(part.pointing, precision * column) / total for column in columns.T], axis=1
+    )
+    deviations = np.zeros_like(columns)
+    if noise.within > 0 and count.max() > 1:
+        deviations = (columns - means[part.pointing]) * np.sqrt(precision)[:, None]
+        variance = noise.between**2 + 1 / total
+    else:
+        best = np.zeros(len(count))
+        np.maximum.at(best, part.pointing, weights)
+        variance = (noise.between**2 + noise.within**2) / np.maximum(best, 1e-12)
+    # An outlier says nothing, whatever the noise: its variance must not move with it.
+    heaviest = np.zeros(len(count))
+    np.maximum.at(heaviest, part.pointing, weights)
+    return means, np.where(heaviest < OUTLIER, FAR, variance), deviations
+
+
+def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> Array:
+    """Divide by the scatter, after taking out what the past of the drift predicts."""
+    if noise.drift == 0 or noise.time_s is None or part.time is None:
+        return columns / np.sqrt(variance)[:, None]
+    from celerite2 import driver
+
+    n = len(columns)
+    rate = np.array([1 / noise.time_s])
+    ones = np.ones((n, 1))
+    power = noise.drift**2
+    d, w = np.empty(n), np.empty((n, 1))
+    driver.factor(part.time, rate, variance + power, power * ones, ones, d, w)
+    z = np.ascontiguousarray(columns)
+    z = driver.solve_lower(part.time, rate, power * ones, w, z, np.empty_like(z))
+    return z / np.sqrt(d)[:, None]

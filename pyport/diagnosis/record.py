@@ -1,0 +1,191 @@
+"""The record of a diagnosis: report.json and rows.csv, as the contract spells them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.joint import Joint, rms
+from pyport.files import sha256, write_whole
+from pyport.fitting.gram import inverted
+from pyport.recordings.schema import Recordings
+
+SCHEMA = "pyport.diagnosis/1"
+
+
+def write(diagnosis: Diagnosis, folder: Path) -> None:
+    """Write report.json and rows.csv into a folder, each whole or not at all."""
+    with write_whole(folder / "report.json") as file:
+        json.dump(_finite(as_json(diagnosis)), file, indent=1, allow_nan=False)
+        file.write("\n")
+    with write_whole(folder / "rows.csv") as file:
+        _write_rows(diagnosis, file)
+
+
+def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the report of a diagnosis."""
+    recordings, model = diagnosis.setup.recordings, diagnosis.setup.model
+    correlation, names = _correlation(diagnosis)
+    return {
+        "schema": SCHEMA,
+        "input": _input(recordings, diagnosis),
+        "model": {"name": model.name, "refit": [c.candidate.effect.id for c in diagnosis.setup.base]},
+        "noise": _noise(diagnosis),
+        "mismatch": diagnosis.mismatch,
+        "p_value": diagnosis.p_value,
+        "detection_limit_arcsec": {
+            effect: size / ARCSEC for effect, size in diagnosis.detection_limits.items()
+        },
+        "findings": [finding.as_json() for finding in diagnosis.findings],
+        "fit": {
+            "before": _rms(diagnosis, diagnosis.before),
+            "after": _rms(diagnosis, diagnosis.after),
+            "heldout": {
+                "scheme": diagnosis.heldout.scheme,
+                "rms_before_arcsec": diagnosis.heldout.before / ARCSEC,
+                "rms_after_arcsec": diagnosis.heldout.after / ARCSEC,
+                "noise_floor_arcsec": diagnosis.heldout.noise_floor / ARCSEC,
+            },
+        },
+        "antennas": _antennas(diagnosis),
+        "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
+        "correlation": {"names": names, "matrix": correlation},
+        "condition_number": diagnosis.after.solution.condition,
+    }
+
+
+def _input(recordings: Recordings, diagnosis: Diagnosis) -> dict[str, Any]:
+    set_aside = [{"line": one.line, "reason": one.reason} for one in recordings.set_aside]
+    file = recordings.file
+    return {
+        "file": file.name,
+        "sha256": sha256(file) if file.is_file() else None,
+        "rows": len(recordings) + len(set_aside),
+        "used": len(recordings),
+        "set_aside": set_aside,
+        "outliers": int((~diagnosis.weighed.used).sum()),
+    }
+
+
+def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the noise per axis: the median over the antennas, and the longest drift time."""
+    parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True))
+    axes = {
+        name: [noise for part, noise in parts if part.is_y == is_y]
+        for name, is_y in (("xel", False), ("el", True))
+    }
+    times = [noise.time_s for _, noise in parts if noise.time_s is not None]
+    return {
+        "xel_arcsec": _median_floor(axes["xel"]),
+        "el_arcsec": _median_floor(axes["el"]),
+        "correlation_time_s": max(times, default=None),
+        "how": parts[0][1].how if parts else "reml",
+    }
+
+
+def _median_floor(noises: list[Any]) -> float | None:
+    return float(np.median([noise.floor for noise in noises])) / ARCSEC if noises else None
+
+
+def _rms(diagnosis: Diagnosis, fit: Joint) -> dict[str, float | None]:
+    left, is_y = diagnosis.left(fit), diagnosis.setup.stack.is_y
+    return {
+        f"rms_{name}_arcsec": rms(left[diagnosis.counted & axis]) / ARCSEC if axis.any() else None
+        for name, axis in (("xel", ~is_y), ("el", is_y))
+    }
+
+
+def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return for each antenna its rms before and after, in the fit and held out [arcsec]."""
+    setup = diagnosis.setup
+    of_row = setup.blocks.antenna[setup.block]
+    before, after = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
+    found = []
+    for name in np.unique(of_row):
+        rows = (of_row == name) & diagnosis.weighed.used
+        both = rows & np.isfinite(diagnosis.unseen[0]) & np.isfinite(diagnosis.unseen[1])
+        found.append(
+            {
+                "antenna": str(name),
+                "readings": int(rows.sum()),
+                "drowns_in_noise": str(name) in diagnosis.wild,
+                "rms_before_arcsec": rms(before[rows]) / ARCSEC,
+                "rms_after_arcsec": rms(after[rows]) / ARCSEC,
+                "heldout_before_arcsec": rms(diagnosis.unseen[0][both]) / ARCSEC,
+                "heldout_after_arcsec": rms(diagnosis.unseen[1][both]) / ARCSEC,
+            }
+        )
+    return found
+
+
+def _antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    named = np.unique(diagnosis.setup.blocks.antenna)
+    return antennas(diagnosis) if len(named) > 1 else []
+
+
+def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
+    """Return the correlations of what one antenna in one session sees, base and findings.
+
+    Coefficients of other antennas are independent of these, so one block, the
+    one with the most readings, shows what hangs together.
+    """
+    setup, fit = diagnosis.setup, diagnosis.after
+    block = int(np.argmax(np.bincount(setup.block)))
+    gram = diagnosis.weighed.evidence.gram.matrices[block]
+    columns = np.concatenate([c.candidate.columns for c in fit.choices])
+    names = [
+        c.candidate.effect.coefficients[n].name for c in fit.choices for n in c.candidate.coefficients
+    ]
+    covariance, _, _, known = inverted(gram[np.ix_(columns, columns)])
+    sigma = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    kept = np.flatnonzero(known)
+    matrix = (covariance / np.outer(sigma, sigma))[np.ix_(kept, kept)]
+    return np.clip(matrix, -1, 1).tolist(), [names[n] for n in kept]
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+    """Replace numbers that JSON cannot spell by null."""
+    if isinstance(value, dict):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def _write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a text file
+    """Write one line for each measured number: residuals before and after, and its weight."""
+    setup = diagnosis.setup
+    at, row = setup.recordings.at, setup.stack.row
+    writer = csv.writer(file, lineterminator="\n")
+    labels = [name for name in ("antenna", "session", "source", "channel") if name in at]
+    writer.writerow(
+        ["line", "axis", *labels, "az_deg", "el_deg", "residual_before_arcsec"]
+        + ["residual_after_arcsec", "heldout_before_arcsec", "heldout_after_arcsec", "weight"]
+    )
+    before, after = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
+    for n in np.lexsort((setup.stack.is_y, row)):
+        r = row[n]
+        writer.writerow(
+            [
+                int(setup.recordings.line[r]),
+                "el" if setup.stack.is_y[n] else "xel",
+                *(at.column(name)[r] for name in labels),
+                f"{at.az[r] / DEG:.6f}",
+                f"{at.el[r] / DEG:.6f}",
+                *(
+                    "" if not math.isfinite(value) else f"{value / ARCSEC:.3f}"
+                    for value in (before[n], after[n], diagnosis.unseen[0][n], diagnosis.unseen[1][n])
+                ),
+                f"{diagnosis.weighed.weights[n]:.4f}",
+            ]
+        )
+

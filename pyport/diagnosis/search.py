@@ -1,0 +1,131 @@
+"""The search: find the strongest mismatch, add what explains it, weigh again, until nothing is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.evidence import Trial, family_p_value
+
+#: Chance of any finding at all where there is nothing to find.
+FAMILY_ERROR = 0.05
+#: A nameless shape must beat every named effect by this much in BIC to be preferred.
+SHAPE_MARGIN = 10.0
+MOST_FINDINGS = 8
+
+
+@dataclass(frozen=True)
+class Step:
+    """One turn of the search.
+
+    Attributes
+    ----------
+    winner
+        What was added.
+    trials
+        Everything that was tried beside the model of that turn.
+    before
+        The model of that turn, without the winner.
+    weighed
+        The evidence as it was weighed in that turn.
+    p_value
+        Chance that noise alone gives a search as good as this, over all trials.
+    """
+
+    winner: Trial
+    trials: tuple[Trial, ...]
+    before: tuple[Chosen, ...]
+    weighed: Weighed
+    p_value: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The end of a search: what was chosen in which turn, and the evidence weighed with all of it.
+
+    `p_value` is that of the first turn: is there any mismatch at all?
+    `last` holds the trials of the turn that found nothing more.
+    """
+
+    chosen: tuple[Chosen, ...]
+    steps: tuple[Step, ...]
+    weighed: Weighed
+    p_value: float
+    last: tuple[Trial, ...]
+
+
+def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+    """Add effects to the model, the best first, while noise alone would not look like that.
+
+    Parameters
+    ----------
+    setup
+        The case.
+    tell
+        Called with a line about each turn.
+    """
+    chosen: tuple[Chosen, ...] = ()
+    steps: list[Step] = []
+    weighed = weigh(setup)
+    first: float | None = None
+    while True:
+        trials = _trials(setup, weighed, chosen)
+        p_value = family_p_value(trials)
+        first = p_value if first is None else first
+        winner = _winner(trials)
+        if p_value > FAMILY_ERROR or winner is None or len(steps) == MOST_FINDINGS:
+            return Outcome(chosen, tuple(steps), weighed, first, tuple(trials))
+        tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
+        steps.append(Step(winner, tuple(trials), chosen, weighed, p_value))
+        chosen = _with(chosen, Chosen(winner.candidate, winner.scope))
+        weighed = weigh(setup, chosen)
+
+
+def _trials(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> list[Trial]:
+    """Try every effect and shape in every scope that makes sense for it."""
+    model = [setup.part(one) for one in (*setup.base, *chosen)]
+    wanted = [
+        (candidate, scope)
+        for candidate in (*setup.candidates, *setup.shapes)
+        for scope in _scopes(candidate, setup.blocks.scopes())
+    ]
+    return weighed.evidence.trials(model, wanted)
+
+
+def _scopes(candidate: Candidate, there: Sequence[str]) -> list[str]:
+    """Return the scopes that the effect's physics allows: a clock is one for all antennas."""
+    if candidate.effect.common == "antenna" and candidate.effect.physical:
+        return list(there)
+    return [scope for scope in there if "antenna" not in scope]
+
+
+def _winner(trials: Sequence[Trial]) -> Trial | None:
+    """Return the trial that is most worth its coefficients; a shape only by a clear margin."""
+    worth = [trial for trial in trials if trial.delta_bic > 0]
+    named = [trial for trial in worth if trial.candidate.effect.physical]
+    best_named = max(named, key=_worth, default=None)
+    best = max(worth, key=_worth, default=None)
+    if best is None or best_named is None:
+        return best
+    return best if _worth(best) > _worth(best_named) + SHAPE_MARGIN else best_named
+
+
+def _worth(trial: Trial) -> float:
+    return trial.delta_bic
+
+
+def _with(chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+    """Add a choice; a wider scope of the same columns replaces a narrower one inside it."""
+    kept = tuple(
+        one
+        for one in chosen
+        if not (
+            np.array_equal(one.candidate.columns, new.candidate.columns)
+            and one.candidate.effect.id == new.candidate.effect.id
+        )
+    )
+    return (*kept, new)

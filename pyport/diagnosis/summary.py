@@ -1,0 +1,96 @@
+"""The summary on the terminal: what, where, how big, how sure, what else, what next."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+
+from pyport.angles import ARCSEC
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.finding import Finding
+
+_WIDTH = 96
+#: Effects shown with their detection limit when nothing was found.
+_LIMITS = 6
+
+
+def summary(diagnosis: Diagnosis) -> str:
+    """Return the diagnosis as plain text."""
+    recordings = diagnosis.setup.recordings
+    lines = [
+        f"{recordings.file.name}: {len(recordings)} recordings, "
+        f"{len(recordings.set_aside)} set aside, model {diagnosis.setup.model.name}"
+    ]
+    if diagnosis.mismatch:
+        lines.append(f"The model leaves something out (chance of noise alone {_chance(diagnosis)}).")
+        for n, finding in enumerate(diagnosis.findings, 1):
+            lines += _finding(n, finding)
+    else:
+        lines.append(f"Nothing is missing that these recordings could show (p = {_chance(diagnosis)}).")
+        limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
+        seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
+        lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
+    lines += _improvement(diagnosis)
+    return "\n".join(lines)
+
+
+def _finding(n: int, finding: Finding) -> list[str]:
+    head = f"{n}. {finding.effect}" + (f" ({finding.variant})" if finding.variant else "")
+    lines = [f"{head}, {finding.verdict}: {finding.sentence}."]
+    if len(finding.members) > 1:
+        lines.append(f"   Could as well be: {', '.join(finding.members[1:])}.")
+    if finding.looks_like:
+        lines.append(f"   Looks like: {finding.looks_like}.")
+    subset = finding.where.subset.get("antenna")
+    if subset:
+        lines.append(f"   Antennas: {' '.join(subset)}.")
+    lines.append(
+        f"   Size {finding.true_rms / ARCSEC:.3g} arcsec rms, of which the model hides all but "
+        f"{finding.visible_rms / ARCSEC:.3g}."
+    )
+    if finding.heldout is not None:
+        held = finding.heldout
+        lines.append(
+            f"   On data that the fit had not seen ({held.scheme}): rms "
+            f"{held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} arcsec, noise floor "
+            f"{held.noise_floor / ARCSEC:.3g}."
+        )
+    if finding.decide_by:
+        lines.append(f"   To decide: {finding.decide_by}.")
+    return [part for line in lines for part in _wrapped(line)]
+
+
+def _wrapped(line: str) -> list[str]:
+    indent = " " * (len(line) - len(line.lstrip()) or 3)
+    return textwrap.wrap(line, _WIDTH, subsequent_indent=indent, drop_whitespace=True)
+
+
+def _improvement(diagnosis: Diagnosis) -> list[str]:
+    """Return what became of the rms, over all readings and, for an array, antenna by antenna."""
+    held = diagnosis.heldout
+    lines = [
+        f"Held out ({held.scheme}): rms {held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} "
+        f"arcsec, noise floor {held.noise_floor / ARCSEC:.3g}."
+    ]
+    table = [row for row in record.antennas(diagnosis) if not row["drowns_in_noise"]]
+    if len(table) > 1 and diagnosis.mismatch:
+        factor = [
+            row["heldout_before_arcsec"] / max(row["heldout_after_arcsec"], 1e-9) for row in table
+        ]
+        lines.append(
+            f"Antenna by antenna the held-out rms falls by a factor {np.median(factor):.2f} in the "
+            f"median; {sum(f >= 2 for f in factor)} of {len(factor)} fall by two or more."
+        )
+    if diagnosis.wild:
+        lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    if not diagnosis.weighed.used.all():
+        lines.append(
+            f"{int((~diagnosis.weighed.used).sum())} readings are outliers: see weight in rows.csv."
+        )
+    return [part for line in lines for part in _wrapped(line)]
+
+
+def _chance(diagnosis: Diagnosis) -> str:
+    return f"{diagnosis.p_value:.2g}"

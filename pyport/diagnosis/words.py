@@ -1,0 +1,68 @@
+"""Plain words: what an observer would write in the logbook."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pyport.diagnosis.finding import Parameter, Where
+from pyport.effects.base import Effect
+
+if TYPE_CHECKING:
+    from pyport.diagnosis.identify import Name
+
+UNKNOWN = "something is left that no effect of the catalogue explains"
+WATCH = "look at the region and the column that it follows, and record what changes there"
+_AXES = {"xel": "cross-elevation", "el": "elevation"}
+#: Longer lists are cut short in a sentence; the report has them whole.
+_SHOWN = 6
+
+
+def number(parameter: Parameter) -> str:
+    """Return a value with its error, the digits that the error allows, in a handy unit."""
+    value, sigma, unit = parameter.value, parameter.sigma, parameter.unit
+    if unit == "arcsec" and abs(value) >= 120:
+        value, sigma, unit = value / 60, sigma / 60, "arcmin"
+    digits = 3 if sigma <= 0 else max(0, min(6, 1 - int(np.floor(np.log10(sigma)))))
+    return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
+
+
+def sentence(effect: Effect, parameters: Sequence[Parameter], where: Where) -> str:
+    """Return a sentence about an effect with its size and axes."""
+    axes = " and ".join(_AXES[axis] for axis in where.axes)
+    sizes = [f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters[:_SHOWN]]
+    more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
+    return f"{effect.sentence}; seen in {axes}: {', '.join(sizes)}{more}"
+
+
+def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:
+    """Return a sentence about what all antennas share."""
+    sizes = ", ".join(f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters)
+    how = "by one amount in each session" if several else "by the same amount"
+    return f"{effect.sentence}, for all antennas {how}: {sizes}"
+
+
+def own(
+    effect: Effect, parameters: Sequence[Parameter], standing: Sequence[str], antennas: int
+) -> str:
+    """Return a sentence about what each antenna has of its own."""
+    shown = [p for p in parameters if any(p.name.endswith(f"[{name}]") for name in standing)]
+    low, high = min(shown, key=lambda p: p.value), max(shown, key=lambda p: p.value)
+    return (
+        f"{effect.sentence}, each antenna by its own amount ({len(standing)} of {antennas} beyond "
+        f"three sigmas), from {number(low)} in {_inside(low)} to {number(high)} in {_inside(high)}"
+    )
+
+
+def _inside(parameter: Parameter) -> str:
+    return parameter.name.partition("[")[2].rstrip("]")
+
+
+def looks_like(effect: Effect, called: Name) -> str:
+    """Describe a shape that has no name, with the nearest effect."""
+    shape = effect.variant or effect.id
+    runner = called.runner_up
+    nearest = "" if runner is None else f"; the nearest effect is {runner.candidate.effect.id}"
+    return f"{effect.sentence} ({shape}){nearest}"

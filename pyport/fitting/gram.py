@@ -1,0 +1,160 @@
+"""Sufficient statistics: what least squares needs of the data, added up block by block.
+
+For the rows of one block (an antenna in a session) and whitened columns
+C = [c1 .. cK | data] the matrix C'C is all that any least-squares fit asks
+for. A model picks columns and says for each whether its coefficient is one
+for all blocks, one per session, one per antenna, or one per block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.fitting.stacking import Codes
+
+#: Directions with less than this share of a column's length count as fitted already.
+RANK_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some columns of the Gram matrices, and which blocks share their coefficients.
+
+    Attributes
+    ----------
+    columns
+        Indices of the columns, shape (k,).
+    groups
+        For each block the number of its set of coefficients, shape (blocks,).
+    """
+
+    columns: Codes
+    groups: Codes
+
+    @property
+    def size(self) -> int:
+        """Return the number of coefficients."""
+        return len(self.columns) * (int(self.groups.max()) + 1)
+
+    def places(self, block: int) -> Codes:
+        """Return where the coefficients of a block stand among all of this part's."""
+        k = len(self.columns)
+        return self.groups[block] * k + np.arange(k)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The least-squares solution of a choice of parts.
+
+    Attributes
+    ----------
+    values, covariance
+        Coefficients (P,) and their covariance (P, P) for unit weight.
+    known
+        Whether the data determine each coefficient, shape (P,).
+    residual
+        Sum of squares that is left.
+    rank
+        Number of independent columns.
+    condition
+        Condition number of the columns, each scaled to unit length.
+    """
+
+    values: Array
+    covariance: Array
+    known: Array
+    residual: float
+    rank: int
+    condition: float
+
+
+class Gram:
+    """The Gram matrices of all blocks, shape (blocks, K + 1, K + 1); the data come last."""
+
+    def __init__(self, matrices: Array):
+        self.matrices = matrices
+
+    @classmethod
+    def of(cls, whitened: Array, blocks: Codes, n_blocks: int) -> Gram:
+        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,)."""
+        order = np.argsort(blocks, kind="stable")
+        edges = np.searchsorted(blocks[order], np.arange(n_blocks + 1))
+        ordered = whitened[order]
+        return cls(
+            np.stack(
+                [
+                    ordered[low:high].T @ ordered[low:high]
+                    for low, high in zip(edges, edges[1:], strict=False)
+                ]
+            )
+        )
+
+    def cross(self, left: Sequence[Part], right: Sequence[Part]) -> Array:
+        """Return the assembled products of two choices of parts, shape (P, Q)."""
+        out = np.zeros((sum(p.size for p in left), sum(p.size for p in right)))
+        for block, matrix in enumerate(self.matrices):
+            rows, row_columns = _index(left, block)
+            places, place_columns = _index(right, block)
+            out[np.ix_(rows, places)] += matrix[np.ix_(row_columns, place_columns)]
+        return out
+
+    def moments(self, parts: Sequence[Part], vectors: Array | None = None) -> Array:
+        """Return the assembled products with the data, shape (P,).
+
+        `vectors`, (blocks, K, draws), stands for other data than the recorded
+        ones; the result is then (P, draws).
+        """
+        data = self.matrices[:, :-1, -1:] if vectors is None else vectors
+        out = np.zeros((sum(p.size for p in parts), data.shape[2]))
+        for block in range(len(self.matrices)):
+            places, columns = _index(parts, block)
+            out[places] += data[block][columns]
+        return out[:, 0] if vectors is None else out
+
+    def total(self) -> float:
+        """Return the sum of squares of the data."""
+        return float(self.matrices[:, -1, -1].sum())
+
+    def solve(self, parts: Sequence[Part]) -> Solution:
+        """Return the least-squares solution for a choice of parts."""
+        normal = self.cross(parts, parts)
+        right = self.moments(parts)
+        inverse, rank, condition, known = inverted(normal)
+        values = inverse @ right
+        return Solution(
+            values, inverse, known, self.total() - float(right @ values), rank, condition
+        )
+
+
+def _index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
+    """Return the places of a block's coefficients and the columns that they multiply."""
+    if not parts:
+        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+    starts = np.cumsum([0, *(part.size for part in parts[:-1])])
+    places = [start + part.places(block) for start, part in zip(starts, parts, strict=True)]
+    return np.concatenate(places), np.concatenate([part.columns for part in parts])
+
+
+def inverted(normal: Array) -> tuple[Array, int, float, Array]:
+    """Return the pseudo-inverse of a normal matrix, its rank, condition number and what is known.
+
+    Columns are scaled to unit length first, so that units do not matter. A
+    coefficient is known when no direction that the data leave open moves it.
+    """
+    size = len(normal)
+    if size == 0:
+        return np.zeros((0, 0)), 0, 1.0, np.zeros(0, bool)
+    length = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    scale = np.divide(1.0, length, out=np.zeros(size), where=length > 0)
+    eigenvalues, vectors = np.linalg.eigh(normal * np.outer(scale, scale))
+    good = eigenvalues > RANK_TOLERANCE * max(float(eigenvalues[-1]), 1e-300)
+    kept = vectors[:, good]
+    inverse = (kept / eigenvalues[good]) @ kept.T * np.outer(scale, scale)
+    known = (vectors[:, ~good] ** 2).sum(axis=1) < 1e-6
+    rank = int(good.sum())
+    condition = float(np.sqrt(eigenvalues[-1] / eigenvalues[good][0])) if rank else float("inf")
+    return inverse, rank, condition, known & (length > 0)

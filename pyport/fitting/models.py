@@ -1,0 +1,120 @@
+"""Pointing models: lists of effects, each with its own coefficients for all rows or per label."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import RADIANS_PER, Array
+from pyport.effects import CATALOGUE, Circumstances, Effect
+from pyport.errors import BadInput
+
+#: Labels that split the coefficients of a classical model: each antenna has its own mount.
+PER_ANTENNA = ("antenna",)
+PER_ANTENNA_DAY = ("antenna", "session")
+
+
+@dataclass(frozen=True)
+class Term:
+    """An effect in a model, with one set of coefficients for every value of the labels `per`."""
+
+    effect: Effect
+    per: tuple[str, ...] = PER_ANTENNA
+    values: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Model:
+    """A pointing model.
+
+    Attributes
+    ----------
+    name
+        As the user gave it.
+    terms
+        What is fitted, linear in the coefficients.
+    given
+        Offsets (x, y) that hold before anything is fitted [rad]; None for zero.
+    """
+
+    name: str
+    terms: tuple[Term, ...]
+    given: Callable[[Circumstances], tuple[Array, Array]] | None = field(default=None)
+
+    def offsets(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return the offsets that the model predicts before any fit [rad]."""
+        x, y = (np.zeros(len(at)), np.zeros(len(at))) if self.given is None else self.given(at)
+        for term in self.terms:
+            if term.values is not None:
+                columns_x, columns_y = term.effect.columns(at)
+                x, y = x + columns_x @ np.array(term.values), y + columns_y @ np.array(term.values)
+        return x, y
+
+
+def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:
+    return Model(name, tuple(Term(CATALOGUE[one], per) for one in ids.split()))
+
+
+ALTAZ = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
+
+BUILT_IN: dict[str, Callable[[], Model]] = {
+    "altaz": lambda: _linear("altaz", ALTAZ, PER_ANTENNA),
+    "gmrt-paper": lambda: _linear("gmrt-paper", "elevation_zero hour_angle_wave", PER_ANTENNA_DAY),
+    "none": lambda: Model("none", ()),
+}
+
+
+def load(name: str) -> Model:
+    """Return a built-in model, or read one from a TOML file.
+
+    Raises
+    ------
+    BadInput
+        There is no such model or file, or the file does not describe a model.
+    """
+    if name in BUILT_IN:
+        return BUILT_IN[name]()
+    path = Path(name)
+    if not path.is_file():
+        known = ", ".join(sorted(BUILT_IN))
+        raise BadInput(f"no model and no file is called {name!r}; built in are {known}")
+    return _from_toml(path)
+
+
+def _from_toml(path: Path) -> Model:
+    """Read `[[term]]` tables: effect, optional variant, per, and value_UNIT for each coefficient."""
+    try:
+        text = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadInput(f"not a TOML file: {error}", path) from None
+    rows = text.get("term")
+    if not isinstance(rows, list) or not rows:
+        raise BadInput("no [[term]] table: a model lists its effects, one table each", path)
+    return Model(str(text.get("name", path.stem)), tuple(_term(row, path) for row in rows))
+
+
+def _term(row: dict[str, Any], path: Path) -> Term:
+    effect = CATALOGUE.get(str(row.get("effect")))
+    if effect is None:
+        raise BadInput(f"no effect is called {row.get('effect')!r}", path)
+    per = tuple(row.get("per", PER_ANTENNA))
+    given = {key: value for key, value in row.items() if key.startswith("value")}
+    if len(given) > 1:
+        raise BadInput(f"{effect.id} has more than one value: {', '.join(given)}", path)
+    values = None
+    for key, value in given.items():
+        unit = key.removeprefix("value_")
+        numbers = np.atleast_1d(value)
+        if unit not in RADIANS_PER or len(numbers) != len(effect.coefficients):
+            raise BadInput(
+                f"{effect.id} expects value_UNIT with {len(effect.coefficients)} number(s)"
+                f" and one of the units {', '.join(RADIANS_PER)}",
+                path,
+            )
+        values = tuple(float(number) * RADIANS_PER[unit] for number in numbers)
+    return Term(effect, per, values)

@@ -1,0 +1,76 @@
+"""Both axes of all recordings as one list of measured numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Effect
+from pyport.recordings.schema import Recordings
+
+Codes = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Stack:
+    """m measured numbers out of n recordings: cross-elevations first, then elevations.
+
+    Attributes
+    ----------
+    row
+        Which recording each number belongs to, shape (m,).
+    is_y
+        True for an elevation offset, False for a cross-elevation offset, shape (m,).
+    value
+        The offset [rad], shape (m,).
+    """
+
+    row: Codes
+    is_y: NDArray[np.bool_]
+    value: Array
+
+    def __len__(self) -> int:
+        """Return m."""
+        return len(self.value)
+
+    def spread(self, x: Array, y: Array) -> Array:
+        """Return the numbers of this stack out of (n, ...) arrays for each axis, shape (m, ...)."""
+        return np.concatenate([x[self.row[~self.is_y]], y[self.row[self.is_y]]])
+
+    def columns(self, effect: Effect, at: Circumstances) -> Array:
+        """Return an effect's basis for this stack, shape (m, k)."""
+        return self.spread(*effect.columns(at))
+
+
+def stack(recordings: Recordings) -> Stack:
+    """Return every measured number of the recordings."""
+    has_x = np.flatnonzero(np.isfinite(recordings.x))
+    has_y = np.flatnonzero(np.isfinite(recordings.y))
+    return Stack(
+        row=np.concatenate([has_x, has_y]),
+        is_y=np.repeat([False, True], [len(has_x), len(has_y)]),
+        value=np.concatenate([recordings.x[has_x], recordings.y[has_y]]),
+    )
+
+
+def group(recordings: Recordings, per: Sequence[str]) -> tuple[Codes, list[tuple[str, ...]]]:
+    """Number the rows by the values of some labels.
+
+    Returns
+    -------
+    codes
+        For each row the number of its group, shape (n,).
+    names
+        The label values of each group.
+    """
+    codes = np.zeros(len(recordings), dtype=np.intp)
+    names: list[tuple[str, ...]] = [()]
+    for label in per:
+        values, inverse = np.unique(recordings.label(label).astype(str), return_inverse=True)
+        pairs, codes = np.unique(codes * len(values) + inverse, return_inverse=True)
+        names = [(*names[pair // len(values)], str(values[pair % len(values)])) for pair in pairs]
+    return codes, names
