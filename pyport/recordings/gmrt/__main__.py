@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.recordings.formats import csv
-from pyport.recordings.gmrt import DATA, NAMES, build
+from pyport.recordings.gmrt import DATA, NAMES, build, published
 from pyport.recordings.gmrt.sessions import SESSIONS
 from pyport.recordings.tabulate import Table
 
@@ -17,6 +17,7 @@ def main() -> None:
         days = [made[date] for date in dates]
         joined = {key: np.array([v for day in days for v in day[key]]) for key in days[0]}
         csv.write(Table(build.header(), joined), DATA / f"{name}.csv")
+    csv.write(published.table(), published.FILE)
 
 
 if __name__ == "__main__":
