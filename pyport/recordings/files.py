@@ -1,0 +1,94 @@
+"""Recordings from a file and into a file; the suffix says which format."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from pyport.errors import BadInput
+from pyport.recordings import gmrt
+from pyport.recordings.formats import csv, tables
+from pyport.recordings.interpret import interpret
+from pyport.recordings.raw import Raw
+from pyport.recordings.schema import Recordings
+from pyport.recordings.tabulate import Table, tabulate
+
+Format = TypeVar("Format")
+
+READERS: dict[str, Callable[[Path], Raw]] = {
+    ".csv": csv.read,
+    ".ecsv": tables.read_ecsv,
+    ".parquet": tables.read_parquet,
+}
+WRITERS: dict[str, Callable[[Table, Path], None]] = {
+    ".csv": csv.write,
+    ".ecsv": tables.write_ecsv,
+    ".parquet": tables.write_parquet,
+}
+
+
+def resolve(name: str | Path) -> Path:
+    """Return the file that a path, or the name of recordings shipped with pyport, stands for.
+
+    Raises
+    ------
+    BadInput
+        There is neither such a file nor such a name.
+    """
+    path = Path(name)
+    if path.is_file():
+        return path
+    if str(name) in gmrt.NAMES:
+        return gmrt.path(str(name))
+    if path.is_dir():
+        raise BadInput("this is a folder, expected a file of recordings", path)
+    names = ", ".join(gmrt.NAMES)
+    raise BadInput(f"no such file, expected a path or one of {names}", path)
+
+
+def read(name: str | Path) -> Recordings:
+    """Read recordings from CSV, ECSV or Parquet.
+
+    Parameters
+    ----------
+    name
+        A file, or the name of recordings shipped with pyport (`gmrt-2003-06-01`).
+
+    Returns
+    -------
+    Recordings
+        In radians, azimuth from north through east, encoder minus true; the
+        rows that cannot be used are in `set_aside`.
+
+    Raises
+    ------
+    BadInput
+        With file and line: what is wrong and what was expected.
+    """
+    path = resolve(name)
+    return interpret(_by_suffix(READERS, path)(path))
+
+
+def write(recordings: Recordings, path: str | Path) -> None:
+    """Write recordings as CSV, ECSV or Parquet, so that reading them gives them back.
+
+    Azimuth is written from north through east, angles in degrees. Rows that
+    were set aside stand at the end, each with its reason and nothing else.
+
+    Raises
+    ------
+    BadInput
+        The suffix names no format.
+    """
+    path = Path(path)
+    _by_suffix(WRITERS, path)(tabulate(recordings), path)
+
+
+def _by_suffix(table: dict[str, Format], path: Path) -> Format:
+    """Return the entry for a path's suffix."""
+    try:
+        return table[path.suffix.lower()]
+    except KeyError:
+        known = ", ".join(table)
+        raise BadInput(f"suffix {path.suffix!r} names no format, expected {known}", path) from None

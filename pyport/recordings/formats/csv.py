@@ -1,0 +1,131 @@
+"""CSV: `# key: value` lines, a line of column names, then one line a recording."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.recordings.raw import LONGEST_CELL, Raw
+from pyport.recordings.tabulate import Table
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a UTF-8 file, with or without a byte-order mark.
+
+    Raises
+    ------
+    BadInput
+        The file is empty or is no text.
+    """
+    content = path.read_bytes()
+    if not content.strip():
+        raise BadInput("the file is empty, expected recordings", path)
+    place = content.find(b"\0")
+    if place < 0:
+        try:
+            return content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            place = error.start
+    line = content.count(b"\n", 0, place) + 1
+    raise BadInput("this is a binary file, expected text in UTF-8", path, line)
+
+
+def comment(line: str) -> tuple[str, str] | None:
+    """Return the key and the value of a `# key: value` line, None for any other comment."""
+    key, colon, value = line.lstrip("#").partition(":")
+    key = key.strip()
+    return (key, value.strip()) if colon and key and " " not in key else None
+
+
+def read(path: Path) -> Raw:
+    """Read the cells of a CSV file.
+
+    Raises
+    ------
+    BadInput
+        No header, no rows, a row with too few or too many cells, no text.
+    """
+    text = read_text(path)
+    meta: dict[str, str] = {}
+    stream = io.StringIO(text, newline="")
+    skipped = 0
+    header = ""
+    for header in stream:
+        if header.startswith("#"):
+            pair = comment(header)
+            if pair is not None:
+                meta[pair[0]] = pair[1]
+        elif header.strip():
+            break
+        skipped += 1
+    else:
+        raise BadInput("no line of column names, expected one such as az_deg,el_deg,...", path)
+    names = _names(header, path, skipped + 1)
+    rows, lines = _rows(stream, len(names), path, skipped + 1)
+    if not rows:
+        raise BadInput("no rows below the column names", path, skipped + 1)
+    cells = [np.array(column, np.str_) for column in zip(*rows, strict=True)]
+    columns = dict(zip(names, cells, strict=True))
+    return Raw(path, meta, skipped + 1, columns, np.array(lines, np.int64))
+
+
+def _names(header: str, path: Path, line: int) -> list[str]:
+    """Return the column names of a header line."""
+    names = [name.strip() for name in next(csv.reader([header]))]
+    if len(names) == 1:
+        wanted = "expected column names separated by commas, such as az_deg,el_deg,d_el_deg"
+        raise BadInput(f"the header is {header.strip()[:60]!r}, {wanted}", path, line)
+    for position, name in enumerate(names):
+        if not name:
+            raise BadInput(f"column {position + 1} of the header has no name", path, line)
+        if name in names[:position]:
+            raise BadInput(f"two columns are called {name!r}, expected one", path, line)
+    return names
+
+
+def _rows(
+    stream: io.StringIO, width: int, path: Path, skipped: int
+) -> tuple[list[list[str]], list[int]]:
+    """Return the rows below the header and their lines."""
+    reader = csv.reader(stream, strict=True)
+    rows, lines = [], []
+    try:
+        for row in reader:
+            if not row or row[0].startswith("#"):
+                continue
+            if len(row) != width:
+                cells = f"{len(row)} cell{'s' * (len(row) != 1)}"
+                raise BadInput(
+                    f"{cells}, expected {width} as in the header", path, skipped + reader.line_num
+                )
+            if len(max(row, key=len)) > LONGEST_CELL:
+                raise BadInput(
+                    f"a cell of more than {LONGEST_CELL} characters",
+                    path,
+                    skipped + reader.line_num,
+                )
+            rows.append(row)
+            lines.append(skipped + reader.line_num)
+    except csv.Error as error:
+        raise BadInput(f"{error}, expected CSV", path, skipped + reader.line_num) from None
+    return rows, lines
+
+
+def write(table: Table, path: Path) -> None:
+    """Write a table as CSV, numbers so that they come back as they were."""
+    cells = [
+        column.tolist()
+        if column.dtype.kind == "U"
+        else ["" if value != value else repr(value) for value in column.tolist()]  # noqa: PLR0124
+        for column in table.columns.values()
+    ]
+    with write_whole(path) as file:
+        file.writelines(f"# {key}: {value}\n" for key, value in table.meta.items())
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table.columns)
+        writer.writerows(zip(*cells, strict=True))

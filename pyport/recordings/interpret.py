@@ -1,0 +1,231 @@
+"""From cells to recordings: units, signs, what is missing, and what cannot be used."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import DEG, Array
+from pyport.effects.base import Circumstances, Site
+from pyport.recordings import sky
+from pyport.recordings.columns import (
+    ANGLES,
+    LABELS,
+    NUMBERS,
+    RESERVED,
+    SCAN_RATE,
+    SCAN_RATE_UNIT,
+    SET_ASIDE,
+    TIME,
+    angle_of,
+)
+from pyport.recordings.raw import Raw
+from pyport.recordings.schema import Recordings, SetAside
+
+#: No cable reaches further [deg].
+LARGEST_AZ_DEG = 720
+LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 100
+LARGEST_OFFSET_DEG = 180
+
+#: Angles that are offsets, of which a file has one or more.
+OFFSETS = frozenset({"d_az", "d_xel", "d_el", "d_zd"})
+
+#: Angles that are kept as columns.
+DIRECTIONS = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"})
+
+
+def interpret(raw: Raw) -> Recordings:
+    """Return the recordings that the cells of a file describe.
+
+    Raises
+    ------
+    BadInput
+        Required columns are missing, two say the same, a cell is no number or
+        out of range, a header key is no number.
+    """
+    site = _site(raw)
+    angles = _angles(raw)
+    columns = _columns(raw)
+    south = _azimuth_from_south(raw)
+    _check_ranges(raw, angles)
+    if south:
+        for name in {"az", "sun_az", "wind_az"} & set(angles):
+            angles[name] = angles[name] + np.pi
+    az, el = _position(raw, angles, site)
+    x, y = _offsets(raw, angles, el)
+    blank = np.full(len(raw.line), np.nan)
+    columns |= {name: angles[name] for name in DIRECTIONS & set(angles)}
+    if site is not None:
+        _add_equatorial(columns, az, el, site)
+    everything = Recordings(
+        at=Circumstances(az, el, site, columns),
+        x=x,
+        y=y,
+        sigma_x=angles.get("sigma_xel", blank),
+        sigma_y=angles.get("sigma_el", blank),
+        line=raw.line,
+        file=raw.file,
+        meta=raw.meta,
+    )
+    return _quarantine(everything, raw)
+
+
+def _site(raw: Raw) -> Site | None:
+    """Return the site that the header keys tell, None where they tell no latitude."""
+    latitude = _key(raw, "latitude_deg", 90)
+    longitude = _key(raw, "longitude_deg", 360)
+    height = _key(raw, "height_m", 1e5)
+    if latitude is None:
+        return None
+    east = None if longitude is None else longitude * DEG
+    return Site(latitude * DEG, east, 0.0 if height is None else height)
+
+
+def _key(raw: Raw, key: str, largest: float) -> float | None:
+    """Return a header key as a number."""
+    if key not in raw.meta:
+        return None
+    text = raw.meta[key]
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not abs(value) <= largest:
+        raise raw.error(
+            f"{key} is {text!r}, expected a number between {-largest:g} and {largest:g}"
+        )
+    return value
+
+
+def _azimuth_from_south(raw: Raw) -> bool:
+    """Tell whether the file counts azimuth from south through west."""
+    zero = raw.meta.get("azimuth_zero", "north").lower()
+    if zero not in {"north", "south"}:
+        raise raw.error(f"azimuth_zero is {zero!r}, expected north or south")
+    return zero == "south"
+
+
+def _angles(raw: Raw) -> dict[str, Array]:
+    """Return all angles of the contract that the file has, in radians."""
+    found: dict[str, tuple[str, float]] = {}
+    for name in raw.columns:
+        angle = angle_of(name)
+        if angle is None:
+            if name in ANGLES:
+                raise raw.error(f"column {name!r} has no unit, expected for instance {name}_deg")
+            if name in RESERVED:
+                raise raw.error(f"column {name!r} is not known, expected {RESERVED[name]}")
+            continue
+        quantity, radians = angle
+        if quantity in found:
+            raise raw.error(f"{found[quantity][0]!r} and {name!r} say the same, expected one")
+        found[quantity] = name, radians
+    for one, other in (("d_az", "d_xel"), ("d_el", "d_zd")):
+        if one in found and other in found:
+            both = f"{found[one][0]!r} and {found[other][0]!r}"
+            raise raw.error(f"{both} say the same, expected one")
+    if not OFFSETS & set(found):
+        raise raw.error("no offset column, expected d_az_deg or d_xel_deg, d_el_deg or d_zd_deg")
+    return {quantity: raw.numbers(name) * radians for quantity, (name, radians) in found.items()}
+
+
+def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
+    """Return everything that is no angle, under the names that effects know."""
+    columns: dict[str, NDArray[Any]] = {}
+    for name in raw.columns:
+        if name in LABELS:
+            columns[name] = raw.words(name)
+        elif name in NUMBERS:
+            columns[name] = raw.numbers(name)
+        elif name == TIME:
+            columns["time"] = raw.seconds(name)
+        elif name == SCAN_RATE:
+            columns["scan_rate"] = raw.numbers(name) * SCAN_RATE_UNIT
+        elif name != SET_ASIDE and angle_of(name) is None:
+            columns[name] = raw.numbers_or_words(name)
+    if "scan_direction" in columns:
+        direction = columns["scan_direction"] = np.nan_to_num(columns["scan_direction"])
+        raw.refuse(~np.isin(direction, (-1, 0, 1)), "scan_direction is not +1, -1, 0 or blank")
+    if "scan_axis" in columns:
+        raw.refuse(
+            ~np.isin(columns["scan_axis"], ("az", "el", "")), "scan_axis is not az, el or blank"
+        )
+    if "scan_rate" in columns:
+        raw.refuse(columns["scan_rate"] < 0, f"{SCAN_RATE} is negative, expected a positive number")
+    return columns
+
+
+def _check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
+    """Refuse angles that no telescope can have, at the first line that has one."""
+    if "az" in angles:
+        raw.refuse(
+            np.abs(angles["az"]) > LARGEST_AZ_DEG * DEG,
+            f"azimuth outside +-{LARGEST_AZ_DEG} deg, expected a telescope's",
+        )
+    if "el" in angles:
+        raw.refuse(
+            (angles["el"] < LOWEST_EL_DEG * DEG) | (angles["el"] > HIGHEST_EL_DEG * DEG),
+            f"elevation outside [{LOWEST_EL_DEG}, {HIGHEST_EL_DEG}] deg, expected a telescope's",
+        )
+    for name in OFFSETS & set(angles):
+        raw.refuse(
+            np.abs(angles[name]) > LARGEST_OFFSET_DEG * DEG,
+            f"offset {name} above {LARGEST_OFFSET_DEG} deg, expected a pointing offset",
+        )
+    for name in {"sigma_xel", "sigma_el"} & set(angles):
+        raw.refuse(
+            angles[name] <= 0, f"{name} is not positive, expected a positive number or blank"
+        )
+
+
+def _position(raw: Raw, angles: dict[str, Array], site: Site | None) -> tuple[Array, Array]:
+    """Return azimuth and elevation, from hour angle and declination where they are not given."""
+    if {"az", "el"} <= set(angles) and site is None:
+        return angles["az"], angles["el"]
+    nothing = np.full(len(raw.line), np.nan)
+    az, el = angles.get("az", nothing), angles.get("el", nothing)
+    if site is not None and {"hour_angle", "dec"} <= set(angles):
+        seen_az, seen_el = sky.horizon(angles["hour_angle"], angles["dec"], site.latitude)
+        lost = np.isnan(az) | np.isnan(el)
+        az, el = np.where(lost, seen_az, az), np.where(lost, seen_el, el)
+    elif not {"az", "el"} <= set(angles):
+        instead = "hour_angle_h, dec_deg and a line '# latitude_deg: ...'"
+        raise raw.error(f"no columns az_deg and el_deg, expected them, or {instead}")
+    return az, el
+
+
+def _offsets(raw: Raw, angles: dict[str, Array], el: Array) -> tuple[Array, Array]:
+    """Return the offsets across and along elevation."""
+    nothing = np.full(len(raw.line), np.nan)
+    x = angles["d_az"] * np.cos(el) if "d_az" in angles else angles.get("d_xel", nothing)
+    y = -angles["d_zd"] if "d_zd" in angles else angles.get("d_el", nothing)
+    return x, y
+
+
+def _add_equatorial(columns: dict[str, NDArray[Any]], az: Array, el: Array, site: Site) -> None:
+    """Add hour angle and declination where the file does not tell them."""
+    for name, derived in zip(
+        ("hour_angle", "dec"), sky.equator(az, el, site.latitude), strict=True
+    ):
+        told = columns.get(name)
+        columns[name] = derived if told is None else np.where(np.isnan(told), derived, told)
+
+
+def _quarantine(everything: Recordings, raw: Raw) -> Recordings:
+    """Set aside, each with a reason, the rows that cannot be used."""
+    reason = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(everything), "")
+    reason = reason.astype(object)
+    no_offset = np.isnan(everything.x) & np.isnan(everything.y)
+    no_position = np.isnan(everything.at.az) | np.isnan(everything.at.el)
+    reason[(reason == "") & no_offset] = "no offset on either axis"
+    reason[(reason == "") & no_position] = "no azimuth or no elevation"
+    bad = reason != ""
+    aside = tuple(
+        SetAside(int(line), str(why))
+        for line, why in zip(everything.line[bad], reason[bad], strict=True)
+    )
+    used = everything.take(~bad)
+    return replace(used, set_aside=aside)

@@ -1,0 +1,128 @@
+"""A file's cells before anything is made of them, and how a cell becomes a number or a word."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.errors import BadInput
+
+#: Numpy pads text to its longest cell: one runaway cell would cost its length in every row.
+LONGEST_CELL = 1000
+
+
+@dataclass(frozen=True)
+class Raw:
+    """Columns of n cells as they stand in a file.
+
+    Attributes
+    ----------
+    file
+        The file as the user named it.
+    meta
+        Its `key: value` lines, as text.
+    header_line
+        The line of the column names, for errors that concern a whole column.
+    columns
+        Name -> cells, shape (n,): text ("" for blank), or numbers (NaN for blank).
+    line
+        The line (or row) of each cell, shape (n,).
+    """
+
+    file: Path
+    meta: dict[str, str]
+    header_line: int
+    columns: dict[str, NDArray[Any]]
+    line: NDArray[np.int64]
+
+    def error(self, message: str, row: int | None = None) -> BadInput:
+        """Return an error that names the file and the row's line, or the header's."""
+        return BadInput(message, self.file, self.header_line if row is None else self.line[row])
+
+    def words(self, name: str) -> NDArray[np.str_]:
+        """Return a column as text without surrounding blanks."""
+        cells = self.columns[name]
+        if cells.dtype.kind in "SU":
+            return np.strings.strip(cells.astype(np.str_))
+        if cells.dtype.kind in "iub":
+            return cells.astype(np.str_)
+        # 130.0 names the same channel as 130
+        return np.array(["" if v != v else f"{v:.15g}" for v in cells.tolist()], np.str_)  # noqa: PLR0124
+
+    def numbers(self, name: str) -> Array:
+        """Return a column as numbers, NaN where it is blank.
+
+        Raises
+        ------
+        BadInput
+            A cell is neither blank nor a finite number.
+        """
+        cells = self.columns[name]
+        if cells.dtype.kind in "fiub":
+            values = cells.astype(float)
+        else:
+            text = self.words(name)
+            blank = (text == "") | (np.strings.lower(text) == "nan")
+            try:
+                values = np.where(blank, "nan", text).astype(float)
+            except ValueError:
+                row = next(i for i, cell in enumerate(text) if not _is_number(cell))
+                raise self.error(
+                    f"{name} is {str(text[row])!r}, expected a number or blank", row
+                ) from None
+        self.refuse(np.isinf(values), f"{name} is infinite, expected a number or blank")
+        return values
+
+    def numbers_or_words(self, name: str) -> NDArray[Any]:
+        """Return a column as numbers if all its cells are, else as text."""
+        try:
+            return self.numbers(name)
+        except BadInput:
+            return self.words(name)
+
+    def seconds(self, name: str) -> Array:
+        """Return ISO 8601 times as seconds (UTC) since 1970, NaN where blank.
+
+        Raises
+        ------
+        BadInput
+            A cell is neither blank nor an ISO 8601 time.
+        """
+        cells = self.columns[name]
+        if cells.dtype.kind == "M":
+            since = cells.astype("datetime64[us]").astype(float) / 1e6
+            return np.where(np.isnat(cells), np.nan, since)
+        text = self.words(name)
+        seconds = np.full(len(text), np.nan)
+        for row, cell in enumerate(text.tolist()):
+            if not cell:
+                continue
+            try:
+                instant = datetime.fromisoformat(cell)
+            except ValueError:
+                wanted = "expected ISO 8601 such as 2003-06-01T18:37:12Z"
+                raise self.error(f"{name} is {cell!r}, {wanted}", row) from None
+            if instant.tzinfo is None:
+                instant = instant.replace(tzinfo=UTC)
+            seconds[row] = instant.timestamp()
+        return seconds
+
+    def refuse(self, wrong: NDArray[np.bool_], message: str) -> None:
+        """Raise `BadInput` at the first row where `wrong` holds."""
+        if wrong.any():
+            raise self.error(message, int(np.argmax(wrong)))
+
+
+def _is_number(cell: str) -> bool:
+    """Tell whether a cell is blank or a number."""
+    try:
+        float(cell or "nan")
+    except ValueError:
+        return False
+    return True
