@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import candidates as listing
-from pyport.diagnosis import noise_fit, shapes
+from pyport.diagnosis import common_mode, noise_fit, shapes
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Blocks, Evidence
 from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
@@ -51,6 +51,8 @@ class Setup:
         The blocks, and the one (antenna in a session) of each reading, shape (m,).
     pointing
         Number of the pointing of each reading, shape (m,).
+    scan
+        Number of the scan of each reading: one moment and axis for all antennas, shape (m,).
     parts
         The series that noise is fitted to.
     seed
@@ -69,6 +71,7 @@ class Setup:
     blocks: Blocks
     block: Codes
     pointing: Codes
+    scan: Codes
     parts: tuple[Series, ...]
     seed: int
 
@@ -76,12 +79,17 @@ class Setup:
         """Return the columns of a choice and who shares their coefficients."""
         return Part(chosen.candidate.columns, self.blocks.groups(chosen.scope))
 
-    def expanded(self, choices: Sequence[Chosen]) -> Array:
-        """Return a column for every coefficient of some choices, shape (m, P)."""
-        out = [np.zeros((len(self.columns), 0))]
+    def expanded(self, choices: Sequence[Chosen], of: Array | None = None) -> Array:
+        """Return a column for every coefficient of some choices, shape (m, P).
+
+        `of` stands for other columns than the design's: whitened ones, shape (2 m, K + 1).
+        """
+        source = self.columns if of is None else of
+        block = np.resize(self.block, len(source))
+        out = [np.zeros((len(source), 0))]
         for chosen in choices:
-            groups = self.blocks.groups(chosen.scope)[self.block]
-            columns = self.columns[:, chosen.candidate.columns]
+            groups = self.blocks.groups(chosen.scope)[block]
+            columns = source[:, chosen.candidate.columns]
             out += [columns * (groups == one)[:, None] for one in range(int(groups.max()) + 1)]
         return np.concatenate(out, axis=1)
 
@@ -94,12 +102,15 @@ class Weighed:
     ----------
     noises, weights
         The noise of each series; robust weights of the readings, shape (m,).
+    white
+        All columns and the data, whitened, shape (2 m, K + 1): see `noise.whiten`.
     evidence
-        The whitened products of all columns.
+        Their products.
     """
 
     noises: tuple[Noise, ...]
     weights: Array
+    white: Array
     evidence: Evidence
 
     @property
@@ -144,6 +155,7 @@ def prepare(
         blocks=Blocks(np.array([n[0] for n in names]), np.array([n[1] for n in names])),
         block=block_of_row[data.row],
         pointing=pointings(recordings)[data.row],
+        scan=_scans(recordings, data),
         parts=tuple(series(recordings, data)),
         seed=seed,
     )
@@ -157,15 +169,40 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     data = np.concatenate([setup.columns, setup.residual[:, None]], axis=1)
     white = whiten(data, weights, setup.parts, noises)
     block = np.concatenate([setup.block, setup.block])
+    gram = Gram.of(white, block, len(setup.blocks))
+    one = whiten(np.ones((len(data), 1)), weights, setup.parts, noises)[len(data) :, 0]
     evidence = Evidence(
-        Gram.of(white, block, len(setup.blocks)),
+        gram,
         setup.blocks,
+        common_excess=_common_excess(setup, (*setup.base, *chosen), gram, white, one),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
         draws=DRAWS,
         dof=_dof(setup.parts, noises, setup.blocks),
         rng=np.random.default_rng(setup.seed),
     )
-    return Weighed(tuple(noises), weights, evidence)
+    return Weighed(tuple(noises), weights, white, evidence)
+
+
+def _scans(recordings: Recordings, data: Stack) -> Codes:
+    """Number the scans; where no time is known every pointing is a scan of its own."""
+    if "time" not in recordings.at:
+        return np.arange(len(data))
+    time = np.nan_to_num(np.asarray(recordings.at.column("time"), float), nan=-1.0)
+    session, _ = group(recordings, ("session",))
+    keys = np.stack([session[data.row], time[data.row], data.is_y])
+    return np.unique(keys, axis=1, return_inverse=True)[1].ravel()
+
+
+def _common_excess(
+    setup: Setup, fitted: Sequence[Chosen], gram: Gram, white: Array, weight: Array
+) -> float:
+    """Return how much more scans scatter in common than independent antennas would."""
+    if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
+        return 1.0
+    values = gram.solve([setup.part(one) for one in fitted]).values
+    means = white[len(setup.columns) :]
+    left = means[:, -1] - setup.expanded(fitted, of=white)[len(setup.columns) :] @ values
+    return common_mode.excess(left, weight, means[:, :-1], setup.scan)
 
 
 def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:

@@ -98,6 +98,7 @@ class Evidence:
         blocks: Blocks,
         pointings: int,
         *,
+        common_excess: float = 1.0,
         draws: int,
         dof: Array,
         rng: np.random.Generator,
@@ -106,6 +107,7 @@ class Evidence:
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
+        self.common_excess = common_excess
         self.noise = self._draw(draws, dof, rng)
 
     def _draw(self, draws: int, dof: Array, rng: np.random.Generator) -> Array:
@@ -149,7 +151,9 @@ class Evidence:
             seen = root @ (self.gram.moments([part]) - cross.T @ values)
             drawn = root @ (self.gram.moments([part], self.noise) - cross.T @ drawn_values)
             dof = int(good.sum())
-            gain = float(seen @ seen)
+            # What the antennas share they cannot average out.
+            excess = 1.0 if "antenna" in scope else self.common_excess
+            gain = float(seen @ seen) / excess
             penalty = dof * np.log(max(self.pointings, 3))
             found.append(
                 Trial(
@@ -160,7 +164,7 @@ class Evidence:
                     dof,
                     gain - penalty,
                     float(np.median(self.dof) if "antenna" in scope else self.dof.sum()),
-                    left,
+                    left / excess,
                     (drawn**2).sum(axis=0),
                 )
             )

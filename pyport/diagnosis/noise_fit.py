@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +22,10 @@ from pyport.fitting import robust
 
 #: Pointings for each shape that may be taken out before the noise is read off.
 POINTINGS_PER_SHAPE = 4
+#: The array's usual noise counts as this many deviations where an antenna has few of its own.
+PRIOR_DOF = 6.0
+#: Antennas from which on there is a usual noise.
+ENOUGH_ANTENNAS = 5
 
 
 def fit(
@@ -49,14 +54,45 @@ def fit(
     """
     weights = np.ones(len(value))
     noises = []
+    of_axis = np.zeros(len(value), bool)
+    for part in parts:
+        of_axis[part.rows] = part.is_y
+    floors = {is_y: ROUNDING * _step(value[of_axis == is_y]) for is_y in (False, True)}
     for part in parts:
         columns = _rich(base[part.rows], shapes[part.rows], int(part.pointing.max()) + 1)
-        step = _step(value[part.rows])
-        weights[part.rows], residual = robust.weights(
-            columns, value[part.rows], TUKEY, ROUNDING * step
-        )
-        noises.append(_fit_series(value, columns, weights, residual, part, ROUNDING * step))
-    return noises, weights
+        floor = floors[part.is_y]
+        weights[part.rows], residual = robust.weights(columns, value[part.rows], TUKEY, floor)
+        noises.append(_fit_series(value, columns, weights, residual, part, floor))
+    return _moderated(noises, parts), weights
+
+
+def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
+    """Draw the noise of antennas with few recordings toward what is usual in the array.
+
+    A scale from few deviations is a rough one, and one that comes out small by
+    chance makes its antenna outvote all others. The variances are averaged
+    with the array's median, which counts as `PRIOR_DOF` deviations (Smyth 2004).
+    """
+    found = list(noises)
+    for is_y in (False, True):
+        own = [n for n, part in enumerate(parts) if part.is_y == is_y]
+        if len(own) < ENOUGH_ANTENNAS:
+            continue
+        usual = float(np.median([noises[n].floor for n in own]))
+        for n in own:
+            noise = noises[n]
+            shrunk = (noise.dof * noise.floor**2 + PRIOR_DOF * usual**2) / (noise.dof + PRIOR_DOF)
+            if noise.floor > usual or noise.floor == 0:
+                continue
+            factor = float(np.sqrt(shrunk)) / noise.floor
+            found[n] = replace(
+                noise,
+                within=noise.within * factor,
+                between=noise.between * factor,
+                drift=noise.drift * factor,
+                dof=noise.dof + PRIOR_DOF,
+            )
+    return found
 
 
 def _step(value: Array) -> float:

@@ -23,7 +23,7 @@ SCHEMA = "pyport.diagnosis/1"
 def write(diagnosis: Diagnosis, folder: Path) -> None:
     """Write report.json and rows.csv into a folder, each whole or not at all."""
     with write_whole(folder / "report.json") as file:
-        json.dump(_finite(as_json(diagnosis)), file, indent=1, allow_nan=False)
+        json.dump(finite(as_json(diagnosis)), file, indent=1, allow_nan=False)
         file.write("\n")
     with write_whole(folder / "rows.csv") as file:
         _write_rows(diagnosis, file)
@@ -150,12 +150,12 @@ def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
     return np.clip(matrix, -1, 1).tolist(), [names[n] for n in kept]
 
 
-def _finite(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
+def finite(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds
     """Replace numbers that JSON cannot spell by null."""
     if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
+        return {key: finite(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
+        return [finite(one) for one in value]
     if isinstance(value, float | np.floating):
         return float(value) if math.isfinite(value) else None
     return value

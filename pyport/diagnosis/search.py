@@ -10,12 +10,15 @@ import numpy as np
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
 from pyport.diagnosis.evidence import Trial, family_p_value
+from pyport.diagnosis.holdout import unseen_misfit
 
 #: Chance of any finding at all where there is nothing to find.
 FAMILY_ERROR = 0.05
 #: A nameless shape must beat every named effect by this much in BIC to be preferred.
 SHAPE_MARGIN = 10.0
 MOST_FINDINGS = 8
+#: So many of the best candidates of a turn may fail on unseen data before the search gives up.
+MOST_TRIED = 4
 
 
 @dataclass(frozen=True)
@@ -58,8 +61,13 @@ class Outcome:
     last: tuple[Trial, ...]
 
 
-def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+def search(
+    setup: Setup, tell: Callable[[str], None] = lambda _: None
+) -> Outcome:
     """Add effects to the model, the best first, while noise alone would not look like that.
+
+    An effect is added only when it also predicts what the fit had not seen;
+    the next best takes its turn when it does not.
 
     Parameters
     ----------
@@ -76,8 +84,10 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
         trials = _trials(setup, weighed, chosen)
         p_value = family_p_value(trials)
         first = p_value if first is None else first
-        winner = _winner(trials)
-        if p_value > FAMILY_ERROR or winner is None or len(steps) == MOST_FINDINGS:
+        winner = None
+        if p_value <= FAMILY_ERROR and len(steps) < MOST_FINDINGS:
+            winner = _winner(setup, weighed, chosen, trials)
+        if winner is None:
             return Outcome(chosen, tuple(steps), weighed, first, tuple(trials))
         tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
         steps.append(Step(winner, tuple(trials), chosen, weighed, p_value))
@@ -103,19 +113,21 @@ def _scopes(candidate: Candidate, there: Sequence[str]) -> list[str]:
     return [scope for scope in there if "antenna" not in scope]
 
 
-def _winner(trials: Sequence[Trial]) -> Trial | None:
-    """Return the trial that is most worth its coefficients; a shape only by a clear margin."""
+def _winner(
+    setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], trials: Sequence[Trial]
+) -> Trial | None:
+    """Return the trial most worth its coefficients that also predicts unseen data better.
+
+    A shape wins only by a clear margin over every effect with a name.
+    """
     worth = [trial for trial in trials if trial.delta_bic > 0]
-    named = [trial for trial in worth if trial.candidate.effect.physical]
-    best_named = max(named, key=_worth, default=None)
-    best = max(worth, key=_worth, default=None)
-    if best is None or best_named is None:
-        return best
-    return best if _worth(best) > _worth(best_named) + SHAPE_MARGIN else best_named
-
-
-def _worth(trial: Trial) -> float:
-    return trial.delta_bic
+    handicap = {id(t): 0.0 if t.candidate.effect.physical else SHAPE_MARGIN for t in worth}
+    ranked = sorted(worth, key=lambda t: handicap[id(t)] - t.delta_bic)
+    for trial in ranked[:MOST_TRIED]:
+        new = _with(chosen, Chosen(trial.candidate, trial.scope))
+        if unseen_misfit(setup, weighed, new) < unseen_misfit(setup, weighed, chosen):
+            return trial
+    return None
 
 
 def _with(chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:

@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19"
 _GREVE = "Greve et al. 1996, Radio Science 31, 1053"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
+#: A harmonic of azimuth can be told from anything else only over this much of the circle. [rad]
+COVERAGE = np.radians(180)
+#: The circle is counted in sectors of this width. [rad]
+SECTOR = np.radians(10)
+
+
+def _need_azimuths(at: Circumstances) -> None:
+    """Raise `MissingColumn` unless the recordings cover enough of the circle."""
+    sectors = np.unique(np.floor((at.az % (2 * np.pi)) / SECTOR))
+    if len(sectors) * SECTOR < COVERAGE:
+        raise MissingColumn("azimuths over half of the circle")
 
 
 def _wave(name: str) -> tuple[Coefficient, Coefficient]:
     return Coefficient(f"{name}_sine"), Coefficient(f"{name}_cosine")
+
+
+def _family(member: Callable[[int], Effect], at: Circumstances) -> tuple[Effect, ...]:
+    """Return a member for each harmonic, where there are azimuths enough."""
+    _need_azimuths(at)
+    return tuple(map(member, HARMONICS))
 
 
 def azimuth_eccentricity(at: Circumstances) -> tuple[Array, Array]:
@@ -38,7 +57,7 @@ def azimuth_harmonics(k: int) -> Effect:
         _wave("azimuth_harmonic"),
         basis,
         variant=f"k = {k}",
-        profile=lambda _: tuple(map(azimuth_harmonics, HARMONICS)),
+        profile=lambda at: _family(azimuth_harmonics, at),
     )
 
 
@@ -55,7 +74,7 @@ def elevation_harmonics(k: int) -> Effect:
         _wave("elevation_harmonic"),
         basis,
         variant=f"k = {k}",
-        profile=lambda _: tuple(map(elevation_harmonics, HARMONICS)),
+        profile=lambda at: _family(elevation_harmonics, at),
     )
 
 

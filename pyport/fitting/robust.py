@@ -50,12 +50,12 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
     """
     residual = value - np.median(value) if len(value) else value
     weight = np.ones(len(value))
-    ceiling = max(1, len(value) - np.linalg.matrix_rank(columns)) if columns.size else len(value)
+    spare = max(1, len(value) - np.linalg.matrix_rank(columns)) if columns.size else len(value)
     for turn in range(_ROUNDS):
         root = np.sqrt(weight)[:, None]
         solution = np.linalg.lstsq(columns * root, value * root[:, 0], rcond=1e-9)[0]
         residual = value - columns @ solution
-        sigma = scale(residual, floor) * np.sqrt(len(value) / ceiling)
+        sigma = max(scale(residual, floor) * np.sqrt(len(value) / spare), 1e-300)
         if turn < _ROUNDS // 2:
             new = 1 / np.maximum(np.abs(residual) / sigma, 0.1)
         else:

@@ -1,0 +1,51 @@
+"""`pyport diagnose`: what does a model leave out of these recordings?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command(
+    "diagnose",
+    epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
+)
+@click.argument("recordings", nargs=-1, required=True)
+@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.option(
+    "--refit",
+    default="all",
+    show_default=True,
+    metavar="all|none|NAME,NAME",
+    help="The model's effects that are fitted together with everything under test.",
+)
+@click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
+@click.option("--jobs", default=1, show_default=True, help="Files diagnosed at the same time.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
+def command(
+    recordings: tuple[str, ...],
+    model: str,
+    refit: str,
+    seed: int,
+    jobs: int,
+    out: Path,
+    *,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Find, name and model what a pointing model leaves out of RECORDINGS.
+
+    Each file of recordings gets a folder OUT/STEM with report.json, rows.csv
+    and a picture per finding.
+    """
+    from pyport.diagnosis import run
+
+    requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out)
+    for done in run.run_all(requests, jobs=jobs):
+        if as_json:
+            click.echo(done.report)
+        elif not quiet:
+            click.echo(done.summary + "\n")

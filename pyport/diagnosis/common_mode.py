@@ -1,0 +1,72 @@
+"""Common mode: noise that all antennas of an array share from scan to scan.
+
+A gust over the site or a late clock tick moves all antennas at once. An effect
+that is common to all of them meets that noise undiminished, however many
+antennas there are, so its evidence is divided by what the shared part adds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.fitting.stacking import Codes
+
+#: Antennas that must have recorded a scan for it to tell of the common mode.
+ENOUGH_ANTENNAS = 4
+#: Scans from which on a common mode can be told from chance.
+ENOUGH_SCANS = 8
+#: Scans for each shape that an effect could give and that is taken out first.
+SCANS_PER_SHAPE = 4
+#: The median of the square of a standard normal number.
+_MEDIAN_SQUARE = 0.4549364231195724
+
+
+def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> float:
+    """Return by what factor scans scatter in common more than independent antennas would.
+
+    Parameters
+    ----------
+    left
+        Whitened residuals of the pointings' means, shape (m,), zero where there is none.
+    weight
+        What one radian of a common offset does to each of them (one over its
+        scatter), shape (m,), zero where there is none.
+    shapes
+        Whitened columns of every candidate, shape (m, K).
+    scan
+        The scan of each, shape (m,).
+
+    Returns
+    -------
+    float
+        1 where the antennas are independent or cannot be compared.
+    """
+    there = weight > 0
+    antennas = np.bincount(scan[there])
+    total = np.bincount(scan[there], weight[there] ** 2)
+    scans = np.flatnonzero(antennas >= ENOUGH_ANTENNAS)
+    if len(scans) < ENOUGH_SCANS:
+        return 1.0
+    size = np.sqrt(total[scans])
+    mean = np.bincount(scan[there], (left * weight)[there])[scans] / size
+    curves = np.stack(
+        [np.bincount(scan[there], (c * weight)[there])[scans] for c in shapes.T], axis=1
+    )
+    curves = _directions(curves / size[:, None], len(scans) // SCANS_PER_SHAPE)
+    rest = mean - curves @ (curves.T @ mean)
+    spare = len(scans) - curves.shape[1]
+    typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
+    return max(1.0, typical)
+
+
+def _directions(curves: Array, room: int) -> Array:
+    """Return up to `room` orthonormal directions that the curves span, the most different first."""
+    from scipy.linalg import qr
+
+    length = np.linalg.norm(curves, axis=0)
+    curves = curves[:, length > 1e-9 * max(float(length.max(initial=0)), 1e-300)]
+    if curves.shape[1] == 0 or room == 0:
+        return np.zeros((len(curves), 0))
+    directions, _, _ = qr(curves / np.linalg.norm(curves, axis=0), mode="economic", pivoting=True)
+    return directions[:, :room]

@@ -1,0 +1,97 @@
+"""Diagnoses of whole files: read, diagnose, write, one folder for each file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.summary import summary
+from pyport.errors import BadInput
+from pyport.fitting.models import Model, load
+from pyport.progress import track
+from pyport.recordings import read, resolve
+
+
+@dataclass(frozen=True)
+class Request:
+    """One file to diagnose, and where its folder goes."""
+
+    file: Path
+    model: str
+    refit: tuple[str, ...] | None
+    seed: int
+    folder: Path
+
+
+@dataclass(frozen=True)
+class Done:
+    """What one diagnosis has to say: plain text, and the report on one line."""
+
+    folder: Path
+    summary: str
+    report: str
+
+
+def requests(
+    names: Sequence[str], *, model: str, refit: str, seed: int, out: Path
+) -> list[Request]:
+    """Check the arguments and return what is to be done.
+
+    Raises
+    ------
+    BadInput
+        A file or model is missing, two files would share a folder, or `refit`
+        names an effect that the model does not hold.
+    """
+    held = _refit(load(model), refit)
+    files = [resolve(name) for name in names]
+    stems = [file.stem for file in files]
+    for stem in stems:
+        if stems.count(stem) > 1:
+            raise BadInput(f"two files are called {stem}: their results would share a folder", out)
+    return [
+        Request(file, model, held, seed, out / stem)
+        for file, stem in zip(files, stems, strict=True)
+    ]
+
+
+def _refit(model: Model, refit: str) -> tuple[str, ...] | None:
+    """Return the ids of the effects to refit; None for all of them."""
+    if refit == "all":
+        return None
+    names = () if refit == "none" else tuple(name.strip() for name in refit.split(","))
+    known = [term.effect.id for term in model.terms]
+    for name in names:
+        if name not in known:
+            raise BadInput(
+                f"--refit: the model {model.name} has no effect {name!r}, it has {', '.join(known)}"
+            )
+    return names
+
+
+def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
+    """Diagnose every file and yield the results in the order of the requests."""
+    if jobs == 1 or len(wanted) == 1:
+        yield from map(run_one, track(wanted, "diagnosing"))
+        return
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(jobs) as pool:
+        yield from track(pool.map(run_one, wanted), "diagnosing", total=len(wanted))
+
+
+def run_one(request: Request) -> Done:
+    """Diagnose one file and write its folder."""
+    from pyport.report.figures import write_findings
+
+    diagnosis = diagnose(
+        read(request.file), load(request.model), refit=request.refit, seed=request.seed
+    )
+    record.write(diagnosis, request.folder)
+    write_findings(diagnosis, request.folder)
+    text = summary(diagnosis)
+    return Done(request.folder, text, json.dumps(record.finite(record.as_json(diagnosis))))
