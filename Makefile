@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format clean
+.PHONY: demo test lint format golden clean
 
 $(BIN)/pyport: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -34,6 +34,11 @@ format: $(BIN)/tox
 	$(BIN)/python -m pip install --quiet 'ruff>=0.8'
 	$(BIN)/ruff check --fix pyport tests
 	$(BIN)/ruff format pyport tests
+
+golden: $(BIN)/pyport
+	@sh .ci/install-gfortran
+	$(BIN)/python -m pip install --quiet ./legacy_fortran
+	$(BIN)/python -m pyport.parity.stored
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

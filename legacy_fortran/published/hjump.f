@@ -1,0 +1,1 @@
+function Hjump(Az,Alt) c Ad hoc function used to model the observed jump in altitude c offsets. With Alt<0 it returns the altitude of the jump. data pi/3.141593/ Hjump=0 A=Az*180/pi H=Alt*180/pi if(A.le.0.) then Hj=65+7*cos(Az/2) else Hj=55+((A-95)/90)**2*15 endif if(Alt.gt.0..and.Hj.le.H) Hjump=1 if(Alt.lt.0.) Hjump=Hj end

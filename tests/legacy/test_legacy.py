@@ -1,0 +1,71 @@
+"""The statement-by-statement port against the compiled Fortran and its stored answers."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import any_real4, directions, parameters
+
+from pyport.parity import points, stored
+from pyport.parity.answers import of_legacy, of_oracle
+from pyport.parity.compare import compare
+from pyport.parity.edges import edges
+
+
+def assert_equal_bit_for_bit(expected, actual, at):
+    """Fail with routine, output, worst input and distance wherever a bit differs."""
+    differing = [str(c) for c in compare(expected, actual, at) if c.differing]
+
+    assert not differing, "\n".join(["the legacy port left the oracle:", *differing])
+
+
+@pytest.mark.parametrize("name", stored.SETS)
+def test_port_equals_stored_answers(name):
+    """The port gives the oracle's stored answers, bit for bit, where no compiler is."""
+    kept = stored.load(name)
+
+    assert_equal_bit_for_bit(kept.answers, of_legacy(kept.at), kept.at)
+
+
+def test_port_equals_the_whole_stored_table():
+    """At each of the table's 541 azimuths the port's answers have the stored digest."""
+    expected = stored.load("table").digests
+
+    assert expected == stored.digests(of_legacy(points.table()))
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("seed", range(3))
+def test_port_equals_oracle_at_random_points(oracle, seed):
+    """The port equals the compiled routines at random points and parameters."""
+    at = points.random(5000, seed)
+
+    assert_equal_bit_for_bit(of_oracle(oracle, at), of_legacy(at), at)
+
+
+@pytest.mark.oracle
+def test_port_equals_oracle_at_edges(oracle):
+    """The port equals the compiled routines where they branch, blow up or give in."""
+    at = edges()
+
+    assert_equal_bit_for_bit(of_oracle(oracle, at), of_legacy(at), at)
+
+
+@pytest.mark.oracle
+@settings(deadline=None, max_examples=500)
+@given(direction=directions, p=parameters)
+def test_port_equals_oracle(oracle, direction, p):
+    """The port equals the compiled routines wherever Hypothesis looks."""
+    at = points.points([direction[0]], [direction[1]], p)
+
+    assert_equal_bit_for_bit(of_oracle(oracle, at), of_legacy(at), at)
+
+
+@pytest.mark.oracle
+@settings(deadline=None, max_examples=300)
+@given(az=any_real4, alt=any_real4, p=st.lists(any_real4, min_size=12, max_size=12))
+def test_port_equals_oracle_for_any_bits(oracle, az, alt, p):
+    """Infinities, NaN, subnormals and overflow are answered as the compiled routines answer."""
+    at = points.points([az], [alt], np.array(p))
+
+    assert_equal_bit_for_bit(of_oracle(oracle, at), of_legacy(at), at)

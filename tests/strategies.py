@@ -1,0 +1,62 @@
+"""Hypothesis strategies for the inputs of pointing models: REAL*4 numbers where branches turn."""
+
+import math
+
+import numpy as np
+from hypothesis import strategies as st
+
+from pyport.angles import DEG
+from pyport.parity.edges import HALF_PI, MODELA_PLUNGE
+
+
+def real4(low, high):
+    """Draw finite REAL*4 numbers between two bounds."""
+    return st.floats(float(np.float32(low)), float(np.float32(high)), width=32).map(np.float32)
+
+
+def near(value, ulp=3):
+    """Draw a REAL*4 at most `ulp` units in the last place away from a threshold."""
+    start = int(np.float32(value).view(np.int32))
+    return st.integers(-ulp, ulp).map(lambda n: np.int32(start + n).view(np.float32))
+
+
+#: Any REAL*4 at all: infinities, NaN and subnormals too.
+any_real4 = st.integers(0, 2**32 - 1).map(lambda bits: np.uint32(bits).view(np.float32))
+
+#: Azimuths [rad] over the cable's range, and at the branch of Hjump and the wrap.
+azimuths = (
+    real4(-270 * DEG, 270 * DEG)
+    | st.sampled_from([0.0, -0.0]).map(np.float32)
+    | st.sampled_from([-math.pi, math.pi, math.pi / 2, 1e-6, -1e-6]).flatmap(near)
+)
+
+#: Altitudes [rad] from below the horizon to plunge, and at every threshold of the routines.
+altitudes = (
+    real4(-5 * DEG, 95 * DEG)
+    | st.sampled_from([0.0, -0.0]).map(np.float32)
+    | st.sampled_from([HALF_PI, MODELA_PLUNGE, 1e-30, -1e-30]).flatmap(near)
+)
+
+
+def _curve(az):
+    """Return the altitude of the jump [rad] at an azimuth [rad]."""
+    if az <= 0:
+        return (65 + 7 * math.cos(az / 2)) * DEG
+    return (55 + ((az / DEG - 95) / 90) ** 2 * 15) * DEG
+
+
+#: Azimuth and altitude within a few ulp of the jump's curve.
+at_the_jump = azimuths.flatmap(lambda az: st.tuples(st.just(az), near(_curve(float(az)))))
+
+#: Azimuth and altitude [rad] of a point anywhere, or at the jump.
+directions = st.tuples(azimuths, altitudes) | at_the_jump
+
+_sizes = st.integers(-24, 0).map(lambda quarter: 10 ** (quarter / 4))
+
+#: One parameter [deg]: zero of either sign, or 1e-6 to 1 in size.
+parameter = st.sampled_from([0.0, -0.0]).map(np.float32) | st.builds(
+    lambda size, share: np.float32(size * share), _sizes, st.floats(-1, 1)
+)
+
+#: The twelve parameters [deg] of Model and ModelA, each on its own scale.
+parameters = st.lists(parameter, min_size=12, max_size=12)
