@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +15,8 @@ OFFSET = re.compile(r"[+-]\d{3}")
 #: An antenna's name.
 LABEL = re.compile(r"[CESW]\d\d")
 
-#: What stands for "no peak found".
-NO_PEAK = 999
+#: Numbers that stand for "no peak found".
+NO_PEAK = (999, 99)
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,13 @@ def scans_across(table: int = 13) -> list[tuple[int, int]]:
     return [(signs[sign], int(el)) for sign, el in re.findall(r"([pm])(\d+)", titles)]
 
 
+def number(cell: str) -> float:
+    """Return a printed number [arcmin], NaN where the cell is no sign and three digits."""
+    return float(cell) if OFFSET.fullmatch(cell) else math.nan
+
+
 def minutes(cell: str) -> int | None:
     """Return a printed offset [arcmin], None where the cell is no offset or no peak."""
-    if not OFFSET.fullmatch(cell) or abs(int(cell)) == NO_PEAK:
+    if not OFFSET.fullmatch(cell) or abs(int(cell)) == NO_PEAK[0]:
         return None
     return int(cell)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,9 +32,12 @@ SHIFTED = {
 }
 
 
+_UNITS = (ARCMIN, ARCMIN, ARCMIN, ARCMIN, DEG, DEG)
+
+
 @dataclass(frozen=True)
 class Wave:
-    """A published curve a + b cos(HA + d) [rad], with the printed sigmas."""
+    """A published curve a + b cos(HA + d), with the printed sigmas [rad]."""
 
     antenna: str
     session: str
@@ -51,28 +54,15 @@ class Wave:
 
 
 def table_18() -> tuple[Wave, ...]:
-    """Return every curve of Table 18."""
-    with FILE.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    """Return every curve of Table 18, its rows in turn, in each the days as printed."""
     return tuple(
-        Wave(
-            row["antenna"],
-            row["session"],
-            float(row["a_arcmin"]) * ARCMIN,
-            float(row["sigma_a_arcmin"]) * ARCMIN,
-            float(row["b_arcmin"]) * ARCMIN,
-            float(row["sigma_b_arcmin"]) * ARCMIN,
-            float(row["d_deg"]) * DEG,
-            float(row["sigma_d_deg"]) * DEG,
-        )
-        for row in rows
+        Wave(antenna, session, *(float(v) * u for v, u in zip(values, _UNITS, strict=True)))
+        for antenna, session, values, _ in _curves()
     )
 
 
-def table() -> Table:
-    """Return Table 18 as columns, each curve with the place it was printed in."""
-    names = "antenna session a_arcmin sigma_a_arcmin b_arcmin sigma_b_arcmin d_deg sigma_d_deg"
-    rows: list[list[str]] = []
+def _curves() -> Iterator[tuple[str, str, list[str], tuple[int, int]]]:
+    """Yield antenna, session, the six printed values and their printed row and column."""
     for number, cells in enumerate(printed.lines(18)[2:], 1):
         antenna = cells[0].strip("'")
         begin = 1
@@ -82,8 +72,17 @@ def table() -> Table:
                 continue
             session = BEGINS.get(begin) or SHIFTED[antenna, begin]
             values = [cell.removeprefix("+/- ") for cell in cells[begin : begin + 6]]
-            rows.append([antenna, session, *values, "18", str(number), str(begin + 1)])
+            yield antenna, session, values, (number, begin + 1)
             begin += 6
+
+
+def table() -> Table:
+    """Return Table 18 as columns, each curve with the place it was printed in."""
+    names = "antenna session a_arcmin sigma_a_arcmin b_arcmin sigma_b_arcmin d_deg sigma_d_deg"
     titles = [*names.split(), "table", "printed_row", "printed_column"]
+    rows = [
+        [antenna, session, *values, "18", *map(str, place)]
+        for antenna, session, values, place in _curves()
+    ]
     columns = {t: np.array(c) for t, c in zip(titles, zip(*rows, strict=True), strict=True)}
     return Table({"curve": "a + b cos(15 HA + d), HA in hours, offsets in arcmin"}, columns)

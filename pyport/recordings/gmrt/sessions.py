@@ -41,17 +41,19 @@ class Session:
 
     The captions stand one table off (the first block bears the caption of
     Table 13, the second that of Table 15, the last none): the README tells how
-    the declination and Table 18 decide.
+    the declination and Table 18 decide. At the hour angles `reloaded_at_h` all
+    antennas step at once, as they do when new offsets are loaded (section 3, x).
     """
 
     date: str
     source: Source
     table: int
+    reloaded_at_h: tuple[float, ...] = ()
 
 
 SESSIONS = (
     Session("2003-03-31", CRAB, 13),
-    Session("2003-05-31", CRAB, 14),
+    Session("2003-05-31", CRAB, 14, (-1.2,)),
     Session("2003-06-01", CYG_A, 15),
     Session("2003-06-02", CYG_A, 16),
     Session("2003-06-05", CYG_A, 17),
