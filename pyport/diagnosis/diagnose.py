@@ -42,8 +42,9 @@ class Diagnosis:
         Effects that these recordings cannot show, and why.
     before, after
         Fits of the model alone and of the model with everything found.
-    counted
-        Readings that count in an rms: no outliers, no antenna that drowns in noise.
+    share
+        How much each reading counts in an rms, shape (m,): one for most, less in antennas
+        that are noisier than usual, zero for outliers and where noise drowns everything.
     wild
         Antennas that drown in noise.
     heldout
@@ -60,7 +61,7 @@ class Diagnosis:
     untestable: tuple[Untestable, ...]
     before: joint.Joint
     after: joint.Joint
-    counted: Array
+    share: Array
     wild: tuple[str, ...]
     heldout: HeldOut
     unseen: tuple[Array, Array]
@@ -127,10 +128,13 @@ def diagnose(
         untestable=setup.untestable,
         before=before,
         after=after,
-        counted=scene.counted,
+        share=scene.share,
         wild=tuple(reading.wild_antennas(setup, scene.floor)),
         heldout=HeldOut(
-            partition.scheme, rms(unseen[0][both]), rms(unseen[1][both]), rms(scene.floor[both])
+            partition.scheme,
+            rms(unseen[0][both], scene.share[both]),
+            rms(unseen[1][both], scene.share[both]),
+            rms(scene.floor[both], scene.share[both]),
         ),
         unseen=unseen,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from pyport.angles import ARCSEC
+from pyport.angles import ARCSEC, Array
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,8 @@ class Finding:
 
     `variant` says which member of a family it is; `visible_rms` and `true_rms`
     [rad] are the effect's size after and before the model took its share;
-    `checks` are the ones that were made, with their outcome in words.
+    `checks` are the ones that were made, with their outcome in words; `curve`
+    is what is visible of the effect in each reading [rad], shape (m,).
     """
 
     effect: str
@@ -81,6 +82,7 @@ class Finding:
     looks_like: str | None = None
     decide_by: str | None = None
     checks: tuple[str, ...] = ()
+    curve: Array | None = field(default=None, compare=False, repr=False)
 
     def as_json(self) -> dict[str, object]:
         """Return the finding as the report spells it."""

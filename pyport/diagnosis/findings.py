@@ -31,12 +31,14 @@ class Scene:
     """What the findings are read from: the case, its last weighing and the joint fit.
 
     `counted` tells which readings count in an rms: no outliers, no wild antennas.
+    `share` says how much: one, less where an antenna is noisier than is usual.
     """
 
     setup: Setup
     outcome: Outcome
     joint: Joint
     counted: NDArray[np.bool_]
+    share: Array
     floor: Array
     seed: int
 
@@ -52,7 +54,10 @@ def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     for part, noise in zip(setup.parts, outcome.weighed.noises, strict=True):
         floor[part.rows] = noise.floor
     quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
-    return Scene(setup, outcome, joint, outcome.weighed.used & quiet, floor, seed)
+    counted = outcome.weighed.used & quiet
+    usual = np.median(floor[counted]) if counted.any() else 1.0
+    share = counted * np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2)
+    return Scene(setup, outcome, joint, counted, share, floor, seed)
 
 
 def wild_antennas(setup: Setup, floor: Array) -> list[str]:
@@ -99,7 +104,7 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         if (one := check.known(p.value, p.sigma, p.expected, p.name)) is not None
     ]
     heldout = _heldout(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
-    named = effect.physical and all(one.passed for one in checks) and heldout.after < heldout.before
+    named = effect.physical and all(one.passed for one in checks)
     verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
     where = Where(_axes(setup, seen), _subset(scene, curve))
     return Finding(
@@ -110,13 +115,14 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         where=where,
         parameters=tuple(parameters),
         evidence=_evidence(step, called),
-        visible_rms=rms(seen[scene.counted & (curve != 0)]),
-        true_rms=rms(curve[scene.counted & (curve != 0)]),
+        visible_rms=_size(scene, seen, curve != 0),
+        true_rms=_size(scene, curve, curve != 0),
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),
         decide_by=identify.decide_by(called.members) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
+        curve=seen,
     )
 
 
@@ -164,12 +170,13 @@ def _own(
         where=Where(_axes(setup, seen), {"antenna": standing}),
         parameters=tuple(parameters),
         evidence=_evidence(step, called),
-        visible_rms=rms(seen[scene.counted & rows]),
-        true_rms=rms(curve[scene.counted & rows]),
+        visible_rms=_size(scene, seen, rows),
+        true_rms=_size(scene, curve, rows),
         variant=effect.variant,
         heldout=_heldout(scene, earlier, (*earlier, chosen), rows),
         decide_by=identify.decide_by(called.members),
         checks=tuple(one.words for one in checks),
+        curve=seen,
     )
 
 
@@ -203,10 +210,11 @@ def _shared(
         where=Where(_axes(setup, seen)),
         parameters=tuple(parameters),
         evidence=_gain_of(step, common, identify.name(setup, step)),
-        visible_rms=rms(seen[scene.counted]),
-        true_rms=rms(curve[scene.counted]),
+        visible_rms=_size(scene, seen, curve != 0),
+        true_rms=_size(scene, curve, curve != 0),
         heldout=_heldout(scene, earlier, (*earlier, common), np.abs(curve) > 0),
         decide_by=identify.decide_by(members),
+        curve=seen,
     )
 
 
@@ -289,6 +297,11 @@ def _scaled(
     ]
 
 
+def _size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
+    """Return the rms of a curve over some of the readings that count [rad]."""
+    return rms(curve[rows], scene.share[rows])
+
+
 def _axes(setup: Setup, seen: Array) -> tuple[str, ...]:
     """Name the axes in which a curve shows."""
     across, along = rms(seen[~setup.stack.is_y]), rms(seen[setup.stack.is_y])
@@ -340,5 +353,11 @@ def _heldout(
     first = holdout.residuals(scene.setup, scene.weighed, before, partition)
     second = holdout.residuals(scene.setup, scene.weighed, after, partition)
     both = rows & scene.counted & np.isfinite(first) & np.isfinite(second)
-    return HeldOut(partition.scheme, rms(first[both]), rms(second[both]), rms(scene.floor[both]))
+    share = scene.share[both]
+    return HeldOut(
+        partition.scheme,
+        rms(first[both], share),
+        rms(second[both], share),
+        rms(scene.floor[both], share),
+    )
 

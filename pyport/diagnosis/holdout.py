@@ -76,7 +76,8 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
 def unseen_misfit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], seed: int = 0) -> float:
     """Return the whitened sum of squares of predictions of data left out, each at most `CLIP`.
 
-    Noise and outliers weigh in it as they do in the fit. The folds are those
+    Noise and outliers weigh in it as they do in the fit, and what cannot be
+    predicted counts as far off. The folds are those
     of `folds` for the base alone, so that two choices can be compared.
     """
     choices = (*setup.base, *chosen)
@@ -84,8 +85,9 @@ def unseen_misfit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], seed
     total = 0.0
     for _, solution, rows in _without_each(setup, weighed, chosen, folds(setup, (), seed)):
         left = weighed.white[rows, -1] - columns[rows] @ solution.values
-        total += float(np.minimum(left**2, CLIP).sum())
-    return total
+        unknown = (columns[rows] != 0) @ ~solution.known
+        total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())
+    return total / weighed.evidence.common_excess
 
 
 def _without_each(

@@ -69,6 +69,9 @@ def visible(setup: Setup, weighed: Weighed, curve: Array) -> Array:
     return curve - base @ np.linalg.lstsq(base[used], curve[used], rcond=1e-9)[0]
 
 
-def rms(values: Array) -> float:
-    """Return the root mean square, 0 of nothing."""
-    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+def rms(values: Array, share: Array | None = None) -> float:
+    """Return the root mean square, 0 of nothing; `share` says how much each value counts."""
+    if share is None:
+        share = np.ones(len(values))
+    total = float(share.sum())
+    return float(np.sqrt((share * values**2).sum() / total)) if total > 0 else 0.0

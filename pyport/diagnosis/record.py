@@ -97,7 +97,9 @@ def _median_floor(noises: list[Any]) -> float | None:
 def _rms(diagnosis: Diagnosis, fit: Joint) -> dict[str, float | None]:
     left, is_y = diagnosis.left(fit), diagnosis.setup.stack.is_y
     return {
-        f"rms_{name}_arcsec": rms(left[diagnosis.counted & axis]) / ARCSEC if axis.any() else None
+        f"rms_{name}_arcsec": rms(left[axis], diagnosis.share[axis]) / ARCSEC
+        if axis.any()
+        else None
         for name, axis in (("xel", ~is_y), ("el", is_y))
     }
 

@@ -17,6 +17,8 @@ FAMILY_ERROR = 0.05
 #: A nameless shape must beat every named effect by this much in BIC to be preferred.
 SHAPE_MARGIN = 10.0
 MOST_FINDINGS = 8
+#: This share of what an effect gains in the fit it must gain on data that the fit had not seen.
+UNSEEN_SHARE = 0.3
 #: So many of the best candidates of a turn may fail on unseen data before the search gives up.
 MOST_TRIED = 4
 
@@ -123,9 +125,10 @@ def _winner(
     worth = [trial for trial in trials if trial.delta_bic > 0]
     handicap = {id(t): 0.0 if t.candidate.effect.physical else SHAPE_MARGIN for t in worth}
     ranked = sorted(worth, key=lambda t: handicap[id(t)] - t.delta_bic)
+    before = unseen_misfit(setup, weighed, chosen)
     for trial in ranked[:MOST_TRIED]:
         new = _with(chosen, Chosen(trial.candidate, trial.scope))
-        if unseen_misfit(setup, weighed, new) < unseen_misfit(setup, weighed, chosen):
+        if before - unseen_misfit(setup, weighed, new) > UNSEEN_SHARE * trial.gain:
             return trial
     return None
 

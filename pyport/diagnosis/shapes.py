@@ -16,15 +16,19 @@ from pyport.recordings.schema import Recordings
 
 #: Order of the curve that is laid through a column.
 ORDER = 4
-#: Columns that say how a row was written down, not what the telescope met.
-BOOKKEEPING = ("table", "printed_row", "printed_column", "line", "index", "row", "obsnum")
 
 
-def columns(at: Circumstances) -> dict[str, Array]:
-    """Return the numbers that a misfit may follow: the direction and every numeric column."""
+def columns(recordings: Recordings) -> dict[str, Array]:
+    """Return the numbers that a misfit may follow: the direction and every numeric column.
+
+    Columns that the file's header calls `bookkeeping` say how a row was
+    written down, not what the telescope met, and are passed over.
+    """
+    at = recordings.at
     found = {"az_deg": at.az, "el_deg": at.el}
+    passed_over = recordings.meta.get("bookkeeping", "").split()
     for name, values in at.columns.items():
-        if name in BOOKKEEPING or values.dtype.kind not in "fiu" or name.startswith("printed_"):
+        if name in passed_over or values.dtype.kind not in "fiu":
             continue
         values = np.asarray(values, float)
         if np.isfinite(values).all() and len(np.unique(values)) > ORDER + 1:
@@ -37,7 +41,7 @@ def design(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candidate]
     blocks = [np.zeros((len(stack), 0))]
     found: list[Candidate] = []
     start = 0
-    for name, values in columns(recordings.at).items():
+    for name, values in columns(recordings).items():
         curve = _curve(values)
         for axis, measured in (("xel", ~stack.is_y), ("el", stack.is_y)):
             if not measured.any():

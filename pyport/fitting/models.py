@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import RADIANS_PER, Array
-from pyport.effects import CATALOGUE, Circumstances, Effect
+from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
 from pyport.errors import BadInput
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
@@ -62,10 +62,40 @@ def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:
 
 ALTAZ = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
 
+def _rt32(name: str, *, exact: bool) -> Model:
+    """Return the RT32's model about its published parameters, each of the twelve a term."""
+    from pyport.pointing import Rt32Model, printed
+
+    terms = tuple(Term(_rt32_parameter(number)) for number in range(1, 13))
+    return Model(name, terms, Rt32Model(printed(), exact=exact).offsets)
+
+
+def _rt32_parameter(number: int) -> Effect:
+    """Return the effect that a correction to p1..p12 stands for, with the RT32's sign."""
+    from pyport.pointing import PARAMETERS, approximate_columns
+
+    parameter = PARAMETERS[number - 1]
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        x, y = approximate_columns(at)
+        return x[:, number - 1 : number], y[:, number - 1 : number]
+
+    return Effect(
+        parameter.effect,
+        f"parameter {number} of the RT32's model: {parameter.name}",
+        "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19",
+        (Coefficient(f"p{number}"),),
+        basis,
+    )
+
+
 BUILT_IN: dict[str, Callable[[], Model]] = {
     "altaz": lambda: _linear("altaz", ALTAZ, PER_ANTENNA),
     "gmrt-paper": lambda: _linear("gmrt-paper", "elevation_zero hour_angle_wave", PER_ANTENNA_DAY),
     "none": lambda: Model("none", ()),
+    "rt32-3model": lambda: _rt32("rt32-3model", exact=True),
+    "rt32-exact": lambda: _rt32("rt32-exact", exact=True),
+    "rt32-approximate": lambda: _rt32("rt32-approximate", exact=False),
 }
 
 

@@ -1,1 +1,1 @@
-"""report."""
+"""Pictures of what was found."""

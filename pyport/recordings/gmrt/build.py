@@ -67,5 +67,6 @@ def header() -> dict[str, str]:
         "latitude_deg": f"{LATITUDE_DEG:.6f}",
         "longitude_deg": f"{LONGITUDE_DEG:.6f}",
         "azimuth_zero": "north",
+        "bookkeeping": "scan el_printed_deg table printed_row printed_column printed confidence",
         "source": "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II, 2003, updated 2005",
     }

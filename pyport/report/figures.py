@@ -1,0 +1,222 @@
+"""One picture per finding: what it looks like, what is left, and how big it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import ARCMIN, ARCSEC, DEG, HOUR, Array
+from pyport.files import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pyport.diagnosis.diagnose import Diagnosis
+    from pyport.diagnosis.finding import Finding, Parameter
+
+#: Okabe and Ito's colours, told apart by every eye.
+BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
+#: Bins of the running mean that shows what a cloud of points follows.
+BINS = 12
+#: So many coefficients fit beside each other with their names.
+MOST_BARS = 40
+
+_COLUMNS: dict[str, tuple[str, float]] = {
+    "hour_angle": ("hour angle [h]", HOUR),
+    "el": ("elevation [deg]", DEG),
+    "az": ("azimuth [deg]", DEG),
+    "time": ("time since the first recording [h]", 3600.0),
+}
+
+
+def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
+    """Draw every finding into `folder`/finding-N-EFFECT.png and return the paths."""
+    return [
+        _saved(draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png")
+        for n, finding in enumerate(diagnosis.findings, 1)
+        if finding.curve is not None
+    ]
+
+
+def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
+    """Draw a finding: residuals before and after it, and its coefficients or its held-out gain."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 6.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
+    rows = _rows(diagnosis, finding)
+    left = diagnosis.left(diagnosis.after)
+    unit, name = _unit(finding.curve[rows] + left[rows])
+    label, values = _follows(diagnosis, finding, rows)
+    first = figure.add_subplot(grid[0, 0])
+    second = figure.add_subplot(grid[0, 1], sharex=first, sharey=first)
+    for axes, residual, title in (
+        (first, finding.curve + left, "before"),
+        (second, left, "after"),
+    ):
+        _cloud(axes, diagnosis, finding, rows, values, residual / unit)
+        axes.set_title(f"{title}: rms {_rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
+        axes.set_xlabel(label)
+    first.set_ylabel(f"offset that the model leaves [{name}]")
+    reach = 1.15 * float(np.quantile(np.abs(finding.curve + left)[rows], 0.985)) / unit
+    first.set_ylim(-reach, reach)
+    if finding.effect.startswith("scan") and "scan_direction" in diagnosis.setup.recordings.at:
+        first.legend(fontsize=8, loc="upper left", ncols=2, framealpha=0.8)
+    bottom = figure.add_subplot(grid[1, :])
+    if 1 < len(finding.parameters) <= MOST_BARS:
+        _coefficients(bottom, finding.parameters)
+    else:
+        _held_out(bottom, diagnosis, rows)
+    figure.suptitle(_title(diagnosis, finding), fontsize=11)
+    return figure
+
+
+def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
+    """Return the readings that a finding is about and that count."""
+    counts = diagnosis.share > 0
+    antennas = finding.where.subset.get("antenna")
+    if antennas:
+        counts &= np.isin(diagnosis.setup.blocks.antenna[diagnosis.setup.block], antennas)
+    axes = [axis == "el" for axis in finding.where.axes]
+    return np.flatnonzero(counts & np.isin(diagnosis.setup.stack.is_y, axes))
+
+
+def _unit(values: Array) -> tuple[float, str]:
+    """Return a unit in which the values are of handy size."""
+    return (ARCMIN, "arcmin") if _rms(values) > 100 * ARCSEC else (ARCSEC, "arcsec")
+
+
+def _follows(
+    diagnosis: Diagnosis, finding: Finding, rows: NDArray[np.intp]
+) -> tuple[str, Array]:
+    """Return the column that the effect follows best: its label and values (m,)."""
+    at, row = diagnosis.setup.recordings.at, diagnosis.setup.stack.row
+    choices = {"el": at.el, "az": at.az}
+    choices |= {
+        name: np.asarray(at.column(name), float) for name in ("hour_angle", "time") if name in at
+    }
+    # The effect along its own direction of scanning hides in any mean: take its size instead.
+    curve = np.abs(finding.curve) if finding.effect.startswith("scan") else finding.curve
+    best, share = "el", -1.0
+    for name, values in choices.items():
+        spread = values[row][rows]
+        if not np.isfinite(spread).all():
+            continue
+        explained = _explained(spread, curve[rows])
+        if explained > share + 0.02:
+            best, share = name, explained
+    if finding.effect.startswith("scan") and "hour_angle" in choices:
+        best = "hour_angle"
+    label, unit = _COLUMNS[best]
+    values = choices[best][row] - (np.min(choices[best]) if best == "time" else 0.0)
+    return label, values / unit
+
+
+def _explained(values: Array, curve: Array) -> float:
+    """Return the share of a curve's variance that bins of a column explain."""
+    edges = np.quantile(values, np.linspace(0, 1, BINS + 1)[1:-1])
+    bins = np.searchsorted(edges, values)
+    count = np.maximum(np.bincount(bins, minlength=BINS), 1)
+    mean = np.bincount(bins, curve, minlength=BINS) / count
+    total = float(np.var(curve))
+    return 1 - float(np.mean((curve - mean[bins]) ** 2)) / total if total > 0 else 0.0
+
+
+def _cloud(
+    axes: Axes,
+    diagnosis: Diagnosis,
+    finding: Finding,
+    rows: NDArray[np.intp],
+    x: Array,
+    y: Array,
+) -> None:
+    """Draw residuals, by direction of the scan where the effect is one of scanning."""
+    at = diagnosis.setup.recordings.at
+    axes.axhline(0, color=GREY, lw=0.8)
+    groups = [(rows, BLUE, None)]
+    if finding.effect.startswith("scan") and "scan_direction" in at:
+        direction = np.asarray(at.column("scan_direction"))[diagnosis.setup.stack.row[rows]]
+        groups = [
+            (rows[direction > 0], BLUE, "forward"),
+            (rows[direction < 0], ORANGE, "reverse"),
+        ]
+    for some, colour, label in groups:
+        axes.plot(x[some], y[some], ".", ms=3.5, alpha=0.45, color=colour, mew=0, label=label)
+        centre, mean = _running_mean(x[some], y[some])
+        axes.plot(centre, mean, "-", lw=1.8, color=colour)
+    axes.tick_params(labelsize=9)
+
+
+def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the median in bins of equal count."""
+    if len(x) < 2 * BINS:
+        return np.zeros(0), np.zeros(0)
+    parts = np.array_split(np.argsort(x, kind="stable"), BINS)
+    return np.array([x[p].mean() for p in parts]), np.array([np.median(y[p]) for p in parts])
+
+
+def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
+    """Draw coefficients with their one-sigma errors."""
+    places = np.arange(len(parameters))
+    unit = parameters[0].unit
+    size = np.abs([p.value for p in parameters]).max()
+    scale, name = (60.0, "arcmin") if unit == "arcsec" and size > 120 else (1.0, unit)
+    axes.axhline(0, color=GREY, lw=0.8)
+    axes.errorbar(
+        places,
+        [p.value / scale for p in parameters],
+        [p.sigma / scale for p in parameters],
+        fmt="o",
+        ms=4,
+        color=BLUE,
+        ecolor=GREY,
+        capsize=2,
+    )
+    inside = [p.name.partition("[")[2].rstrip("]") or p.name for p in parameters]
+    axes.set_xticks(places, inside, rotation=90 if len(parameters) > 8 else 0, fontsize=8)
+    axes.set_ylabel(f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9)
+    axes.set_title("coefficients with one-sigma errors", fontsize=10)
+
+
+def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
+    """Draw how predictions of unseen readings miss, before and after."""
+    unit, name = _unit(diagnosis.left(diagnosis.before)[rows])
+    both = rows[np.isfinite(diagnosis.unseen[0][rows]) & np.isfinite(diagnosis.unseen[1][rows])]
+    if len(both) == 0:
+        axes.set_axis_off()
+        return
+    reach = float(np.quantile(np.abs(diagnosis.unseen[0][both]), 0.99)) / unit
+    bins = np.linspace(-reach, reach, 41).tolist()
+    for values, colour, label in (
+        (diagnosis.unseen[0][both], GREY, "before"),
+        (diagnosis.unseen[1][both], BLUE, "after"),
+    ):
+        text = f"{label}: rms {_rms(values) / unit:.2f} {name}"
+        axes.hist(values / unit, bins, histtype="step", lw=1.8, color=colour, label=text)
+    axes.set_xlabel(f"miss of readings that the fit had not seen [{name}]", fontsize=9)
+    axes.set_ylabel("readings", fontsize=9)
+    axes.legend(fontsize=9)
+
+
+def _title(diagnosis: Diagnosis, finding: Finding) -> str:
+    variant = f" ({finding.variant})" if finding.variant else ""
+    file = diagnosis.setup.recordings.file.stem
+    return f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
+
+
+def _saved(figure: Figure, path: Path) -> Path:
+    """Write a figure, the same bytes for the same picture."""
+    options: dict[str, Any] = {"format": path.suffix[1:], "dpi": 110, "metadata": {}}
+    if path.suffix == ".png":
+        options["metadata"] = {"Software": None}
+    with write_whole(path, "wb") as file:
+        figure.savefig(file, **options)
+    return path
