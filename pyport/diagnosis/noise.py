@@ -27,8 +27,6 @@ DRIFT_GAIN = 11.0
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3
 FAR = 1e4
-#: The smallest noise that is believed, in steps of the recorded digits (uniform rounding).
-ROUNDING = 1 / np.sqrt(12)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from pyport.angles import Array
 from pyport.diagnosis.noise import (
     DRIFT_GAIN,
     ENOUGH_FOR_DRIFT,
-    ROUNDING,
     TUKEY,
     Noise,
     Series,
@@ -57,7 +56,7 @@ def fit(
     of_axis = np.zeros(len(value), bool)
     for part in parts:
         of_axis[part.rows] = part.is_y
-    floors = {is_y: ROUNDING * _step(value[of_axis == is_y]) for is_y in (False, True)}
+    floors = {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
     for part in parts:
         columns = _rich(base[part.rows], shapes[part.rows], int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
@@ -93,15 +92,6 @@ def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
                 dof=noise.dof + PRIOR_DOF,
             )
     return found
-
-
-def _step(value: Array) -> float:
-    """Return the step of the recorded digits, 0 where none shows."""
-    distinct = np.unique(value)
-    if len(distinct) < 2 or len(distinct) > 0.8 * len(value):
-        return 0.0
-    gaps = np.diff(distinct)
-    return float(gaps[gaps > 1e-12].min(initial=np.inf)) if np.any(gaps > 1e-12) else 0.0
 
 
 def _rich(base: Array, shapes: Array, pointings: int) -> Array:

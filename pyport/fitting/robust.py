@@ -70,3 +70,17 @@ def _flat(residual: Array, sigma: float, reach: float) -> Array:
     """Return one up to three sigmas, from there the biweight down to zero at `reach`."""
     beyond = np.maximum(np.abs(residual) - 3 * sigma, 0.0)
     return biweight(beyond, sigma, reach - 3)
+
+
+def rounding(value: Array) -> float:
+    """Return the scatter that rounding to the recorded digits makes, 0 where no step shows.
+
+    The smallest step between distinct values over the square root of twelve:
+    no noise smaller than that is believed.
+    """
+    distinct = np.unique(value)
+    if len(distinct) < 2 or len(distinct) > 0.8 * len(value):
+        return 0.0
+    gaps = np.diff(distinct)
+    gaps = gaps[gaps > 1e-12]
+    return float(gaps.min()) / np.sqrt(12) if len(gaps) else 0.0

@@ -1,0 +1,140 @@
+"""The fit of a model to recordings: robust, weighted by each antenna's own scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.errors import BadInput
+from pyport.fitting import robust
+from pyport.fitting.gram import inverted
+from pyport.fitting.models import Model, Term
+from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.recordings.schema import Recordings
+
+#: Residuals beyond this many sigmas have no weight (Tukey's biweight, flat up to three).
+REACH = 6.0
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The fitted coefficients of one term for one group of rows.
+
+    Attributes
+    ----------
+    term
+        What they are of.
+    labels
+        Values of the labels that the term is split by.
+    value, sigma
+        In internal units, shape (k,); NaN where the data leave them open.
+    """
+
+    term: Term
+    labels: tuple[str, ...]
+    value: Array
+    sigma: Array
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    Attributes
+    ----------
+    recordings, model, stack
+        What was fitted to what.
+    coefficients
+        Of every term and group.
+    covariance
+        Of all coefficients in their order, shape (P, P).
+    residual, weight
+        What is left of each number [rad] and its robust weight, shape (m,).
+    condition
+        Condition number of the design, columns scaled to unit length.
+    """
+
+    recordings: Recordings
+    model: Model
+    stack: Stack
+    coefficients: tuple[Coefficients, ...]
+    covariance: Array
+    residual: Array
+    weight: Array
+    condition: float
+
+
+def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = None) -> Fit:
+    """Fit a model's terms to recordings.
+
+    Every antenna and axis is weighted by its own robust scatter. Sigmas are
+    those of the scatter that is left.
+
+    Raises
+    ------
+    BadInput
+        There are fewer measured offsets than coefficients.
+    """
+    data = stack(recordings)
+    value = data.value - data.spread(*model.offsets(recordings.at))
+    terms = [t for t in model.terms if refit is None or t.effect.id in refit]
+    columns, owners = _expanded(recordings, data, terms)
+    if len(value) < columns.shape[1]:
+        raise BadInput(
+            f"{len(value)} measured offsets cannot determine {columns.shape[1]} coefficients",
+            recordings.file,
+        )
+    weight, scatter = _weights(recordings, data, columns, value)
+    root = np.sqrt(weight) / scatter
+    normal = (columns * root[:, None]).T @ (columns * root[:, None])
+    inverse, _, condition, known = inverted(normal)
+    values = inverse @ (columns.T @ (root**2 * value))
+    sigma = np.sqrt(np.maximum(np.diag(inverse), 0))
+    values, sigma = np.where(known, values, np.nan), np.where(known, sigma, np.nan)
+    found = []
+    start = 0
+    for term, labels in owners:
+        stop = start + len(term.effect.coefficients)
+        found.append(Coefficients(term, labels, values[start:stop], sigma[start:stop]))
+        start = stop
+    left = value - columns @ np.nan_to_num(values)
+    return Fit(recordings, model, data, tuple(found), inverse, left, weight, condition)
+
+
+def _expanded(
+    recordings: Recordings, data: Stack, terms: list[Term]
+) -> tuple[Array, list[tuple[Term, tuple[str, ...]]]]:
+    """Return a column for every coefficient, (m, P), and the term and group of each set of them."""
+    arrays = [np.zeros((len(data), 0))]
+    owners = []
+    for term in terms:
+        basis = data.columns(term.effect, recordings.at)
+        codes, names = group(recordings, term.per)
+        for code, name in enumerate(names):
+            arrays.append(basis * (codes[data.row] == code)[:, None])
+            owners.append((term, name))
+    return np.concatenate(arrays, axis=1), owners
+
+
+def _weights(
+    recordings: Recordings, data: Stack, columns: Array, value: Array
+) -> tuple[Array, Array]:
+    """Return robust weights and the scatter [rad] of each number's antenna, session and axis."""
+    codes, names = group(recordings, ("antenna", "session"))
+    series: Codes = codes[data.row] * 2 + data.is_y
+    weight, scatter = np.ones(len(value)), np.ones(len(value))
+    floors = [robust.rounding(value[data.is_y == is_y]) for is_y in (False, True)]
+    for one in range(2 * len(names)):
+        rows = np.flatnonzero(series == one)
+        if len(rows) == 0:
+            continue
+        own = columns[rows][:, np.any(columns[rows] != 0, axis=0)]
+        weight[rows], residual = robust.weights(own, value[rows], REACH, floors[one % 2])
+        rank = np.linalg.matrix_rank(own) if own.size else 0
+        spare = max(1.0, float(weight[rows].sum()) - rank)
+        own_scatter = np.sqrt(float((weight[rows] * residual**2).sum()) / spare)
+        scatter[rows] = max(own_scatter, floors[one % 2], 1e-12)
+    return weight, scatter
