@@ -12,7 +12,7 @@ from typing import IO, Any
 
 
 @contextlib.contextmanager
-def write_whole(path: str | Path, mode: str = "w", **options: Any) -> Iterator[IO[Any]]:
+def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
     """Open a file that replaces `path` only when everything was written.
 
     The new content goes to a temporary file in the same folder, is synced to
@@ -25,16 +25,13 @@ def write_whole(path: str | Path, mode: str = "w", **options: Any) -> Iterator[I
         The file to write.
     mode
         ``"w"`` for text (UTF-8, newlines as written) or ``"wb"`` for bytes.
-    **options
-        Passed to :func:`open`.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    if "b" not in mode:
-        options = {"encoding": "utf-8", "newline": "", **options}
+    options = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
-        with os.fdopen(handle, mode, **options) as file:
+        with os.fdopen(handle, mode, **options) as file:  # type: ignore[call-overload]
             yield file
             file.flush()
             os.fsync(file.fileno())

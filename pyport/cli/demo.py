@@ -34,9 +34,7 @@ def command(out: Path) -> None:
 
     click.secho("\n2. The steering table, made anew\n", bold=True)
     table = out / "3model.txt"
-    steering.write_ascii(
-        steering.tabulate("rt32-3model", steering.DEFAULT_REFRACTION), table
-    )
+    steering.write_ascii(steering.tabulate("rt32-3model", steering.DEFAULT_REFRACTION), table)
     click.echo(f"{table}: {len(steering.RT32_GRID)} rows")
     for result in steering.check():
         click.echo(f"  {result.block.name:<38}{result.agree:4d} of {result.total} printed cells")

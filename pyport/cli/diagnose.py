@@ -1,4 +1,4 @@
-"""`pyport diagnose`: what does a model leave out of these recordings?"""
+"""`pyport diagnose`: what a model leaves out of recordings."""
 
 from __future__ import annotations
 

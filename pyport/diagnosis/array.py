@@ -80,7 +80,7 @@ def split(
     """
     antennas, a = np.unique(antenna, return_inverse=True)
     sessions, s = np.unique(session, return_inverse=True)
-    spread = _spread(a, s, value, sigma)
+    spread = _spread(s, value, sigma)
     weight = 1 / (sigma**2 + spread**2)
     common = np.bincount(s, weight * value) / np.bincount(s, weight)
     for _ in range(200):
@@ -111,7 +111,7 @@ def split(
     )
 
 
-def _spread(a: NDArray[np.intp], s: NDArray[np.intp], value: Array, sigma: Array) -> float:
+def _spread(s: NDArray[np.intp], value: Array, sigma: Array) -> float:
     """Return the scatter of antennas about their session's mean beyond their errors."""
     weight = 1 / sigma**2
     mean = np.bincount(s, weight * value) / np.bincount(s, weight)

@@ -184,7 +184,7 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:
-    """Number the scans; where no time is known every pointing is a scan of its own."""
+    """Give each scan a number; where no time is known every pointing is one of its own."""
     if "time" not in recordings.at:
         return np.arange(len(data))
     time = np.nan_to_num(np.asarray(recordings.at.column("time"), float), nan=-1.0)
@@ -209,10 +209,8 @@ def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:
     return tuple(replace(one, columns=one.columns + by) for one in candidates)
 
 
-def _base(
-    recordings: Recordings, data: Stack, terms: Sequence[Term]
-) -> tuple[Array, list[Chosen]]:
-    """Return the columns of the refitted terms; labels that are no blocks get columns of their own."""
+def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[Array, list[Chosen]]:
+    """Return the columns of the refitted terms; labels beyond the blocks split the columns."""
     arrays: list[Array] = [np.zeros((len(data), 0))]
     found: list[Chosen] = []
     start = 0

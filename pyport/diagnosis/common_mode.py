@@ -50,10 +50,10 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> float:
         return 1.0
     size = np.sqrt(total[scans])
     mean = np.bincount(scan[there], (left * weight)[there])[scans] / size
-    curves = np.stack(
+    drawn = np.stack(
         [np.bincount(scan[there], (c * weight)[there])[scans] for c in shapes.T], axis=1
     )
-    curves = _directions(curves / size[:, None], len(scans) // SCANS_PER_SHAPE)
+    curves = _directions(drawn / size[:, None], len(scans) // SCANS_PER_SHAPE)
     rest = mean - curves @ (curves.T @ mean)
     spare = len(scans) - curves.shape[1]
     typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
@@ -65,8 +65,8 @@ def _directions(curves: Array, room: int) -> Array:
     from scipy.linalg import qr
 
     length = np.linalg.norm(curves, axis=0)
-    curves = curves[:, length > 1e-9 * max(float(length.max(initial=0)), 1e-300)]
-    if curves.shape[1] == 0 or room == 0:
+    kept = length > 1e-9 * max(float(length.max(initial=0)), 1e-300)
+    if not kept.any() or room == 0:
         return np.zeros((len(curves), 0))
-    directions, _, _ = qr(curves / np.linalg.norm(curves, axis=0), mode="economic", pivoting=True)
-    return directions[:, :room]
+    directions = qr(curves[:, kept] / length[kept], mode="economic", pivoting=True)[0]
+    return np.asarray(directions[:, :room])

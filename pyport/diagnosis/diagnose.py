@@ -165,4 +165,3 @@ def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
         effect = trial.candidate.effect.id
         limits[effect] = min(size, limits.get(effect, np.inf))
     return limits
-

@@ -31,7 +31,7 @@ class Blocks:
         return len(self.antenna)
 
     def groups(self, scope: str) -> Codes:
-        """Number the blocks so that those with one coefficient have one number."""
+        """Give blocks that share a coefficient the same number."""
         labels = {
             "all": np.zeros(len(self), int),
             "session": self.session,
@@ -132,7 +132,7 @@ class Evidence:
         return Part(np.asarray(columns, np.intp), self.blocks.groups(scope))
 
     def trials(self, model: Sequence[Part], wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
-        """Return what each (candidate, scope) would gain beside `model`; invisible ones left out."""
+        """Return what each (candidate, scope) would gain beside `model`, if it shows at all."""
         inverse = inverted(self.gram.cross(model, model))[0]
         values = inverse @ self.gram.moments(model)
         drawn_values = inverse @ self.gram.moments(model, self.noise)
@@ -142,7 +142,8 @@ class Evidence:
             cross = self.gram.cross(model, [part])
             own = self.gram.cross([part], [part])
             left = own - cross.T @ inverse @ cross
-            length = np.sqrt(np.maximum(np.diag(own), 1e-300))
+            power = np.diag(own)
+            length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
             eigenvalues, vectors = np.linalg.eigh(left / np.outer(length, length))
             good = eigenvalues > VISIBLE**2 * max(1.0, float(eigenvalues[-1]))
             if not good.any():
@@ -169,7 +170,6 @@ class Evidence:
                 )
             )
         return found
-
 
     def share(self, model: Sequence[Part], winner: Trial, other: Trial) -> float:
         """Return how much of the winner's fitted curve the other trial can draw, from 0 to 1.
@@ -216,7 +216,7 @@ def _log_chance(trial: Trial, gain: Array) -> Array:
 
 
 def threshold(trials: Sequence[Trial], chance: float) -> float:
-    """Return the log-chance that the best of a search over noise falls below in `chance` of cases."""
+    """Return the log-chance that the best of a search falls below in `chance` of all noise."""
     if not trials:
         return float("-inf")
     drawn = np.min([_log_chance(trial, trial.drawn) for trial in trials], axis=0)

@@ -56,7 +56,7 @@ def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
     usual = np.median(floor[counted]) if counted.any() else 1.0
-    share = counted * np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2)
+    share = np.where(counted, np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2), 0.0)
     return Scene(setup, outcome, joint, counted, share, floor, seed)
 
 
@@ -337,9 +337,7 @@ def _gain_of(step: Step, chosen: Chosen, called: identify.Name) -> Evidence:
     whole = _evidence(step, called)
     if not same:
         return whole
-    return Evidence(
-        whole.p_value, same[0].delta_bic, whole.runner_up, whole.runner_up_delta_bic
-    )
+    return Evidence(whole.p_value, same[0].delta_bic, whole.runner_up, whole.runner_up_delta_bic)
 
 
 def _heldout(
@@ -360,4 +358,3 @@ def _heldout(
         rms(second[both], share),
         rms(scene.floor[both], share),
     )
-

@@ -15,7 +15,8 @@ from pyport.fitting.stacking import Codes
 #: Sessions from which on whole sessions are left out.
 ENOUGH_SESSIONS = 3
 FOLDS = 10
-#: A prediction that is off by more than five sigmas counts as five: some coefficients hang on one scan.
+#: A prediction that is off by more than five sigmas counts as five: a coefficient may hang on
+#: one scan alone.
 CLIP = 25.0
 
 

@@ -32,7 +32,9 @@ _DECIDE: dict[frozenset[str], str] = {
     frozenset({"sag_cosine", "refraction"}): "observe below 15 deg elevation, where cot E turns up",
     frozenset({"sag_sine", "refraction"}): "observe below 15 deg elevation, where cot E turns up",
     frozenset({"sag_cosine", "elevation_zero"}): "observe over a wider range of elevation",
-    frozenset({"epoch_offset", "drift"}): "observe in between: a step stays a step, a drift fills in",
+    frozenset(
+        {"epoch_offset", "drift"}
+    ): "observe in between: a step stays a step, a drift fills in",
     frozenset({"refraction", "refraction_curvature"}): "observe between 3 and 15 deg elevation",
 }
 

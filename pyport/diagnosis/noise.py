@@ -102,7 +102,7 @@ def _ordered(
     *,
     is_y: bool,
 ) -> Series:
-    """Number the pointings of a series in order and pull its sessions apart in time."""
+    """Put the pointings of a series in order and pull its sessions apart in time."""
     _, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
     order = np.empty(len(first), np.intp)
     order[np.argsort(first, kind="stable")] = np.arange(len(first))
@@ -115,17 +115,21 @@ def _ordered(
 
 
 def pointings(recordings: Recordings) -> Codes:
-    """Number the pointings: rows of the same antenna, session, moment, direction and scan."""
+    """Give rows of the same antenna, session, moment, direction and scan one number."""
     codes, _ = group(recordings, ("antenna", "session", "source"))
     keys = [codes.astype(float), recordings.at.az, recordings.at.el]
-    for name in ("time", "hour_angle", "scan_direction"):
-        if name in recordings.at:
-            keys.append(np.nan_to_num(np.asarray(recordings.at.column(name), float)))
+    keys += [
+        np.nan_to_num(np.asarray(recordings.at.column(name), float))
+        for name in ("time", "hour_angle", "scan_direction")
+        if name in recordings.at
+    ]
     _, inverse = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
     return inverse.ravel()
 
 
-def whiten(columns: Array, weights: Array, parts: Sequence[Series], noises: Sequence[Noise]) -> Array:
+def whiten(
+    columns: Array, weights: Array, parts: Sequence[Series], noises: Sequence[Noise]
+) -> Array:
     """Return columns of unit scatter.
 
     Parameters

@@ -18,6 +18,7 @@ from pyport.diagnosis.noise import (
     decorrelate,
 )
 from pyport.fitting import robust
+from pyport.fitting.stacking import Codes
 
 #: Pointings for each shape that may be taken out before the noise is read off.
 POINTINGS_PER_SHAPE = 4
@@ -166,11 +167,11 @@ def _fit_series(
     return Noise(within, float(between), float(drift), float(time_s), dof, _how(count))
 
 
-def _how(count: Array) -> str:
+def _how(count: Codes) -> str:
     return "replicates" if count.max() > 1 else "reml"
 
 
-def _within(residual: Array, weight: Array, part: Series, count: Array, floor: float) -> float:
+def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
     """Return the scatter of readings about their pointing's mean; zero where each stands alone."""
     spare = (count - 1)[count > 1].sum()
     if spare < 3:
@@ -179,7 +180,9 @@ def _within(residual: Array, weight: Array, part: Series, count: Array, floor: f
     mean = np.bincount(part.pointing, weight * residual) / total
     deviation = residual - mean[part.pointing]
     used = (count[part.pointing] > 1) & (weight > 0.5)
-    share = np.sqrt(used.sum() / max(1.0, spare * used.sum() / max(1, (count[part.pointing] > 1).sum())))
+    share = np.sqrt(
+        used.sum() / max(1.0, spare * used.sum() / max(1, (count[part.pointing] > 1).sum()))
+    )
     return max(robust.scale(deviation[used]) * float(share), floor / 2, 1e-12)
 
 

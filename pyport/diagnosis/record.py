@@ -36,7 +36,10 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "input": _input(recordings, diagnosis),
-        "model": {"name": model.name, "refit": [c.candidate.effect.id for c in diagnosis.setup.base]},
+        "model": {
+            "name": model.name,
+            "refit": [c.candidate.effect.id for c in diagnosis.setup.base],
+        },
         "noise": _noise(diagnosis),
         "mismatch": diagnosis.mismatch,
         "p_value": diagnosis.p_value,
@@ -143,7 +146,9 @@ def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
     gram = diagnosis.weighed.evidence.gram.matrices[block]
     columns = np.concatenate([c.candidate.columns for c in fit.choices])
     names = [
-        c.candidate.effect.coefficients[n].name for c in fit.choices for n in c.candidate.coefficients
+        c.candidate.effect.coefficients[n].name
+        for c in fit.choices
+        for n in c.candidate.coefficients
     ]
     covariance, _, _, known = inverted(gram[np.ix_(columns, columns)])
     sigma = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -169,10 +174,9 @@ def _write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a te
     at, row = setup.recordings.at, setup.stack.row
     writer = csv.writer(file, lineterminator="\n")
     labels = [name for name in ("antenna", "session", "source", "channel") if name in at]
-    writer.writerow(
-        ["line", "axis", *labels, "az_deg", "el_deg", "residual_before_arcsec"]
-        + ["residual_after_arcsec", "heldout_before_arcsec", "heldout_after_arcsec", "weight"]
-    )
+    quantities = ("residual_before", "residual_after", "heldout_before", "heldout_after")
+    in_arcsec = [f"{name}_arcsec" for name in quantities]
+    writer.writerow(["line", "axis", *labels, "az_deg", "el_deg", *in_arcsec, "weight"])
     before, after = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
     for n in np.lexsort((setup.stack.is_y, row)):
         r = row[n]
@@ -185,9 +189,13 @@ def _write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a te
                 f"{at.el[r] / DEG:.6f}",
                 *(
                     "" if not math.isfinite(value) else f"{value / ARCSEC:.3f}"
-                    for value in (before[n], after[n], diagnosis.unseen[0][n], diagnosis.unseen[1][n])
+                    for value in (
+                        before[n],
+                        after[n],
+                        diagnosis.unseen[0][n],
+                        diagnosis.unseen[1][n],
+                    )
                 ),
                 f"{diagnosis.weighed.weights[n]:.4f}",
             ]
         )
-

@@ -1,4 +1,4 @@
-"""The search: find the strongest mismatch, add what explains it, weigh again, until nothing is left."""
+"""The search: add what explains the strongest mismatch, weigh again, until nothing is left."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
-from pyport.diagnosis.evidence import Trial, family_p_value
+from pyport.diagnosis.evidence import Blocks, Trial, family_p_value
 from pyport.diagnosis.holdout import unseen_misfit
 
 #: Chance of any finding at all where there is nothing to find.
@@ -63,9 +63,7 @@ class Outcome:
     last: tuple[Trial, ...]
 
 
-def search(
-    setup: Setup, tell: Callable[[str], None] = lambda _: None
-) -> Outcome:
+def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcome:
     """Add effects to the model, the best first, while noise alone would not look like that.
 
     An effect is added only when it also predicts what the fit had not seen;
@@ -103,16 +101,25 @@ def _trials(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> list[Tr
     wanted = [
         (candidate, scope)
         for candidate in (*setup.candidates, *setup.shapes)
-        for scope in _scopes(candidate, setup.blocks.scopes())
+        for scope in _scopes(candidate, setup.blocks)
     ]
     return weighed.evidence.trials(model, wanted)
 
 
-def _scopes(candidate: Candidate, there: Sequence[str]) -> list[str]:
-    """Return the scopes that the effect's physics allows: a clock is one for all antennas."""
-    if candidate.effect.common == "antenna" and candidate.effect.physical:
-        return list(there)
-    return [scope for scope in there if "antenna" not in scope]
+def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
+    """Return the scopes that the effect's physics allows.
+
+    A clock is one for all antennas; a mount does not change from session to
+    session, and the effects of epochs are there for the one that does. Only an
+    array can show what is common to its antennas in a session, so there every
+    scope is tried.
+    """
+    effect, there = candidate.effect, blocks.scopes()
+    if not effect.physical or effect.id.startswith("epoch"):
+        return [scope for scope in there if "session" not in scope and scope != "antenna"]
+    if effect.common != "antenna":
+        return [scope for scope in there if "antenna" not in scope]
+    return there if "antenna" in there else ["all"]
 
 
 def _winner(

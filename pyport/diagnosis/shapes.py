@@ -27,10 +27,10 @@ def columns(recordings: Recordings) -> dict[str, Array]:
     at = recordings.at
     found = {"az_deg": at.az, "el_deg": at.el}
     passed_over = recordings.meta.get("bookkeeping", "").split()
-    for name, values in at.columns.items():
-        if name in passed_over or values.dtype.kind not in "fiu":
+    for name, column in at.columns.items():
+        if name in passed_over or column.dtype.kind not in "fiu":
             continue
-        values = np.asarray(values, float)
+        values = np.asarray(column, float)
         if np.isfinite(values).all() and len(np.unique(values)) > ORDER + 1:
             found[name] = values
     return found

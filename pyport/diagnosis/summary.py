@@ -19,16 +19,20 @@ _LIMITS = 6
 def summary(diagnosis: Diagnosis) -> str:
     """Return the diagnosis as plain text."""
     recordings = diagnosis.setup.recordings
+    aside, model = len(recordings.set_aside), diagnosis.setup.model.name
     lines = [
-        f"{recordings.file.name}: {len(recordings)} recordings, "
-        f"{len(recordings.set_aside)} set aside, model {diagnosis.setup.model.name}"
+        f"{recordings.file.name}: {len(recordings)} recordings, {aside} set aside, model {model}"
     ]
     if diagnosis.mismatch:
-        lines.append(f"The model leaves something out (chance of noise alone {_chance(diagnosis)}).")
+        lines.append(
+            f"The model leaves something out (chance of noise alone {_chance(diagnosis)})."
+        )
         for n, finding in enumerate(diagnosis.findings, 1):
             lines += _finding(n, finding)
     else:
-        lines.append(f"Nothing is missing that these recordings could show (p = {_chance(diagnosis)}).")
+        lines.append(
+            f"Nothing is missing that these recordings could show (p = {_chance(diagnosis)})."
+        )
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
         seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
         lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
@@ -70,10 +74,9 @@ def _wrapped(line: str) -> list[str]:
 def _improvement(diagnosis: Diagnosis) -> list[str]:
     """Return what became of the rms, over all readings and, for an array, antenna by antenna."""
     held = diagnosis.heldout
-    lines = [
-        f"Held out ({held.scheme}): rms {held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} "
-        f"arcsec, noise floor {held.noise_floor / ARCSEC:.3g}."
-    ]
+    before, after, floor = (v / ARCSEC for v in (held.before, held.after, held.noise_floor))
+    change = f"rms {before:.3g} -> {after:.3g} arcsec, noise floor {floor:.3g}"
+    lines = [f"Held out ({held.scheme}): {change}."]
     table = [row for row in record.antennas(diagnosis) if not row["drowns_in_noise"]]
     if len(table) > 1 and diagnosis.mismatch:
         factor = [

@@ -8,10 +8,12 @@ for all blocks, one per session, one per antenna, or one per block.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.fitting.stacking import Codes
@@ -66,7 +68,7 @@ class Solution:
 
     values: Array
     covariance: Array
-    known: Array
+    known: NDArray[np.bool_]
     residual: float
     rank: int
     condition: float
@@ -86,10 +88,7 @@ class Gram:
         ordered = whitened[order]
         return cls(
             np.stack(
-                [
-                    ordered[low:high].T @ ordered[low:high]
-                    for low, high in zip(edges, edges[1:], strict=False)
-                ]
+                [ordered[low:high].T @ ordered[low:high] for low, high in itertools.pairwise(edges)]
             )
         )
 
@@ -139,7 +138,7 @@ def _index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
     return np.concatenate(places), np.concatenate([part.columns for part in parts])
 
 
-def inverted(normal: Array) -> tuple[Array, int, float, Array]:
+def inverted(normal: Array) -> tuple[Array, int, float, NDArray[np.bool_]]:
     """Return the pseudo-inverse of a normal matrix, its rank, condition number and what is known.
 
     Columns are scaled to unit length first, so that units do not matter. A

@@ -62,6 +62,7 @@ def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:
 
 ALTAZ = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
 
+
 def _rt32(name: str, *, exact: bool) -> Model:
     """Return the RT32's model about its published parameters, each of the twelve a term."""
     from pyport.pointing import Rt32Model, printed
@@ -117,7 +118,7 @@ def load(name: str) -> Model:
 
 
 def _from_toml(path: Path) -> Model:
-    """Read `[[term]]` tables: effect, optional variant, per, and value_UNIT for each coefficient."""
+    """Read `[[term]]` tables: an effect, `per`, and value_UNIT for its coefficients."""
     try:
         text = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -58,7 +58,7 @@ def stack(recordings: Recordings) -> Stack:
 
 
 def group(recordings: Recordings, per: Sequence[str]) -> tuple[Codes, list[tuple[str, ...]]]:
-    """Number the rows by the values of some labels.
+    """Give rows with the same values of some labels the same number.
 
     Returns
     -------

@@ -23,9 +23,8 @@ def text(fit: Fit) -> str:
         if rows.any():
             counted = rows & (fit.weight > 0)
             rms = math.sqrt(float(np.mean(fit.residual[counted] ** 2)))
-            lines.append(
-                f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {counted.sum()} of {rows.sum()} offsets"
-            )
+            over = f"{counted.sum()} of {rows.sum()} offsets"
+            lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
     lines.append(f"condition number {fit.condition:.3g}")
     return "\n".join(lines)
 
@@ -36,7 +35,8 @@ def _line(name: str, one: Coefficients, n: int) -> str:
     if not math.isfinite(value):
         return f"{name:34s} not determined by these recordings"
     if coefficient.unit != "arcsec":
-        return f"{name:34s} {value / coefficient.scale:12.4f} +- {sigma / coefficient.scale:.4f} {coefficient.unit}"
+        value, sigma = value / coefficient.scale, sigma / coefficient.scale
+        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {coefficient.unit}"
     return (
         f"{name:34s} {value / ARCSEC:10.2f} +- {sigma / ARCSEC:6.2f} arcsec "
         f"= {value / DEG:11.6f} +- {sigma / DEG:.6f} deg"

@@ -88,7 +88,7 @@ def beside_table_18(fit: Fit) -> list[Beside]:
     found = []
     terms = {(one.labels, len(one.value)): one for one in fit.coefficients}
     for labels, width in terms:
-        wave = published.get(labels) if len(labels) == 2 else None  # type: ignore[arg-type]
+        wave = published.get(labels) if len(labels) == 2 else None
         if width != 1 or wave is None:
             continue
         rows = np.flatnonzero((antenna == labels[0]) & (session == labels[1]))
@@ -134,11 +134,10 @@ def _rms(values: Array) -> float:
 
 def text(found: list[Beside]) -> str:
     """Return the comparison as a table, the share that agrees, and the reason for the rest."""
+    columns = ("a [arcmin]", "b [arcmin]", "d [deg]", "a [arcmin]")
     lines = [
-        "                      refit                                    Table 18                 "
-        "rms [arcmin]",
-        "                a [']        b [']         d [deg]        a [']         b [']    d [deg]  "
-        "printed  refit",
+        f"{'':16s}{'refit':^54s}{'Table 18':^36s}rms [arcmin]",
+        f"{'':19s}{''.join(f'{name:18s}' for name in columns)}b        d     printed  refit",
     ]
     for one in found:
         wave = one.published
@@ -154,8 +153,8 @@ def text(found: list[Beside]) -> str:
         good = sum(one.as_good for one in day)
         lines.append(
             f"{session}: a within {SIGMAS:.0f} combined sigmas for {near} of {len(day)} antennas "
-            f"({near / len(day):.0%}); the published curve within {RMS_RATIO} times the refit's rms "
-            f"for {good} ({good / len(day):.0%})"
+            f"({near / len(day):.0%}); the published curve leaves at most {RMS_RATIO} times the "
+            f"refit's rms for {good} ({good / len(day):.0%})"
         )
     lines += [f"  {one.antenna} {one.session}: {one.reason}" for one in found if one.reason]
     return "\n".join(lines)

@@ -50,19 +50,20 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
     rows = _rows(diagnosis, finding)
     left = diagnosis.left(diagnosis.after)
-    unit, name = _unit(finding.curve[rows] + left[rows])
-    label, values = _follows(diagnosis, finding, rows)
+    curve = np.zeros_like(left) if finding.curve is None else finding.curve
+    unit, name = _unit(curve[rows] + left[rows])
+    label, values = _follows(diagnosis, finding, curve, rows)
     first = figure.add_subplot(grid[0, 0])
     second = figure.add_subplot(grid[0, 1], sharex=first, sharey=first)
     for axes, residual, title in (
-        (first, finding.curve + left, "before"),
+        (first, curve + left, "before"),
         (second, left, "after"),
     ):
         _cloud(axes, diagnosis, finding, rows, values, residual / unit)
         axes.set_title(f"{title}: rms {_rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
         axes.set_xlabel(label)
     first.set_ylabel(f"offset that the model leaves [{name}]")
-    reach = 1.15 * float(np.quantile(np.abs(finding.curve + left)[rows], 0.985)) / unit
+    reach = 1.15 * float(np.quantile(np.abs(curve + left)[rows], 0.985)) / unit
     first.set_ylim(-reach, reach)
     if finding.effect.startswith("scan") and "scan_direction" in diagnosis.setup.recordings.at:
         first.legend(fontsize=8, loc="upper left", ncols=2, framealpha=0.8)
@@ -91,7 +92,7 @@ def _unit(values: Array) -> tuple[float, str]:
 
 
 def _follows(
-    diagnosis: Diagnosis, finding: Finding, rows: NDArray[np.intp]
+    diagnosis: Diagnosis, finding: Finding, curve: Array, rows: NDArray[np.intp]
 ) -> tuple[str, Array]:
     """Return the column that the effect follows best: its label and values (m,)."""
     at, row = diagnosis.setup.recordings.at, diagnosis.setup.stack.row
@@ -99,8 +100,6 @@ def _follows(
     choices |= {
         name: np.asarray(at.column(name), float) for name in ("hour_angle", "time") if name in at
     }
-    # The effect along its own direction of scanning hides in any mean: take its size instead.
-    curve = np.abs(finding.curve) if finding.effect.startswith("scan") else finding.curve
     best, share = "el", -1.0
     for name, values in choices.items():
         spread = values[row][rows]
@@ -137,7 +136,7 @@ def _cloud(
     """Draw residuals, by direction of the scan where the effect is one of scanning."""
     at = diagnosis.setup.recordings.at
     axes.axhline(0, color=GREY, lw=0.8)
-    groups = [(rows, BLUE, None)]
+    groups: list[tuple[NDArray[np.intp], str, str | None]] = [(rows, BLUE, None)]
     if finding.effect.startswith("scan") and "scan_direction" in at:
         direction = np.asarray(at.column("scan_direction"))[diagnosis.setup.stack.row[rows]]
         groups = [
@@ -178,7 +177,9 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
     )
     inside = [p.name.partition("[")[2].rstrip("]") or p.name for p in parameters]
     axes.set_xticks(places, inside, rotation=90 if len(parameters) > 8 else 0, fontsize=8)
-    axes.set_ylabel(f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9)
+    axes.set_ylabel(
+        f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9
+    )
     axes.set_title("coefficients with one-sigma errors", fontsize=10)
 
 
@@ -205,7 +206,9 @@ def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
 def _title(diagnosis: Diagnosis, finding: Finding) -> str:
     variant = f" ({finding.variant})" if finding.variant else ""
     file = diagnosis.setup.recordings.file.stem
-    return f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
+    return (
+        f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
+    )
 
 
 def _rms(values: Array) -> float:

@@ -1,0 +1,106 @@
+"""The command line: light to start, one clear line for bad input, the contract's exit codes."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("numpy", "scipy", "astropy", "matplotlib", "dask", "pyarrow", "rich")
+
+
+def pyport(*words, **options):
+    """Run the command as a user would."""
+    command = [sys.executable, "-m", "pyport", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+@pytest.mark.parametrize("words", ["import pyport", "import pyport.cli"])
+def test_importing_is_light(words):
+    """Neither the package nor its command line imports a heavy library."""
+    code = f"{words}; import sys; print([m for m in {HEAVY} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert done.stdout.strip() == "[]"
+
+
+def test_help_lists_every_command_and_imports_nothing_heavy():
+    """`pyport --help` shows the commands; `-X importtime` shows that none was loaded."""
+    command = [sys.executable, "-X", "importtime", "-m", "pyport", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+
+    for name in ("demo", "diagnose", "fit", "parity", "table"):
+        assert name in done.stdout
+    assert not any(f" {name}\n" in done.stderr for name in HEAVY)
+
+
+GOOD = "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,20,1,2\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        (b"azimut,el_deg,d_el_arcsec\n1,2,3\n", 1),
+        (GOOD.encode() + b"30,x,1,2\n", 3),
+        (GOOD.encode() + b"1e9,40,1,2\n", 3),
+        (b"", 1),
+        (bytes(range(256)) * 4, 1),
+    ],
+    ids=["bad header", "non-number", "azimuth of 1e9", "empty", "binary"],
+)
+def test_a_bad_file_is_one_line_that_names_file_and_line(tmp_path, content, line):
+    """Exit status 2, one line on standard error, no traceback, nothing written."""
+    path = tmp_path / "bad.csv"
+    path.write_bytes(content)
+
+    done = pyport("diagnose", path, "--out", tmp_path / "out")
+
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f"pyport: error: {path}:{line}: ")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("diagnose", "nowhere.csv", "--out", "out"),
+        ("diagnose", "gmrt-2003-06-01", "--model", "nonsense", "--out", "out"),
+        ("diagnose", "gmrt-2003-06-01", "--refit", "nonsense", "--out", "out"),
+        ("fit", "gmrt-2003-06-01"),
+        ("nonsense",),
+        ("table",),
+    ],
+)
+def test_bad_arguments_are_one_line(tmp_path, words):
+    """Whatever is wrong with the call is said in one line, with status 2."""
+    done = pyport(*words, cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.getcwd()})
+
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("pyport: error: ")
+
+
+def test_a_diagnosis_leaves_report_rows_and_pictures(tmp_path):
+    """Each file of recordings gets its folder; the report is valid JSON and on standard output."""
+    done = pyport(
+        "diagnose", "gmrt-2003-06-02", "--model", "gmrt-paper", "--json", "--out", tmp_path
+    )
+    folder = tmp_path / "gmrt-2003-06-02"
+
+    assert done.returncode == 0
+    assert json.loads(done.stdout) == json.loads((folder / "report.json").read_text())
+    assert (folder / "rows.csv").stat().st_size > 0
+    assert list(folder.glob("finding-1-*.png"))
+
+
+def test_several_files_are_each_as_if_alone(tmp_path):
+    """Two files in one process, two at a time, give what each gives by itself."""
+    names = ("gmrt-2003-06-02", "gmrt-2003-06-05")
+    pyport("diagnose", *names, "--model", "gmrt-paper", "--jobs", 2, "--out", tmp_path / "both")
+    pyport("diagnose", names[1], "--model", "gmrt-paper", "--out", tmp_path / "one")
+
+    both, one = (tmp_path / where / names[1] / "report.json" for where in ("both", "one"))
+
+    assert both.read_bytes() == one.read_bytes()

@@ -1,0 +1,136 @@
+"""The diagnosis as a whole: silent where nothing is missing, right where something is."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.summary import summary
+from pyport.errors import BadInput
+from pyport.fitting.models import load
+
+sys.path.insert(0, str(Path(__file__).parent))
+from made import recordings
+
+
+def run(given, model="altaz", **options):
+    """Diagnose with a built-in model."""
+    return diagnose(given, load(model), **options)
+
+
+def test_nothing_is_claimed_where_nothing_is_hidden():
+    """Of twenty null sets with white noise at most two claim a finding."""
+    claims = [run(recordings(300, seed)).mismatch for seed in range(20)]
+
+    assert sum(claims) <= 2
+
+
+def test_refraction_that_was_left_out_is_found_with_its_constant():
+    """58 arcsec of cot E behind the classical seven terms comes back as refraction."""
+    found = run(recordings(600, 1, y=lambda at: 58 / np.tan(at.el)))
+    first = found.findings[0]
+
+    assert "refraction" in first.members
+    assert first.where.axes == ("el",)
+    assert first.heldout.after < 0.8 * first.heldout.before
+    assert first.visible_rms < 0.6 * first.true_rms
+
+
+def test_a_nodding_telescope_is_named_with_its_harmonic():
+    """A third harmonic of azimuth in elevation comes back with k = 3 and its size."""
+    found = run(recordings(600, 2, y=lambda at: 6 * np.sin(3 * at.az)))
+    first = found.findings[0]
+    sine = next(p for p in first.parameters if p.name.endswith("sine"))
+
+    assert (first.effect, first.verdict, first.variant) == ("elevation_harmonics", "named", "k = 3")
+    assert abs(sine.value - 6) < 3 * sine.sigma
+    assert len(found.findings) == 1
+
+
+def test_an_offset_that_follows_an_unknown_column_is_unknown_and_says_which():
+    """Physics outside the catalogue is not given a name; the column that it follows is."""
+    found = run(
+        recordings(600, 3, x=lambda at: 8 * np.sign(at.column("weight_of_the_cat_kg") - 4.5))
+    )
+    first = found.findings[0]
+
+    assert (first.effect, first.verdict) == ("unknown", "unknown")
+    assert "weight_of_the_cat_kg" in first.looks_like
+    assert first.where.axes == ("xel",)
+
+
+def test_what_the_model_already_fits_is_not_found_again():
+    """A tilt beside a model that fits a tilt is no finding; held fixed, it is one."""
+    given = recordings(500, 4)
+
+    assert not run(given).mismatch
+    held = run(given, refit=("azimuth_zero", "collimation", "skew", "elevation_zero", "sag_cosine"))
+    assert "tilt" in held.findings[0].members
+
+
+def test_the_same_input_gives_the_same_report():
+    """Same recordings and seed, same report, whatever the order of the rows."""
+    given = recordings(300, 5, y=lambda at: 4 * np.sin(2 * at.az))
+    shuffled = given.take(np.random.default_rng(0).permutation(len(given)))
+
+    first, again, other = (record.as_json(run(one)) for one in (given, given, shuffled))
+
+    assert first == again
+    assert [f["effect"] for f in other["findings"]] == [f["effect"] for f in first["findings"]]
+    np.testing.assert_allclose(
+        other["findings"][0]["parameters"][0]["value"],
+        first["findings"][0]["parameters"][0]["value"],
+        rtol=1e-4,
+    )
+
+
+def test_too_few_recordings_are_refused():
+    """Seven terms and a search beside them need more than four pointings."""
+    with pytest.raises(BadInput, match="too few"):
+        run(recordings(4, 6))
+
+
+def test_the_report_has_every_field_of_the_contract(tmp_path):
+    """Names and types of report.json are the ones that others build on; NaN never gets in."""
+    found = run(recordings(400, 7, y=lambda at: 6 * np.sin(3 * at.az)))
+    record.write(found, tmp_path)
+    report = json.loads((tmp_path / "report.json").read_text())
+
+    assert report["schema"] == "pyport.diagnosis/1"
+    assert set(report) >= {
+        *("input", "model", "noise", "mismatch", "p_value", "detection_limit_arcsec"),
+        *("findings", "fit", "correlation", "condition_number"),
+    }
+    assert set(report["input"]) >= {"file", "sha256", "rows", "used", "set_aside"}
+    assert set(report["noise"]) == {"xel_arcsec", "el_arcsec", "correlation_time_s", "how"}
+    assert report["noise"]["how"] in {"replicates", "neighbours", "reml"}
+    finding = report["findings"][0]
+    assert set(finding) >= {
+        *("effect", "class", "verdict", "sentence", "where", "parameters", "evidence"),
+        *("visible_rms_arcsec", "true_rms_arcsec", "heldout", "looks_like", "decide_by"),
+    }
+    assert set(finding["where"]) == {"axes", "subset", "region", "curve", "since"}
+    assert set(finding["parameters"][0]) == {"name", "value", "sigma", "unit", "expected"}
+    assert set(finding["evidence"]) == {
+        *("p_value", "delta_bic", "runner_up", "runner_up_delta_bic"),
+    }
+    assert set(finding["heldout"]) == {
+        *("scheme", "rms_before_arcsec", "rms_after_arcsec", "noise_floor_arcsec"),
+    }
+    names, matrix = report["correlation"]["names"], report["correlation"]["matrix"]
+    np.testing.assert_allclose(np.diag(matrix), 1)
+    assert len(names) == len(matrix)
+    rows = (tmp_path / "rows.csv").read_text().splitlines()
+    assert len(rows) == 1 + 2 * 400
+
+
+def test_the_summary_says_what_would_have_been_seen():
+    """A clean bill names the size of the effects that would have shown."""
+    text = summary(run(recordings(300, 0)))
+
+    assert "Nothing is missing" in text
+    assert "Would have been seen" in text
