@@ -11,6 +11,7 @@ Durbin, Eddy, Krogh & Mitchison 1998, Biological Sequence Analysis, ch. 4.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 
@@ -28,7 +29,7 @@ STEPS = np.array(
 )
 
 
-def alignment(likelihood: Array, background: Array, cells: Array) -> Array:
+def alignment(likelihood: Array, background: Array, cells: NDArray[np.int64]) -> Array:
     """Return the probability that each cell is its column's, for many rows at once.
 
     Parameters
@@ -46,6 +47,16 @@ def alignment(likelihood: Array, background: Array, cells: Array) -> Array:
         Shape (rows, m, n); what is missing from 1 along j is the probability
         that the cell is a stranger or one too many.
     """
+    ahead = _ahead(likelihood, background)
+    behind = _behind(likelihood, background, cells)
+    rows, n = np.arange(len(cells)), likelihood.shape[2]
+    whole = ahead[rows, cells, n].sum(axis=1)
+    both: Array = ahead[:, 1:, 1:, MATCH] * behind[:, 1:, 1:, MATCH]
+    return both / whole[:, None, None]
+
+
+def _ahead(likelihood: Array, background: Array) -> Array:
+    """Return the likelihood of the first i cells and j columns by last step, (rows, i, j, 4)."""
     rows, m, n = likelihood.shape
     ahead = np.zeros((rows, m + 1, n + 1, 4))
     ahead[:, 0, 0, MATCH] = 1
@@ -60,7 +71,13 @@ def alignment(likelihood: Array, background: Array, cells: Array) -> Array:
                 here[:, EXTRA] = ahead[:, i - 1, j] @ STEPS[:, EXTRA] * background[:, i - 1]
             if j:
                 here[:, LOST] = ahead[:, i, j - 1] @ STEPS[:, LOST]
-    behind = np.zeros_like(ahead)
+    return ahead
+
+
+def _behind(likelihood: Array, background: Array, cells: NDArray[np.int64]) -> Array:
+    """Return the likelihood of what follows i cells and j columns, given the last step."""
+    rows, m, n = likelihood.shape
+    behind = np.zeros((rows, m + 1, n + 1, 4))
     behind[np.arange(rows), cells, n] = 1
     for i in range(m, -1, -1):
         for j in range(n, -1, -1):
@@ -75,5 +92,4 @@ def alignment(likelihood: Array, background: Array, cells: Array) -> Array:
                 here += extra[:, None] * STEPS[:, EXTRA]
             if j < n:
                 here += behind[:, i, j + 1, LOST, None] * STEPS[:, LOST]
-    whole = ahead[np.arange(rows), cells, n].sum(axis=1)
-    return ahead[:, 1:, 1:, MATCH] * behind[:, 1:, 1:, MATCH] / whole[:, None, None]
+    return behind

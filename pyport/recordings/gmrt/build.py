@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 
 from pyport.angles import DEG, HOUR, Array
 from pyport.recordings import sky
+from pyport.recordings.formats import csv
+from pyport.recordings.gmrt import NAMES, published
 from pyport.recordings.gmrt.cells import cells
+from pyport.recordings.gmrt.down import cells_down
 from pyport.recordings.gmrt.sessions import (
     LATITUDE_DEG,
     LONGITUDE_DEG,
     SCAN_RATE_ARCMIN_PER_MIN,
+    SESSIONS,
     Session,
     apparent_place,
     utc_seconds,
 )
-from pyport.recordings.tabulate import iso_8601
+from pyport.recordings.tabulate import Table, iso_8601
+
+#: The table that has an antenna a row.
+ANTENNAS_DOWN = 13
 
 
 def columns(session: Session) -> dict[str, list[str]]:
     """Return the contract's columns for one session."""
-    found = cells(session)
+    found = cells_down(session) if session.table == ANTENNAS_DOWN else cells(session)
     ra, dec = apparent_place(session)
     hour_angle = np.array([cell.hour_angle_h for cell in found]) * HOUR
     az, el = sky.horizon(hour_angle, np.full(len(found), dec), LATITUDE_DEG * DEG)
@@ -60,13 +70,27 @@ def _decimals(values: Array, places: int) -> list[str]:
     return ["" if np.isnan(value) else f"{value:.{places}f}" for value in values]
 
 
-def header() -> dict[str, str]:
-    """Return the header keys that all files share."""
-    return {
+def header(dates: Sequence[str]) -> dict[str, str]:
+    """Return the header keys of a file that holds these sessions."""
+    keys = {
         "telescope": "GMRT",
         "latitude_deg": f"{LATITUDE_DEG:.6f}",
         "longitude_deg": f"{LONGITUDE_DEG:.6f}",
         "azimuth_zero": "north",
         "bookkeeping": "scan el_printed_deg table printed_row printed_column printed confidence",
-        "source": "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II, 2003, updated 2005",
+        "origin": "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II, 2003, updated 2005",
+        "derived": "az, el, time, ra and dec, from date, hour angle, source and site",
     }
+    if any(one.date in dates and one.table == ANTENNAS_DOWN for one in SESSIONS):
+        keys["derived"] = "hour angle from the printed elevation (rising), and all that follows"
+    return keys
+
+
+def write_all(folder: Path) -> None:
+    """Write the recordings of every shipped name, and Table 18, into a folder."""
+    made = {session.date: columns(session) for session in SESSIONS}
+    for name, dates in NAMES.items():
+        days = [made[date] for date in dates]
+        joined = {key: np.array([v for day in days for v in day[key]]) for key in days[0]}
+        csv.write(Table(header(dates), joined), folder / f"{name}.csv")
+    csv.write(published.table(), folder / published.NAME)

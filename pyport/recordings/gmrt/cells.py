@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -23,10 +24,13 @@ CHANNELS_MHZ = (130, 175)
 HOUR_ANGLE_MISPRINTS = {(17, 28): -1.23}
 
 #: A cell is vouched for from this probability on; see the test that garbles rows.
-VOUCHED = 0.95
+VOUCHED = 0.9
 
 #: The two channels of a scan see the same beam; farther apart is no peak [arcmin].
 CHANNELS_AGREE = 2
+
+NO_PEAK_FOUND = "no peak found (printed as 999)"
+OUT_OF_LINE = "no peak, or misprinted: out of line with the scans around it"
 
 
 @dataclass
@@ -38,9 +42,9 @@ class Cell:
     text: str
     scan: int
     el_printed: int
-    hour_angle_h: float
-    direction: int
-    channel: int | None
+    hour_angle_h: float = math.nan
+    direction: int = 0
+    channel: int | None = None
     antenna: str = ""
     offset: int | None = None
     confidence: float | None = None
@@ -113,7 +117,8 @@ def cells(session: Session) -> list[Cell]:
         found += placed
         found += _lost(scan, row, placed)
     _set_aside_repeats(found, each)
-    _hold_channels_together(found)
+    hold_channels_together(found)
+    _set_aside_blind_antennas(found)
     return found
 
 
@@ -138,11 +143,11 @@ def _placed(scan: Scan, row: Row, recovered: Recovered, i: int, published: Array
             if not printed.OFFSET.fullmatch(text):
                 cell.set_aside = "not a sign and three digits in print"
             elif cell.offset is None:
-                cell.set_aside = "no peak found (printed as 999)"
-            elif sign_lost(np.float64(cell.offset), published[best]):
+                cell.set_aside = NO_PEAK_FOUND
+            elif sign_lost(cell.offset, published[best]):
                 cell.set_aside = "the sign contradicts the published curve, of the same size"
             elif trusted < VOUCHED:
-                cell.set_aside = "no peak, or misprinted: out of line with the scans around it"
+                cell.set_aside = OUT_OF_LINE
         yield cell
 
 
@@ -169,7 +174,7 @@ def _set_aside_repeats(found: Sequence[Cell], each: Sequence[tuple[Scan, Row]]) 
                 cell.set_aside = f"repeats printed row {repeat.of}, a chance number included"
 
 
-def _hold_channels_together(found: Sequence[Cell]) -> None:
+def hold_channels_together(found: Sequence[Cell]) -> None:
     """Set aside both channels of a scan where they disagree."""
     pairs: dict[tuple[int, str], list[Cell]] = {}
     for cell in found:
@@ -180,3 +185,13 @@ def _hold_channels_together(found: Sequence[Cell]) -> None:
         if max(offsets) - min(offsets) > CHANNELS_AGREE:
             for cell in pair:
                 cell.set_aside = "the two channels disagree"
+
+
+def _set_aside_blind_antennas(found: Sequence[Cell]) -> None:
+    """Set aside an antenna that found no peak in half of its scans or more: chance fits in too."""
+    for antenna in ANTENNAS:
+        own = [cell for cell in found if cell.antenna == antenna]
+        used = [cell for cell in own if not cell.set_aside]
+        if len(used) <= sum(cell.set_aside in {NO_PEAK_FOUND, OUT_OF_LINE} for cell in own):
+            for cell in used:
+                cell.set_aside = "the antenna found no peak in half of its scans or more"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 
@@ -24,8 +27,8 @@ def expected_offsets(
     weight: Array,
     hour_angle_h: Array,
     direction: Array,
-    scan: Array,
-    stretch: Array,
+    scan: NDArray[Any],
+    stretch: NDArray[Any],
 ) -> Array:
     """Return each antenna's offset as the other scans lead to expect it.
 
@@ -66,12 +69,12 @@ def expected_offsets(
     return np.where((base > 0).sum(axis=1) >= ENOUGH, here, np.nan)
 
 
-def _medians(offset: Array, known: Array) -> Array:
+def _medians(offset: Array, known: NDArray[np.bool_]) -> Array:
     """Return each antenna's median over the rows known to each row, 0 where none is."""
     return np.nan_to_num(_median_of(np.broadcast_to(offset, known.shape), known)[:, 0])
 
 
-def _median_of(values: Array, known: Array) -> Array:
+def _median_of(values: Array, known: NDArray[np.bool_]) -> Array:
     """Return the median along the telling rows, kept as an axis of length 1."""
     with np.errstate(all="ignore"):
         masked = np.ma.masked_array(values, ~known)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCMIN, DEG, Array
-from pyport.recordings.gmrt import DATA, printed
+from pyport.recordings.gmrt import printed
 from pyport.recordings.tabulate import Table
 
-FILE = DATA / "table_18.csv"
+#: The file that Table 18 is shipped in.
+NAME = "table_18.csv"
 
 #: Where each day's six cells (a, b, d, each with its sigma) begin, counted from 0.
 BEGINS = {

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import Array
 from pyport.recordings.gmrt.align import alignment
@@ -25,6 +25,9 @@ COUNTS = 0.3
 
 #: A sign is lost where the other one is nearer to the published curve by this [arcmin].
 SIGN_MATTERS = 3
+
+#: How often a cell lost or gained its minus in print.
+SIGN_GOES = 0.02
 
 #: An offset that no antenna of this array has when it sees the source [arcmin].
 LARGEST_ARCMIN = 60
@@ -96,19 +99,21 @@ def recover(table: Numbers) -> Recovered:
             table.scan,
             table.stretch,
         )
-        good = (1 - failing) * _likelihood(table.offset, expected, _spread(offset, expected))
-        either = good + failing * _no_peak(table.offset)[..., None]
+        spread = _spread(offset, expected)
+        good = (1 - failing) * _likelihood(table.offset, expected, spread)
+        turned = SIGN_GOES * _likelihood(-table.offset, expected, spread)
+        either = good + turned + failing * _no_peak(table.offset)[..., None]
         belongs = alignment(either, background, table.cells)
         belongs *= (np.arange(table.offset.shape[1]) < table.cells[:, None])[..., None]
         trusted = belongs * good / either
         failing = 1 - (trusted.sum(axis=(0, 1)) + 0.5) / (belongs.sum(axis=(0, 1)) + 1)
         failing = np.clip(failing, 0.02, 0.98)
-        cell = trusted.argmax(axis=1)
-        weight = np.take_along_axis(trusted, cell[:, None], axis=1)[:, 0]
-        offset = np.take_along_axis(table.offset, cell, axis=1)
-        wrong = sign_lost(offset, table.published)
-        weight = np.where((weight > COUNTS) & ~wrong, weight, 0)
-        offset = np.where(weight > 0, offset, np.nan)
+        seen = belongs * (good + turned) / either
+        cell = seen.argmax(axis=1)[:, None]
+        weight = np.take_along_axis(seen, cell, axis=1)[:, 0]
+        weight = np.where(weight > COUNTS, weight, 0)
+        offset = np.take_along_axis(table.offset, cell[:, 0], axis=1)
+        offset = np.where(weight > 0, _signed(offset, table.published), np.nan)
     column = belongs.argmax(axis=2)
     pick = column[..., None]
     return Recovered(
@@ -126,11 +131,20 @@ def _whole_rows(table: Numbers) -> tuple[Array, Array]:
     whole = table.cells == columns
     offset[whole] = table.offset[whole, :columns]
     weight = np.where(np.abs(offset) < LARGEST_ARCMIN, 1.0, 0.0)
-    return offset, np.where(sign_lost(offset, table.published), 0, weight)
+    return _signed(offset, table.published), weight
 
 
-def sign_lost(offset: Array, published: Array) -> NDArray[np.bool_]:
+def _signed(offset: Array, published: Array) -> Array:
+    """Return offsets with the sign that the published curve leaves no doubt about.
+
+    Only what others should read is made of them; a cell itself is never mended.
+    """
+    return np.where(sign_lost(offset, published), -offset, offset)
+
+
+def sign_lost(offset: ArrayLike, published: ArrayLike) -> NDArray[np.bool_]:
     """Tell where the other sign would be nearer to the published curve, beyond doubt [arcmin]."""
+    offset, published = np.asarray(offset, float), np.asarray(published, float)
     return np.abs(offset - published) > np.abs(offset + published) + SIGN_MATTERS
 
 

@@ -12,40 +12,16 @@ from pyport.angles import DEG, HOUR, Array
 LATITUDE_DEG = 19 + 5 / 60 + 47.46 / 3600
 LONGITUDE_DEG = 74 + 2 / 60 + 59.07 / 3600
 
-#: Antennas in the order of the tables' columns; C07 and S05 were never built.
+#: Antennas in the order of the tables' columns.
 ANTENNAS = tuple(
-    [
-        "C00",
-        "C01",
-        "C02",
-        "C03",
-        "C04",
-        "C05",
-        "C06",
-        "C08",
-        "C09",
-        "C10",
-        "C11",
-        "C12",
-        "C13",
-        "C14",
-        "E02",
-        "E03",
-        "E04",
-        "E05",
-        "E06",
-        "S01",
-        "S02",
-        "S03",
-        "S04",
-        "S06",
-        "W01",
-        "W02",
-        "W03",
-        "W04",
-        "W05",
-        "W06",
-    ]
+    f"{arm}{number:02d}"
+    for arm, numbers in (
+        ("C", (0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14)),
+        ("E", (2, 3, 4, 5, 6)),
+        ("S", (1, 2, 3, 4, 6)),
+        ("W", (1, 2, 3, 4, 5, 6)),
+    )
+    for number in numbers
 )
 
 #: Rate of every scan, section 3 of the paper.

@@ -1,0 +1,104 @@
+"""Malformed files: one line that names the file, the line and what was expected."""
+
+from __future__ import annotations
+
+import pytest
+
+from pyport.errors import BadInput
+from pyport.recordings import read
+
+GOOD = "az_deg,el_deg,d_el_deg\n"
+
+CASES = {
+    "no_names": ("hello\n1\n", 1, "separated by commas"),
+    "no_header": ("# latitude_deg: 1\n", 1, "no line of column names"),
+    "no_rows": ("# latitude_deg: 1\n" + GOOD, 2, "no rows"),
+    "no_offset": ("az_deg,el_deg\n1,2\n", 1, "no offset column"),
+    "no_position": ("az_deg,d_el_deg\n1,2\n", 1, "no columns az_deg and el_deg"),
+    "not_a_number": (GOOD + "1,2,3\n1,2,three\n", 3, "'three', expected a number"),
+    "infinite": (GOOD + "1,2,inf\n", 2, "infinite"),
+    "azimuth": (GOOD + "1,2,3\n1e9,2,3\n", 3, "azimuth outside +-720"),
+    "elevation": (GOOD + "1,-11,3\n", 2, "elevation outside [-10, 100]"),
+    "offset": (GOOD + "1,2,181\n", 2, "above 180 deg"),
+    "too_few": (GOOD + "1,2,3\n1,2\n", 3, "2 cells, expected 3"),
+    "too_many": (GOOD + "1,2,3,4\n", 2, "4 cells, expected 3"),
+    "twice": ("az_deg,el_deg,d_el_deg,d_el_deg\n1,2,3,4\n", 1, "two columns"),
+    "nameless": ("az_deg,el_deg,,d_el_deg\n1,2,3,4\n", 1, "no name"),
+    "two_units": ("az_deg,el_deg,d_el_deg,d_el_arcsec\n1,2,3,4\n", 1, "say the same"),
+    "two_signs": ("az_deg,el_deg,d_el_deg,d_zd_deg\n1,2,3,4\n", 1, "say the same"),
+    "two_axes": ("az_deg,el_deg,d_az_deg,d_xel_deg\n1,2,3,4\n", 1, "say the same"),
+    "no_unit": ("az,el,d_el\n1,2,3\n", 1, "has no unit"),
+    "time_without_zone": ("az_deg,el_deg,d_el_deg,time\n1,2,3,4\n", 1, "expected time_utc"),
+    "bad_time": ("az_deg,el_deg,d_el_deg,time_utc\n1,2,3,noon\n", 2, "ISO 8601"),
+    "zero_sigma": ("az_deg,el_deg,d_el_deg,sigma_el_deg\n1,2,3,0\n", 2, "not positive"),
+    "direction": ("az_deg,el_deg,d_el_deg,scan_direction\n1,2,3,2\n", 2, "scan_direction"),
+    "axis": ("az_deg,el_deg,d_el_deg,scan_axis\n1,2,3,ra\n", 2, "scan_axis"),
+    "rate": ("az_deg,el_deg,d_el_deg,scan_rate_arcmin_per_min\n1,2,3,-1\n", 2, "negative"),
+    "latitude": ("# latitude_deg: 190\n" + GOOD + "1,2,3\n", 2, "latitude_deg"),
+    "zero": ("# azimuth_zero: east\n" + GOOD + "1,2,3\n", 2, "azimuth_zero"),
+    "open_quote": (GOOD + '1,2,"3\n1,2,3\n', 3, "expected CSV"),
+    "runaway": (GOOD + "1,2," + "3" * 2000 + "\n", 2, "1000 characters"),
+    "empty": ("", 1, "empty"),
+    "blank": ("\n \n", 1, "empty"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_bad_file(tmp_path, case):
+    """The error names file and line, and says what is wrong, on one line."""
+    text, line, words = CASES[case]
+    path = tmp_path / f"{case}.csv"
+    path.write_text(text)
+
+    with pytest.raises(BadInput) as caught:
+        read(path)
+
+    message = str(caught.value)
+    assert message.startswith(f"{path}:{line}: ")
+    assert words in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize("content", [b"\x00\x01\x02", b"az_deg\n\xff\xfe\n", b"\x89PNG\r\n\x1a\n"])
+@pytest.mark.parametrize("suffix", [".csv", ".ecsv"])
+def test_binary_file(tmp_path, content, suffix):
+    """A file that is no text is refused as binary."""
+    path = tmp_path / f"night{suffix}"
+    path.write_bytes(content)
+
+    with pytest.raises(BadInput, match="binary"):
+        read(path)
+
+
+@pytest.mark.parametrize("suffix", [".ecsv", ".parquet"])
+@pytest.mark.parametrize("content", [b"", b"az_deg,el_deg\n1,2\n"])
+def test_wrong_content_for_the_suffix(tmp_path, suffix, content):
+    """A table that is not what its suffix says is refused, with the file's name."""
+    path = tmp_path / f"night{suffix}"
+    path.write_bytes(content)
+
+    with pytest.raises(BadInput) as caught:
+        read(path)
+
+    assert str(caught.value).startswith(f"{path}:1: ")
+
+
+def test_unknown_suffix(tmp_path):
+    """A suffix that names no format is refused, and the known ones are told."""
+    path = tmp_path / "night.xlsx"
+    path.write_text("az_deg")
+
+    with pytest.raises(BadInput, match=r"\.csv, \.ecsv, \.parquet"):
+        read(path)
+
+
+def test_missing_file(tmp_path):
+    """A name that is neither a file nor shipped is refused, and the shipped names are told."""
+    with pytest.raises(BadInput, match="gmrt-2003-06-01"):
+        read(tmp_path / "nothing.csv")
+
+
+def test_folder(tmp_path):
+    """A folder is no file of recordings."""
+    with pytest.raises(BadInput, match="folder"):
+        read(tmp_path)

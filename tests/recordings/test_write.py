@@ -1,0 +1,136 @@
+"""Writing: what is written comes back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from pyport.effects import Circumstances, Site
+from pyport.recordings import Recordings, SetAside, read, write
+
+
+def columns_of(n, low, high):
+    """Draw n numbers."""
+    return arrays(float, n, elements=st.floats(low, high, allow_subnormal=False))
+
+
+def gappy_columns_of(n, low, high):
+    """Draw n numbers, some of them missing."""
+    numbers = st.floats(low, high, allow_subnormal=False)
+    return arrays(float, n, elements=numbers | st.just(np.nan))
+
+
+@st.composite
+def recordings(draw):
+    """Draw recordings with numbers, labels, a site or none, rows set aside or none."""
+    n = draw(st.integers(1, 6))
+    words = arrays("U8", n, elements=st.text("abc ,\"'é", max_size=5).map(str.strip))
+    columns = {
+        "time": draw(arrays(float, n, elements=st.integers(0, 2**31).map(float))),
+        "source": draw(words),
+        "temperature_c": draw(gappy_columns_of(n, -40, 40)),
+        "scan_rate": draw(columns_of(n, 0, 1e-3)),
+        "sun_az": draw(columns_of(n, 0, 6)),
+    }
+    site = draw(st.none() | st.just(Site(0.9, 0.3, 133.0)))
+    if site is not None:
+        columns |= {"hour_angle": draw(columns_of(n, -3, 3)), "dec": draw(columns_of(n, -1, 1))}
+    return Recordings(
+        at=Circumstances(draw(columns_of(n, -6, 12)), draw(columns_of(n, 0, 1.5)), site, columns),
+        x=draw(columns_of(n, -0.01, 0.01)),
+        y=draw(gappy_columns_of(n, -0.01, 0.01)),
+        sigma_x=draw(gappy_columns_of(n, 1e-6, 1e-3)),
+        sigma_y=np.full(n, np.nan),
+        line=np.arange(n),
+        file=Path("night.csv"),
+        meta={"telescope": "RT32"},
+        set_aside=draw(st.just(()) | st.just((SetAside(7, "no peak"),))),
+    )
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".ecsv", ".parquet"])
+def test_round_trip(tmp_path_factory, suffix):
+    """Every number comes back within rounding, every label and reason as it was."""
+    path = tmp_path_factory.mktemp("round") / f"night{suffix}"
+
+    @settings(max_examples=20 if suffix == ".ecsv" else 60, deadline=None)
+    @given(recordings())
+    def comes_back(night):
+        write(night, path)
+        again = read(path)
+
+        for name in ("x", "y", "sigma_x", "sigma_y"):
+            np.testing.assert_allclose(getattr(again, name), getattr(night, name), rtol=1e-14)
+        np.testing.assert_allclose(again.at.az, night.at.az, rtol=1e-14)
+        np.testing.assert_allclose(again.at.el, night.at.el, rtol=1e-14)
+        assert again.at.columns.keys() == night.at.columns.keys()
+        for name, values in night.at.columns.items():
+            if values.dtype.kind == "U":
+                assert again.at.column(name).tolist() == values.tolist()
+            else:
+                np.testing.assert_allclose(again.at.column(name), values, rtol=1e-14)
+        assert (again.at.site is None) == (night.at.site is None)
+        assert again.meta["telescope"] == "RT32"
+        assert [aside.reason for aside in again.set_aside] == [a.reason for a in night.set_aside]
+
+    comes_back()
+
+
+def test_azimuth_from_south_is_written_from_north(tmp_path):
+    """What was read from south is written from north, and says nothing else."""
+    first, second = tmp_path / "south.csv", tmp_path / "north.csv"
+    first.write_text("# azimuth_zero: south\naz_deg,el_deg,d_el_deg\n-90,40,0.1\n")
+
+    night = read(first)
+    write(night, second)
+
+    assert "south" not in second.read_text()
+    np.testing.assert_allclose(read(second).at.az, night.at.az)
+
+
+def test_nothing_half_written(tmp_path):
+    """A failure while writing leaves the old file as it was."""
+    path = tmp_path / "night.csv"
+    path.write_text("az_deg,el_deg,d_el_deg\n1,2,3\n")
+    night = read(path)
+    broken = night.at.columns | {"note": np.array([1, 2, 3])}
+
+    with pytest.raises(ValueError, match="argument"):
+        write(
+            Recordings(
+                Circumstances(night.at.az, night.at.el, None, broken),
+                night.x,
+                night.y,
+                night.sigma_x,
+                night.sigma_y,
+                night.line,
+                path,
+            ),
+            path,
+        )
+
+    assert path.read_text() == "az_deg,el_deg,d_el_deg\n1,2,3\n"
+
+
+def test_ecsv_units_beside_the_names(tmp_path):
+    """An ECSV column may carry its unit as such; a contradiction is refused."""
+    from astropy import units
+    from astropy.table import QTable
+
+    path = tmp_path / "night.ecsv"
+    table = QTable({"az": [10] * units.deg, "el": [40] * units.deg, "d_el": [5] * units.arcsec})
+    table.write(path)
+
+    night = read(path)
+
+    assert night.y == pytest.approx(np.radians([5 / 3600]))
+    table["d_el_deg"] = [5] * units.arcsec
+    table.remove_column("d_el")
+    table.write(path, overwrite=True)
+    with pytest.raises(ValueError, match="expected 'deg'"):
+        read(path)
