@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCMIN, DEG, Array
+from pyport.errors import BadInput
 from pyport.trials import sky
 from pyport.trials.earth import Site, julian_date
 from pyport.trials.sources import sources
+from pyport.trials.vectors import direction
 from pyport.trials.weather import weather
 
 _RATES_ARCMIN_PER_MIN = (10.0, 20.0, 30.0)
@@ -119,20 +121,25 @@ def follow(
     cadence = session.length_s / rows
     times = session.start_s + cadence * (np.arange(rows) + rng.uniform(0, 0.6, rows))
     chosen = np.empty(rows, np.intp)
+    low, high = elevations
     row = 0
     while row < rows:
         now = np.full(len(catalogue.ra), times[row])
         az, el = rough_place(catalogue.ra, catalogue.dec, now, site)
         wish_az = rng.uniform(-np.pi, np.pi)
-        low, high = np.sin(elevations)
-        wish_el = np.arcsin(rng.uniform(low, high))
-        nearness = np.cos(el) * np.cos(wish_el) * np.cos(az - wish_az) + np.sin(el) * np.sin(
-            wish_el
-        )
-        nearness[(el < elevations[0]) | (el > elevations[1])] = -2
-        stay = int(rng.integers(dwell[0], dwell[1] + 1))
-        chosen[row : row + stay] = np.argmax(nearness)
-        row += stay
+        wish_el = np.arcsin(rng.uniform(np.sin(low), np.sin(high)))
+        cosine = np.sum(direction(az, el) * direction(wish_az, wish_el), axis=-1)
+        up = (el > low) & (el < high)
+        if not up.any():
+            raise BadInput(f"no source is up in session {session.name}: expected wider elevations")
+        source = int(np.argmax(np.where(up, cosine, -2)))
+        stay = times[row : row + int(rng.integers(dwell[0], dwell[1] + 1))]
+        ra, dec = (np.full(len(stay), v[source]) for v in (catalogue.ra, catalogue.dec))
+        _, path = rough_place(ra, dec, stay, site)
+        gone = np.flatnonzero((path < low) | (path > high))
+        count = int(gone[0]) if len(gone) else len(stay)
+        chosen[row : row + count] = source
+        row += count
     return times, chosen
 
 

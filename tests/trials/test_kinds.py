@@ -21,6 +21,15 @@ def test_a_hidden_cause_has_the_rho_that_was_asked_for(effect):
     assert max(cause["rho_xel"], cause["rho_el"]) == pytest.approx(0.5, rel=0.02)
 
 
+@pytest.mark.parametrize("kind", ["null", "rt32", "gmrt"])
+def test_no_telescope_looks_below_its_horizon_or_through_its_zenith(kind):
+    """Sources are left when they leave the elevations that the telescope reaches."""
+    el = make_case(kind, 3).columns["el_deg"]
+
+    assert 5 < el.min() < 35
+    assert 60 < el.max() < 86
+
+
 @pytest.mark.parametrize("effect", STRANGERS)
 def test_a_stranger_is_called_unknown(effect):
     """Causes outside the catalogue carry no name that a solver could guess."""
