@@ -11,9 +11,12 @@ from pyport.angles import ARCSEC
 from pyport.trials.earth import SITES
 from pyport.trials.mount import Mount
 from pyport.trials.noise import Noise
-from pyport.trials.schedule import Plan, draw_plan, sessions, take
+from pyport.trials.schedule import Plan, draw_plan, sessions, take, with_planet
 
 _DAY_S = 86400.0
+
+#: How many campaigns have a planet among their targets.
+_PLANET_SHARE = 0.3
 
 #: Kinds of noise.
 NOISES = ("white", "drift", "heavy", "outliers", "gappy")
@@ -32,7 +35,8 @@ def campaign(rng: np.random.Generator, rows: int, site_name: str | None = None) 
     observing = sessions(
         rng, int(rng.integers(5, 10)), first, rng.uniform(20, 200) * _DAY_S, (8.0, 22.0)
     )
-    return draw_plan(rng, name, site, rows, observing, one_axis=bool(rng.random() < 0.5))
+    plan = draw_plan(rng, name, site, rows, observing, one_axis=bool(rng.random() < 0.5))
+    return with_planet(rng, plan) if rng.random() < _PLANET_SHARE else plan
 
 
 def gappy_campaign(rng: np.random.Generator, rows: int, site_name: str | None = None) -> Plan:

@@ -37,6 +37,8 @@ class Case:
         What was hidden; plain numbers, text, lists and dicts.
     signature
         Offsets without noise that the hidden causes add [rad], (x, y), shape (n,) each.
+    clean
+        Offsets without noise [rad], (x, y), shape (n,) each.
     arguments
         What the solver is to be called with besides the file.
     """
@@ -45,6 +47,7 @@ class Case:
     header: dict[str, str]
     truth: dict[str, Any]
     signature: tuple[Array, Array]
+    clean: tuple[Array, Array]
     arguments: tuple[str, ...] = ()
 
 
@@ -208,7 +211,7 @@ def finish(
         },
         "arguments": list(arguments),
     }
-    return Case(columns, header, truth, hidden.signature, arguments)
+    return Case(columns, header, truth, hidden.signature, (seen.x, seen.y), arguments)
 
 
 def _empty(values: NDArray[Any]) -> bool:

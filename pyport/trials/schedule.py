@@ -17,6 +17,8 @@ from pyport.trials.sources import sources
 from pyport.trials.vectors import direction
 from pyport.trials.weather import weather
 
+#: Planets that campaigns visit, with ERFA's numbers for them.
+_PLANETS = {"Venus": 2, "Mars": 4, "Jupiter": 5}
 _RATES_ARCMIN_PER_MIN = (10.0, 20.0, 30.0)
 _FREQUENCY_MHZ = {"L": 1420.0, "C": 4990.0, "X": 8400.0}
 
@@ -66,6 +68,10 @@ class Plan:
         """Return which rows measure "az" (or "el")."""
         scanned = self.labels.get("scan_axis")
         return np.ones(len(self), bool) if scanned is None else scanned == axis
+
+    def on_planet(self) -> NDArray[np.bool_]:
+        """Return which rows look at a planet."""
+        return np.isin(self.labels["source"], list(_PLANETS))
 
     def air(self) -> sky.Air:
         """Return the air that the weather makes."""
@@ -234,6 +240,18 @@ def dressed(
         "frequency_mhz": frequency + np.where(channel == "1", -40.0, 40.0),
     }
     return replace(plan, weather={**air, **around})
+
+
+def with_planet(rng: np.random.Generator, plan: Plan) -> Plan:
+    """Return a plan in which a planet takes the place of some targets while it is up."""
+    name = str(rng.choice(list(_PLANETS)))
+    ra, dec = sky.planet(_PLANETS[name], plan.time_s)
+    place = sky.observed(ra, dec, plan.time_s, plan.site, plan.air())
+    up = (place.el > 8 * DEG) & (place.el < 84 * DEG) & (rng.random(len(plan)) < 0.5)
+    labels = {**plan.labels, "source": np.where(up, name, plan.labels["source"])}
+    return replace(
+        plan, ra=np.where(up, ra, plan.ra), dec=np.where(up, dec, plan.dec), labels=labels
+    )
 
 
 def for_antennas(plan: Plan, names: list[str], site: Site) -> Plan:

@@ -6,17 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG
-from pyport.trials import sky
+from pyport.angles import ARCSEC
 from pyport.trials.faults.base import Draw, Fault
+from pyport.trials.schedule import with_planet
 from pyport.trials.world import World
 
 _BOTH = {"axes": ["xel", "el"]}
 
 #: Steps of the reduction whose want is an effect of the same name, of the size that nature gives.
 _FORGOTTEN = ("precession", "nutation", "annual_aberration", "diurnal_aberration", "polar_motion")
-
-_PLANETS = {"Venus": 2, "Mars": 4, "Jupiter": 5}
 
 
 def left_out(step: str) -> Fault:
@@ -97,24 +95,16 @@ def source_position(world: World, rng: np.random.Generator) -> Fault:
 
 
 def parallax(world: World, rng: np.random.Generator) -> Fault:
-    """Draw planets among the targets, computed as seen from the Earth's centre."""
+    """Draw a planet among the targets, computed as seen from the Earth's centre."""
     plan = world.plan
-    name = str(rng.choice(list(_PLANETS)))
-    ra, dec = sky.planet(_PLANETS[name], plan.time_s)
-    place = sky.observed(ra, dec, plan.time_s, plan.site, plan.air())
-    swapped = (place.el > 8 * DEG) & (place.el < 84 * DEG) & (rng.random(len(plan)) < 0.6)
-    labels = {**plan.labels, "source": np.where(swapped, name, plan.labels["source"])}
-    visited = replace(
-        plan,
-        ra=np.where(swapped, ra, plan.ra),
-        dec=np.where(swapped, dec, plan.dec),
-        labels=labels,
-    )
+    visited = plan if plan.on_planet().any() else with_planet(rng, plan)
+    near = np.where(visited.on_planet(), ARCSEC, 0.0)
+    planets = np.unique(visited.labels["source"][visited.on_planet()]).tolist()
 
     def apply(world: World, size: float) -> World:
-        return replace(world, plan=visited, near=np.where(swapped, size * ARCSEC, 0.0))
+        return replace(world, plan=visited, near=size * near)
 
-    where = {"axes": ["el"], "subset": {"source": [name]}}
+    where = {"axes": ["el"], "subset": {"source": planets}}
     return Fault("parallax", apply, where=where, parameters={"parallax": 1.0})
 
 
