@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format golden clean
+.PHONY: demo test lint format proof proof-small golden clean
 
 $(BIN)/pyport: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -39,6 +39,13 @@ golden: $(BIN)/pyport
 	@sh .ci/install-gfortran
 	$(BIN)/python -m pip install --quiet ./legacy_fortran
 	$(BIN)/python -m pyport.parity.stored
+
+# Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
+proof-small: $(BIN)/pyport
+	$(BIN)/pyport trials prove $(OUT)/proof-small --set small --jobs 2
+
+proof: $(BIN)/pyport
+	$(BIN)/pyport trials prove $(OUT)/proof --set full --jobs 2
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

@@ -18,6 +18,7 @@ COMMANDS = {
     "fit": "Fit a pointing model to recordings.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "table": "Write the steering table of a pointing model.",
+    "trials": "Hide causes in simulated recordings, and find out whether they are found.",
 }
 
 

@@ -1,0 +1,67 @@
+"""The Earth: where telescopes stand, how it turns, and the clock's seconds as Julian dates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.trials.mount import Each
+
+#: Metres for each radian of arc on the ground.
+EARTH_RADIUS_M = 6.371e6
+
+_UNIX_EPOCH_JD = 2440587.5
+_DAY_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Site:
+    """A place: geodetic latitude and longitude (east positive) [rad] and height [m].
+
+    Scalars, or one value for each pointing.
+    """
+
+    latitude: Each
+    longitude: Each
+    height_m: Each
+
+    def moved(self, latitude: Each, longitude: Each) -> Site:
+        """Return the place moved north and east [rad]."""
+        return Site(self.latitude + latitude, self.longitude + longitude, self.height_m)
+
+
+def _site(latitude_deg: float, longitude_deg: float, height_m: float) -> Site:
+    return Site(latitude_deg * DEG, longitude_deg * DEG, height_m)
+
+
+#: Telescopes that cases stand at, by name.
+SITES = {
+    "rt32": _site(53.0955, 18.5640, 133.0),
+    "gmrt": _site(19.0965, 74.0497, 588.0),
+    "south": _site(-31.8679, 133.8098, 164.0),
+}
+
+
+def julian_date(time_s: Array) -> tuple[float, Array]:
+    """Return the two parts of the UTC Julian date for seconds since 1970."""
+    return _UNIX_EPOCH_JD, np.asarray(time_s, float) / _DAY_S
+
+
+@cache
+def _iers() -> Any:  # noqa: ANN401 - astropy's table
+    """Return the IERS B bulletin that comes with astropy; nothing is fetched."""
+    from astropy.utils import iers
+
+    return iers.IERS_B.open(iers.IERS_B_FILE)
+
+
+def orientation(time_s: Array) -> tuple[Array, Array, Array]:
+    """Return UT1-UTC [s] and the pole's x and y [rad] at UTC seconds since 1970, from IERS B."""
+    date = julian_date(time_s)
+    pole_x, pole_y = _iers().pm_xy(*date)
+    ut1 = _iers().ut1_utc(*date)
+    return ut1.to_value("s"), pole_x.to_value("arcsec") * ARCSEC, pole_y.to_value("arcsec") * ARCSEC

@@ -1,0 +1,134 @@
+"""One answer held to one truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+Finding = dict[str, Any]
+Cause = dict[str, Any]
+
+#: A class of more names than this is no answer.
+WIDEST_CLASS = 6
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one report was worth.
+
+    Attributes
+    ----------
+    case, group, spec
+        Which case it was and what it was made to be.
+    failed
+        Why there is no report, or None.
+    claimed
+        Whether it claims any mismatch.
+    p_value
+        Of a mismatch at all, as reported.
+    said
+        What the first finding names: an id, "unknown", or "nothing".
+    verdict
+        "named", "ambiguous", "unknown", or "silent".
+    width
+        How many names the first finding's class has.
+    first, three
+        Whether the truth is in the class that comes first; among the first three.
+    found
+        For each hidden cause, whether any finding has it.
+    whole_class
+        Whether the first finding lists all that cannot be told apart, and claims no one name.
+    pulls
+        Reported minus true over the reported sigma, for coefficients that truth knows, and the
+        effect that each belongs to.
+    place
+        Overlap of regions, distance of curves [deg], distance of moments [rows].
+    skill
+        Gained and gainable mean squares on data left out, in units of the noise's.
+    """
+
+    case: str
+    group: str
+    spec: dict[str, Any]
+    failed: str | None
+    claimed: bool
+    p_value: float | None
+    said: str
+    verdict: str
+    width: int
+    first: bool
+    three: bool
+    found: tuple[bool, ...]
+    whole_class: bool
+    pulls: tuple[tuple[str, str, float], ...] = ()
+    place: dict[str, float] = field(default_factory=dict)
+    skill: tuple[float, float] | None = None
+
+
+def judge(case: str, truth: dict[str, Any], report: dict[str, Any]) -> Verdict:
+    """Return what a report is worth; `truth` is the text that was sealed, read.
+
+    Skill and place, which need the recordings themselves, are left empty.
+    """
+    causes: list[Cause] = truth["truth"]["effects"]
+    findings: list[Finding] = report.get("findings", [])
+    first = findings[:1]
+    return Verdict(
+        case=case,
+        group=truth["spec"]["group"],
+        spec=truth["spec"],
+        failed=report["examined"].get("failed"),
+        claimed=bool(report.get("mismatch") or findings),
+        p_value=report.get("p_value"),
+        said=first[0]["effect"] if first else "nothing",
+        verdict=first[0]["verdict"] if first else "silent",
+        width=len(first[0]["class"]) if first else 0,
+        first=any(is_right(one, cause) for one in first for cause in causes),
+        three=any(is_right(one, cause) for one in _first_three(findings) for cause in causes),
+        found=tuple(any(is_right(one, cause) for one in findings) for cause in causes),
+        whole_class=any(_has_whole_class(one, cause) for one in first for cause in causes),
+        pulls=tuple(pull for cause in causes for pull in _pulls(findings, cause)),
+    )
+
+
+def is_right(finding: Finding, cause: Cause) -> bool:
+    """Tell whether a finding means a cause: its class holds it, and is not everything there is."""
+    if cause["effect"] == "unknown":
+        return bool(finding["verdict"] == "unknown")
+    named = {finding["effect"], *finding["class"]}
+    if finding["verdict"] == "unknown" or len(named) > WIDEST_CLASS:
+        return False
+    return cause["effect"] in named or finding["effect"] in cause["class"]
+
+
+def _has_whole_class(finding: Finding, cause: Cause) -> bool:
+    """Tell whether a finding lists every name of a cause's class, and so claims none of them."""
+    listed = {finding["effect"], *finding["class"]}
+    ambiguous = finding["verdict"] == "ambiguous" and len(listed) <= WIDEST_CLASS
+    return ambiguous and set(cause["class"]) <= listed
+
+
+def _first_three(findings: list[Finding]) -> list[Finding]:
+    """Return the first finding, what it says came next to it, and the findings after it."""
+    ranked = []
+    for finding in findings:
+        ranked.append(finding)
+        runner_up = (finding.get("evidence") or {}).get("runner_up")
+        if runner_up:
+            ranked.append({"effect": runner_up, "class": [runner_up], "verdict": "named"})
+    return ranked[:3]
+
+
+def _pulls(findings: list[Finding], cause: Cause) -> list[tuple[str, str, float]]:
+    """Return (effect, parameter, pull) of what both sides give a number for."""
+    pulls = []
+    for finding in findings:
+        if finding["effect"] != cause["effect"]:
+            continue
+        for parameter in finding.get("parameters", []):
+            # Only what nature fixes, or what truth knows under the same name, can be compared.
+            known = cause["parameters"].get(parameter["name"], parameter.get("expected"))
+            if known is not None and parameter.get("sigma"):
+                pull = (parameter["value"] - known) / parameter["sigma"]
+                pulls.append((cause["effect"], parameter["name"], float(pull)))
+    return pulls
