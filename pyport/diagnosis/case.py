@@ -174,7 +174,7 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     evidence = Evidence(
         gram,
         setup.blocks,
-        common_excess=_common_excess(setup, (*setup.base, *chosen), gram, white, one),
+        common=_common_excess(setup, (*setup.base, *chosen), gram, white, one),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
         draws=DRAWS,
         dof=_dof(setup.parts, noises, setup.blocks),
@@ -195,10 +195,10 @@ def _scans(recordings: Recordings, data: Stack) -> Codes:
 
 def _common_excess(
     setup: Setup, fitted: Sequence[Chosen], gram: Gram, white: Array, weight: Array
-) -> float:
+) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
     if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
-        return 1.0
+        return common_mode.Excess()
     values = gram.solve([setup.part(one) for one in fitted]).values
     means = white[len(setup.columns) :]
     left = means[:, -1] - setup.expanded(fitted, of=white)[len(setup.columns) :] @ values

@@ -7,6 +7,8 @@ antennas there are, so its evidence is divided by what the shared part adds.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pyport.angles import Array
@@ -22,8 +24,20 @@ SCANS_PER_SHAPE = 4
 _MEDIAN_SQUARE = 0.4549364231195724
 
 
-def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> float:
-    """Return by what factor scans scatter in common more than independent antennas would.
+@dataclass(frozen=True)
+class Excess:
+    """By what factor scans scatter in common more than independent antennas would.
+
+    `factor` is 1 where the antennas are independent or cannot be compared;
+    `dof` says from how many deviations it is known.
+    """
+
+    factor: float = 1.0
+    dof: float = np.inf
+
+
+def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
+    """Return how much more scans scatter in common than independent antennas would.
 
     Parameters
     ----------
@@ -36,18 +50,13 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> float:
         Whitened columns of every candidate, shape (m, K).
     scan
         The scan of each, shape (m,).
-
-    Returns
-    -------
-    float
-        1 where the antennas are independent or cannot be compared.
     """
     there = weight > 0
     antennas = np.bincount(scan[there])
     total = np.bincount(scan[there], weight[there] ** 2)
     scans = np.flatnonzero(antennas >= ENOUGH_ANTENNAS)
     if len(scans) < ENOUGH_SCANS:
-        return 1.0
+        return Excess()
     size = np.sqrt(total[scans])
     mean = np.bincount(scan[there], (left * weight)[there])[scans] / size
     drawn = np.stack(
@@ -57,7 +66,7 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> float:
     rest = mean - curves @ (curves.T @ mean)
     spare = len(scans) - curves.shape[1]
     typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
-    return max(1.0, typical)
+    return Excess(max(1.0, typical), float(spare))
 
 
 def _directions(curves: Array, room: int) -> Array:

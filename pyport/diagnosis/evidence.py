@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, inverted
 from pyport.fitting.stacking import Codes
 
@@ -98,7 +99,7 @@ class Evidence:
         blocks: Blocks,
         pointings: int,
         *,
-        common_excess: float = 1.0,
+        common: Excess,
         draws: int,
         dof: Array,
         rng: np.random.Generator,
@@ -107,8 +108,11 @@ class Evidence:
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
-        self.common_excess = common_excess
+        self.common = common
         self.noise = self._draw(draws, dof, rng)
+        self.luck = np.ones(draws)
+        if np.isfinite(common.dof):
+            self.luck = common.dof / rng.chisquare(common.dof, draws)
 
     def _draw(self, draws: int, dof: Array, rng: np.random.Generator) -> Array:
         """Return products of the columns with drawn noise, shape (blocks, K, draws).
@@ -153,7 +157,8 @@ class Evidence:
             drawn = root @ (self.gram.moments([part], self.noise) - cross.T @ drawn_values)
             dof = int(good.sum())
             # What the antennas share they cannot average out.
-            excess = 1.0 if "antenna" in scope else self.common_excess
+            shared = "antenna" not in scope
+            excess = self.common.factor if shared else 1.0
             gain = float(seen @ seen) / excess
             penalty = dof * np.log(max(self.pointings, 3))
             found.append(
@@ -164,9 +169,9 @@ class Evidence:
                     gain,
                     dof,
                     gain - penalty,
-                    float(np.median(self.dof) if "antenna" in scope else self.dof.sum()),
+                    min(self.dof.sum(), self.common.dof) if shared else float(np.median(self.dof)),
                     left / excess,
-                    (drawn**2).sum(axis=0),
+                    (drawn**2).sum(axis=0) * (self.luck if shared else 1.0),
                 )
             )
         return found

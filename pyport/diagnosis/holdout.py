@@ -88,7 +88,7 @@ def unseen_misfit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], seed
         left = weighed.white[rows, -1] - columns[rows] @ solution.values
         unknown = (columns[rows] != 0) @ ~solution.known
         total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())
-    return total / weighed.evidence.common_excess
+    return total / weighed.evidence.common.factor
 
 
 def _without_each(

@@ -91,7 +91,7 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
             return Outcome(chosen, tuple(steps), weighed, first, tuple(trials))
         tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
         steps.append(Step(winner, tuple(trials), chosen, weighed, p_value))
-        chosen = _with(chosen, Chosen(winner.candidate, winner.scope))
+        chosen = _with(setup, chosen, Chosen(winner.candidate, winner.scope))
         weighed = weigh(setup, chosen)
 
 
@@ -134,20 +134,23 @@ def _winner(
     ranked = sorted(worth, key=lambda t: handicap[id(t)] - t.delta_bic)
     before = unseen_misfit(setup, weighed, chosen)
     for trial in ranked[:MOST_TRIED]:
-        new = _with(chosen, Chosen(trial.candidate, trial.scope))
+        new = _with(setup, chosen, Chosen(trial.candidate, trial.scope))
         if before - unseen_misfit(setup, weighed, new) > UNSEEN_SHARE * trial.gain:
             return trial
     return None
 
 
-def _with(chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
-    """Add a choice; a wider scope of the same columns replaces a narrower one inside it."""
-    kept = tuple(
-        one
-        for one in chosen
-        if not (
-            np.array_equal(one.candidate.columns, new.candidate.columns)
-            and one.candidate.effect.id == new.candidate.effect.id
-        )
-    )
+def _with(setup: Setup, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+    """Add a choice; earlier ones whose every curve it can draw make way for it."""
+    columns = setup.columns[:, new.candidate.columns]
+    groups = setup.blocks.groups(new.scope)
+    kept = []
+    for one in chosen:
+        own = setup.columns[:, one.candidate.columns]
+        left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
+        inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
+        # Blocks that share a coefficient of the new choice must share one of the old, too.
+        pairs = np.unique(np.stack([groups, setup.blocks.groups(one.scope)]), axis=1)
+        if not (inside and len(np.unique(pairs[0])) == pairs.shape[1]):
+            kept.append(one)
     return (*kept, new)

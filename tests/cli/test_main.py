@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -75,7 +76,7 @@ def test_a_bad_file_is_one_line_that_names_file_and_line(tmp_path, content, line
 )
 def test_bad_arguments_are_one_line(tmp_path, words):
     """Whatever is wrong with the call is said in one line, with status 2."""
-    done = pyport(*words, cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.getcwd()})
+    done = pyport(*words, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(Path.cwd())})
 
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1

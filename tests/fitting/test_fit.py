@@ -57,7 +57,7 @@ def beside():
 
 @pytest.mark.parametrize("day", ["2003-06-01", "2003-06-02", "2003-06-05"])
 def test_the_papers_zero_is_recovered(beside, day):
-    """a is within three combined sigmas of Table 18 for at least 80 % of the antennas."""
+    """The zero a is within three combined sigmas of Table 18 for at least 80 % of the antennas."""
     agree = [one.agrees_in_a for one in beside if one.session == day]
 
     assert len(agree) >= 20
