@@ -46,7 +46,7 @@ def _timing(name: str, cosine_of_el: bool) -> Effect:  # noqa: FBT001 - private
 
 def _timings(at: Circumstances) -> tuple[Effect, ...]:
     """Return scan_timing for a rate of the axis and, where azimuth was scanned, of the sky."""
-    variants = (_timing("rate of the axis", cosine_of_el=True),)
+    variants: tuple[Effect, ...] = (_timing("rate of the axis", cosine_of_el=True),)
     if np.any(_scanned(at)[0]):
         variants += (_timing("rate on the sky", cosine_of_el=False),)
     return variants

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pyport.angles import Array
@@ -28,7 +30,11 @@ def _session_offsets(at: Circumstances) -> Effect:
     return _epoch_offset(coefficients, basis, "constant per session")
 
 
-def _epoch_offset(coefficients, basis, variant):  # noqa: ANN001, ANN202 - spelled out above
+def _epoch_offset(
+    coefficients: tuple[Coefficient, ...],
+    basis: Callable[[Circumstances], tuple[Array, Array]],
+    variant: str,
+) -> Effect:
     return Effect(
         "epoch_offset",
         "something was moved: the zeros differ from one session to another",

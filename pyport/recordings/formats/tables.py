@@ -35,7 +35,7 @@ def read_ecsv(path: Path) -> Raw:
     lines = [n for n, line in numbered if line.strip() and not line.startswith("#")]
     try:
         table = Table.read(path, format="ascii.ecsv")
-    except Exception as error:  # astropy raises what its parsers raise
+    except Exception as error:  # noqa: BLE001 - astropy raises what its parsers raise
         reason = str(error).strip().splitlines()
         raise BadInput(f"no ECSV table: {reason[0] if reason else error!r}", path) from None
     header, rows = (lines[0], lines[1:]) if lines else (1, [])
@@ -64,7 +64,7 @@ def _with_unit(name: str, unit: str | None, path: Path) -> str:
     return name
 
 
-def _filled(column: Any) -> NDArray[Any]:
+def _filled(column: Any) -> NDArray[Any]:  # noqa: ANN401 - astropy is not typed
     """Return a column with blanks where it is masked."""
     values = np.asarray(column)
     mask = np.asarray(getattr(column, "mask", np.zeros(len(values), bool)))
@@ -112,7 +112,7 @@ def _first_double(names: Iterable[str]) -> str | None:
     return None
 
 
-def _arrow_cells(column: Any) -> NDArray[Any]:
+def _arrow_cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - pyarrow is not typed
     """Return an Arrow column as numbers, times or text, blank where it is null."""
     import pyarrow
 
