@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pyport.effects import (
+    astrometry,
     atmosphere,
     drive,
     empirical,
@@ -10,8 +11,13 @@ from pyport.effects import (
     epochs,
     geometry,
     gravity,
+    propagation,
+    rail,
+    receiver,
     site,
+    sources,
     structure,
+    thermal,
 )
 from pyport.effects.base import (
     Circumstances,
@@ -21,21 +27,34 @@ from pyport.effects.base import (
     Site,
 )
 
-#: Every effect of the catalogue by its id.
-CATALOGUE: dict[str, Effect] = {
-    one.id: one
-    for family in (
-        geometry,
-        gravity,
-        encoders,
-        site,
-        atmosphere,
-        drive,
-        structure,
-        epochs,
-        empirical,
-    )
-    for one in family.EFFECTS
-}
+#: The families of effects, in the order of the way from the mount to the sky and back.
+FAMILIES = (
+    geometry,
+    gravity,
+    encoders,
+    rail,
+    site,
+    astrometry,
+    sources,
+    atmosphere,
+    propagation,
+    drive,
+    thermal,
+    receiver,
+    structure,
+    epochs,
+    empirical,
+)
 
-__all__ = ["CATALOGUE", "Circumstances", "Coefficient", "Effect", "MissingColumn", "Site"]
+#: Every effect of the catalogue by its id.
+CATALOGUE: dict[str, Effect] = {one.id: one for family in FAMILIES for one in family.EFFECTS}
+
+__all__ = [
+    "CATALOGUE",
+    "FAMILIES",
+    "Circumstances",
+    "Coefficient",
+    "Effect",
+    "MissingColumn",
+    "Site",
+]

@@ -13,7 +13,7 @@ _MANGUM = "Mangum & Wallace 2015, PASP 127, 74"
 LOWEST_EL = np.radians(0.5)
 
 
-def _cotangent(at: Circumstances) -> Array:
+def cotangent(at: Circumstances) -> Array:
     """Return cot E, held constant in magnitude beyond the horizon's last half degree."""
     el = np.clip(at.el, LOWEST_EL, np.pi - LOWEST_EL)
     return np.cos(el) / np.sin(el)
@@ -21,12 +21,12 @@ def _cotangent(at: Circumstances) -> Array:
 
 def refraction(at: Circumstances) -> tuple[Array, Array]:
     """Return r cot E along elevation."""
-    return stack(at, (0, _cotangent(at)))
+    return stack(at, (0, cotangent(at)))
 
 
 def refraction_curvature(at: Circumstances) -> tuple[Array, Array]:
     """Return r3 cot^3 E along elevation."""
-    return stack(at, (0, _cotangent(at) ** 3))
+    return stack(at, (0, cotangent(at) ** 3))
 
 
 EFFECTS = (
@@ -36,6 +36,7 @@ EFFECTS = (
         _MANGUM,
         (Coefficient("refraction"),),
         refraction,
+        formula=("", "r cot E"),
         common="array",
     ),
     Effect(
@@ -44,6 +45,7 @@ EFFECTS = (
         _MANGUM,
         (Coefficient("refraction_curvature"),),
         refraction_curvature,
+        formula=("", "r3 cot^3 E"),
         common="array",
     ),
 )

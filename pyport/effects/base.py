@@ -18,6 +18,18 @@ from pyport.angles import Array
 
 Index = NDArray[np.intp] | NDArray[np.bool_] | slice
 
+#: How the contract spells, unit and all, the columns that are kept without a unit.
+SPELLED = {
+    "time": "time_utc",
+    "hour_angle": "hour_angle_h",
+    "ra": "ra_deg",
+    "dec": "dec_deg",
+    "sun_az": "sun_az_deg",
+    "sun_el": "sun_el_deg",
+    "wind_az": "wind_az_deg",
+    "scan_rate": "scan_rate_arcmin_per_min",
+}
+
 
 class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
     """An effect needs something that these recordings do not tell."""
@@ -63,11 +75,25 @@ class Circumstances:
         return name in self.columns
 
     def column(self, name: str) -> NDArray[Any]:
-        """Return a column, or raise `MissingColumn`."""
+        """Return a column, or raise `MissingColumn` under the contract's name."""
         try:
             return self.columns[name]
         except KeyError:
-            raise MissingColumn(name) from None
+            raise MissingColumn(SPELLED.get(name, name)) from None
+
+    def numbers(self, name: str) -> Array:
+        """Return a column of numbers, NaN where unknown; half of them must be known.
+
+        A pointing whose circumstances are unknown shows nothing of an effect;
+        were that most of them, a verdict on the effect would mean nothing.
+        """
+        values = np.asarray(self.column(name), float)
+        known = np.isfinite(values)
+        if not known.any():
+            raise MissingColumn(SPELLED.get(name, name))
+        if 2 * known.sum() < len(values):
+            raise MissingColumn(f"{SPELLED.get(name, name)} in half of the rows")
+        return values
 
     def latitude(self) -> float:
         """Return the site's latitude [rad], or raise `MissingColumn`."""
@@ -75,10 +101,20 @@ class Circumstances:
             raise MissingColumn("latitude_deg")
         return self.site.latitude
 
+    def longitude(self) -> float:
+        """Return the site's longitude [rad, east positive], or raise `MissingColumn`."""
+        if self.site is None or self.site.longitude is None:
+            raise MissingColumn("longitude_deg")
+        return self.site.longitude
+
     def take(self, index: Index) -> Circumstances:
         """Return the pointings that a mask, slice or list of rows selects."""
         columns = {name: values[index] for name, values in self.columns.items()}
         return replace(self, az=self.az[index], el=self.el[index], columns=columns)
+
+
+#: Circumstances -> the offset across and along elevation for one of each coefficient, (n, k) each.
+Basis = Callable[[Circumstances], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -123,17 +159,27 @@ class Effect:
     profile
         For a family with a nonlinear parameter (a harmonic's number, the time of
         a step): circumstances -> the members worth trying there.
+    needs
+        What the recordings must tell, in the contract's names, beside the
+        position; "A or B" where either will do.
+    formula
+        The offset across and along elevation as text, for a reader.
+    parameter
+        The nonlinear parameter of a member, in internal units: k, seconds, radians.
     """
 
     id: str
     sentence: str
     citation: str
     coefficients: tuple[Coefficient, ...]
-    basis: Callable[[Circumstances], tuple[Array, Array]]
+    basis: Basis
     common: str = "antenna"
     physical: bool = True
     variant: str = ""
     profile: Callable[[Circumstances], tuple[Effect, ...]] | None = None
+    needs: tuple[str, ...] = ()
+    formula: tuple[str, str] = ("", "")
+    parameter: float | None = None
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""
@@ -152,15 +198,21 @@ class Effect:
     def missing(self, at: Circumstances) -> str | None:
         """Name the first column that these recordings lack for this effect, if any."""
         try:
-            self.basis(at)
+            for one in self.variants(at):
+                one.basis(at)
         except MissingColumn as lack:
             return lack.column
         return None
 
 
 def stack(at: Circumstances, *columns: tuple[Any, Any]) -> tuple[Array, Array]:
-    """Return a basis from one (x, y) pair for each coefficient; scalars are spread over n."""
-    n = len(at)
-    x = np.stack([np.broadcast_to(np.asarray(pair[0], float), (n,)) for pair in columns], axis=1)
-    y = np.stack([np.broadcast_to(np.asarray(pair[1], float), (n,)) for pair in columns], axis=1)
-    return x, y
+    """Return a basis from one (x, y) pair for each coefficient.
+
+    Scalars are spread over the n pointings; what is unknown (NaN) counts as zero.
+    """
+    out = np.zeros((2, len(at), len(columns)))
+    for k, pair in enumerate(columns):
+        for axis in (0, 1):
+            out[axis, :, k] = pair[axis]
+    out[np.isnan(out)] = 0.0
+    return out[0], out[1]

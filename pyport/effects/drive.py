@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.celestial import hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
+_ALMA = "Mangum et al. 2006, PASP 118, 1257: backlash and servo errors of antenna drives"
+
+#: Speed of the sidereal sky [rad/s].
+SIDEREAL = 15.041067 * ARCSEC
 
 
 def _scanned(at: Circumstances) -> tuple[Array, Array]:
@@ -25,10 +30,10 @@ def scan_direction(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (along_az, 0), (0, along_el))
 
 
-def _timing(name: str, cosine_of_el: bool) -> Effect:  # noqa: FBT001 - private
+def _timing(name: str, *, cosine_of_el: bool) -> Effect:
     def basis(at: Circumstances) -> tuple[Array, Array]:
         along_az, along_el = _scanned(at)
-        rate = np.nan_to_num(np.asarray(at.column("scan_rate"), float))
+        rate = np.asarray(at.column("scan_rate"), float)
         on_sky = np.cos(at.el) if cosine_of_el else 1.0
         return stack(at, (along_az * rate * on_sky, along_el * rate))
 
@@ -41,6 +46,8 @@ def _timing(name: str, cosine_of_el: bool) -> Effect:  # noqa: FBT001 - private
         common="session",
         variant=name,
         profile=_timings,
+        needs=("scan_direction", "scan_rate_arcmin_per_min"),
+        formula=("+-v tau cos E in scans along azimuth", "+-v tau in scans along elevation"),
     )
 
 
@@ -52,6 +59,26 @@ def _timings(at: Circumstances) -> tuple[Effect, ...]:
     return variants
 
 
+def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:
+    """Return b cos E sgn(dA/dt) across, for a telescope that follows the sky."""
+    return stack(at, (np.cos(at.el) * np.sign(hour_angle_shift(at)[0]), 0))
+
+
+def backlash_elevation(at: Circumstances) -> tuple[Array, Array]:
+    """Return b sgn(dE/dt) along elevation, for a telescope that follows the sky."""
+    return stack(at, (0, np.sign(hour_angle_shift(at)[1])))
+
+
+def servo_lag_azimuth(at: Circumstances) -> tuple[Array, Array]:
+    """Return tau dA/dt cos E across: the speed of the sky along azimuth."""
+    return stack(at, (SIDEREAL * hour_angle_shift(at)[0], 0))
+
+
+def servo_lag_elevation(at: Circumstances) -> tuple[Array, Array]:
+    """Return tau dE/dt along elevation: the speed of the sky along elevation."""
+    return stack(at, (0, SIDEREAL * hour_angle_shift(at)[1]))
+
+
 EFFECTS = (
     Effect(
         "scan_direction",
@@ -59,6 +86,44 @@ EFFECTS = (
         _GMRT,
         (Coefficient("scan_direction_az"), Coefficient("scan_direction_el")),
         scan_direction,
+        needs=("scan_direction",),
+        formula=("+-b in scans along azimuth", "+-b in scans along elevation"),
     ),
     _timing("rate of the axis", cosine_of_el=True),
+    Effect(
+        "backlash_azimuth",
+        "the azimuth drive has play: it matters which way the telescope follows the sky",
+        _ALMA,
+        (Coefficient("backlash_azimuth"),),
+        backlash_azimuth,
+        needs=("latitude_deg",),
+        formula=("b cos E sgn(dA/dt)", ""),
+    ),
+    Effect(
+        "backlash_elevation",
+        "the elevation drive has play: rising and setting sources disagree",
+        _ALMA,
+        (Coefficient("backlash_elevation"),),
+        backlash_elevation,
+        needs=("latitude_deg",),
+        formula=("", "b sgn(dE/dt)"),
+    ),
+    Effect(
+        "servo_lag_azimuth",
+        "the azimuth drive lags behind the moving sky",
+        _ALMA,
+        (Coefficient("servo_lag_azimuth", "s", 1.0),),
+        servo_lag_azimuth,
+        needs=("latitude_deg",),
+        formula=("tau dA/dt cos E", ""),
+    ),
+    Effect(
+        "servo_lag_elevation",
+        "the elevation drive lags behind the moving sky",
+        _ALMA,
+        (Coefficient("servo_lag_elevation", "s", 1.0),),
+        servo_lag_elevation,
+        needs=("latitude_deg",),
+        formula=("", "tau dE/dt"),
+    ),
 )

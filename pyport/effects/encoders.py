@@ -1,4 +1,4 @@
-"""Encoders and the axes that they sit on: harmonics of azimuth and of elevation."""
+"""Encoders and the axes that they sit on: eccentricity, harmonics and rates."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19"
 _GREVE = "Greve et al. 1996, Radio Science 31, 1053"
+_WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
@@ -20,7 +21,7 @@ COVERAGE = np.radians(180)
 SECTOR = np.radians(10)
 
 
-def _need_azimuths(at: Circumstances) -> None:
+def need_azimuths(at: Circumstances) -> None:
     """Raise `MissingColumn` unless the recordings cover enough of the circle."""
     sectors = np.unique(np.floor((at.az % (2 * np.pi)) / SECTOR))
     if len(sectors) * SECTOR < COVERAGE:
@@ -33,7 +34,7 @@ def _wave(name: str) -> tuple[Coefficient, Coefficient]:
 
 def _family(member: Callable[[int], Effect], at: Circumstances) -> tuple[Effect, ...]:
     """Return a member for each harmonic, where there are azimuths enough."""
-    _need_azimuths(at)
+    need_azimuths(at)
     return tuple(map(member, HARMONICS))
 
 
@@ -58,6 +59,8 @@ def azimuth_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(azimuth_harmonics, at),
+        formula=("cos E (s sin kA + c cos kA), k >= 2", ""),
+        parameter=k,
     )
 
 
@@ -75,7 +78,65 @@ def elevation_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(elevation_harmonics, at),
+        formula=("", "s sin kA + c cos kA, k >= 2"),
+        parameter=k,
     )
+
+
+def elevation_encoder_harmonics(k: int) -> Effect:
+    """Return the k-th harmonic of the elevation reading: (sin kE, cos kE) along elevation."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        return stack(at, (0, np.sin(k * at.el)), (0, np.cos(k * at.el)))
+
+    return Effect(
+        "elevation_encoder_harmonics",
+        "the elevation encoder or drive errs with a harmonic of elevation",
+        _GREVE,
+        _wave("elevation_encoder_harmonic"),
+        basis,
+        variant=f"k = {k}",
+        profile=lambda _: tuple(map(elevation_encoder_harmonics, HARMONICS)),
+        formula=("", "s sin kE + c cos kE, k >= 2"),
+        parameter=k,
+    )
+
+
+def _azimuth_scale(variant: str, unwrapped: Callable[[Array], Array]) -> Effect:
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        return stack(at, (unwrapped(at.az) * np.cos(at.el), 0))
+
+    return Effect(
+        "azimuth_scale",
+        "the azimuth encoder runs at a wrong rate, or the cable wrap drags",
+        _WALLACE,
+        (Coefficient("azimuth_scale", "arcsec/deg", ARCSEC / DEG),),
+        basis,
+        variant=variant,
+        profile=_azimuth_scales,
+        formula=("s A cos E, A unwrapped as the cable is", ""),
+    )
+
+
+def _azimuth_scales(at: Circumstances) -> tuple[Effect, ...]:
+    """Return the scale of the azimuth as recorded and, if others may be meant, about the cuts."""
+    recorded, *cuts = _CUTS
+    jumps = [np.ptp(cut(at.az) - at.az) > np.pi for _, cut in cuts]
+    chosen = [cut for cut, jump in zip(cuts, jumps, strict=True) if jump]
+    return tuple(_azimuth_scale(*cut) for cut in (recorded, *chosen))
+
+
+#: Where azimuth may be cut open when it was recorded without the turns of the cable.
+_CUTS: tuple[tuple[str, Callable[[Array], Array]], ...] = (
+    ("azimuth as recorded", lambda az: az),
+    ("azimuth cut in the south", wrap),
+    ("azimuth cut in the north", lambda az: az % (2 * np.pi)),
+)
+
+
+def elevation_scale(at: Circumstances) -> tuple[Array, Array]:
+    """Return s E along elevation."""
+    return stack(at, (0, at.el))
 
 
 EFFECTS = (
@@ -85,7 +146,18 @@ EFFECTS = (
         _GREVE,
         _wave("azimuth_eccentricity"),
         azimuth_eccentricity,
+        formula=("cos E (s sin A + c cos A)", ""),
     ),
     azimuth_harmonics(2),
     elevation_harmonics(2),
+    elevation_encoder_harmonics(2),
+    _azimuth_scale(*_CUTS[0]),
+    Effect(
+        "elevation_scale",
+        "the elevation encoder runs at a wrong rate",
+        _WALLACE,
+        (Coefficient("elevation_scale", "arcsec/deg", ARCSEC / DEG),),
+        elevation_scale,
+        formula=("", "s E"),
+    ),
 )

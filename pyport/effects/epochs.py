@@ -1,86 +1,167 @@
-"""Time: what differs between sessions, and what changes slowly."""
+"""Time: what was moved, what differs between sessions, what changes slowly."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.geometry import tilt
+from pyport.effects.gravity import sag_cosine
 
 _OWN = "the constants of a pointing model hold for one state of the telescope"
 
 #: Orders of the slow polynomial in time that are tried.
 DRIFT_ORDERS = (1, 2, 3)
+#: So many moments are tried for a step: half in the longest gaps, half spread over the rows.
+MOST_STEPS = 20
+
+Inside = Callable[[Circumstances], NDArray[np.bool_]]
 
 
-def _session_offsets(at: Circumstances) -> Effect:
-    """Return a constant for every session but the first, in both axes."""
-    names = np.unique(at.column("session"))
+def offset(at: Circumstances) -> tuple[Array, Array]:
+    """Return a constant in each axis."""
+    return stack(at, (1, 0), (0, 1))
+
+
+def _within(effect: Effect, inside: Inside, labels: list[str], variant: str) -> Effect:
+    """Return an effect with coefficients of its own in each of some epochs, zero outside.
+
+    `inside` tells which of the epochs, named by `labels`, each row is in: (n, epochs).
+    """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        session = at.column("session")
-        steps = [np.where(session == name, 1.0, 0.0) for name in names[1:]]
-        return stack(at, *[(step, 0) for step in steps], *[(0, step) for step in steps])
+        there = inside(at)[:, :, None]
+        x, y = (there * axis[:, None, :] for axis in _SHAPES[effect.id](at))
+        return x.reshape(len(at), -1), y.reshape(len(at), -1)
 
     coefficients = tuple(
-        Coefficient(f"offset_{axis}[{name}]") for axis in ("xel", "el") for name in names[1:]
+        replace(one, name=f"{one.name}[{label}]") for label in labels for one in effect.coefficients
     )
-    return _epoch_offset(coefficients, basis, "constant per session")
+    return replace(effect, coefficients=coefficients, basis=basis, variant=variant)
 
 
-def _epoch_offset(
-    coefficients: tuple[Coefficient, ...],
-    basis: Callable[[Circumstances], tuple[Array, Array]],
-    variant: str,
-) -> Effect:
-    return Effect(
-        "epoch_offset",
-        "something was moved: the zeros differ from one session to another",
-        _OWN,
-        coefficients,
-        basis,
-        variant=variant,
-        profile=_epoch_offsets,
+def _by_session(effect: Effect, at: Circumstances) -> Effect:
+    """Return an effect with coefficients of its own in every session but the first."""
+    names = np.unique(at.column("session").astype(str))
+    if len(names) < 2:
+        raise MissingColumn("a second session")
+    others = names[1:]
+    return _within(
+        effect,
+        lambda at: at.column("session")[:, None] == others,
+        [str(name) for name in others],
+        "constant per session",
     )
+
+
+def epoch_step(since_s: float) -> Effect:
+    """Return `epoch_offset` as a step at one time [s, UTC since 1970]."""
+    when = f"since {np.datetime64(round(since_s), 's')}Z"
+    step = _within(
+        _OFFSET, lambda at: (at.numbers("time") >= since_s)[:, None], [when], f"step, {when}"
+    )
+    return replace(step, parameter=since_s)
+
+
+def _steps(at: Circumstances) -> list[Effect]:
+    """Return a step at each of some moments between recordings."""
+    times = np.unique(at.numbers("time"))
+    times = times[np.isfinite(times)]
+    gap = np.diff(times)
+    if len(gap) <= MOST_STEPS:
+        chosen = np.arange(len(gap))
+    else:
+        longest = np.argsort(-gap, kind="stable")[: MOST_STEPS // 2]
+        spread = np.linspace(0, len(gap) - 1, MOST_STEPS // 2 + 2)[1:-1].round().astype(int)
+        chosen = np.union1d(longest, spread)
+    return [epoch_step(float(times[k] + gap[k] / 2)) for k in chosen]
 
 
 def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
-    """Return the partitions to try; none where there is a single session."""
-    if len(np.unique(at.column("session"))) < 2:
-        raise MissingColumn("a second session")
-    return (_session_offsets(at),)
+    """Return a constant per session, where there are some, and steps between recordings."""
+    if "time" not in at:
+        return (_by_session(_OFFSET, at),)
+    members = _steps(at)
+    if "session" in at and len(np.unique(at.column("session"))) > 1:
+        members.insert(0, _by_session(_OFFSET, at))
+    if not members:
+        raise MissingColumn("a second moment")
+    return tuple(members)
 
 
-def _needs_sessions(at: Circumstances) -> tuple[Array, Array]:
-    """Return the basis of the constants per session."""
-    return _epoch_offsets(at)[0].basis(at)
+def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
+    """Return a polynomial in time over a span, by default that of the recordings themselves."""
 
-
-def _drift(order: int) -> Effect:
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        time = np.asarray(at.column("time"), float)
-        middle = (np.nanmax(time) + np.nanmin(time)) / 2
-        half = max((np.nanmax(time) - np.nanmin(time)) / 2, 1.0)
-        powers = np.polynomial.legendre.legvander(np.nan_to_num((time - middle) / half), order)
-        columns = [powers[:, n] for n in range(1, order + 1)]
-        return stack(at, *[(one, 0) for one in columns], *[(0, one) for one in columns])
+        time = at.numbers("time")
+        first, last = _span(time) if span_s is None else span_s
+        phase = (time - (first + last) / 2) / max((last - first) / 2, 1.0)
+        powers = np.polynomial.legendre.legvander(phase, order)[:, 1:].T
+        return stack(at, *[(one, 0) for one in powers], *[(0, one) for one in powers])
 
+    numbers = range(1, order + 1)
     return Effect(
         "drift",
         "the offsets drift slowly with time",
         _OWN,
-        tuple(
-            Coefficient(f"drift_{axis}_{n}") for axis in ("xel", "el") for n in range(1, order + 1)
-        ),
+        tuple(Coefficient(f"drift_{axis}_{n}") for axis in ("xel", "el") for n in numbers),
         basis,
         variant=f"order {order}",
-        profile=lambda _: tuple(map(_drift, DRIFT_ORDERS)),
+        profile=_drifts,
+        needs=("time_utc",),
+        formula=("a polynomial in time", "another polynomial in time"),
+        parameter=order,
     )
 
 
-EFFECTS = (
-    _epoch_offset((), _needs_sessions, "constant per session"),
-    _drift(1),
+def _drifts(at: Circumstances) -> tuple[Effect, ...]:
+    span_s = _span(at.numbers("time"))
+    return tuple(_drift(order, span_s) for order in DRIFT_ORDERS)
+
+
+def _span(time: Array) -> tuple[float, float]:
+    return float(np.nanmin(time)), float(np.nanmax(time))
+
+
+_OFFSET = Effect(
+    "epoch_offset",
+    "something was moved: the zeros differ from one time to another",
+    _OWN,
+    (Coefficient("offset_xel"), Coefficient("offset_el")),
+    lambda at: _epoch_offsets(at)[0].basis(at),
+    variant="constant per session",
+    profile=_epoch_offsets,
+    needs=("session or time_utc",),
+    formula=("b in each session, or since a moment", "c in each session, or since a moment"),
 )
+_TILT = Effect(
+    "epoch_tilt",
+    "the azimuth axis leans otherwise in one session than in another",
+    _OWN,
+    (Coefficient("tilt_north"), Coefficient("tilt_east")),
+    lambda at: _by_session(_TILT, at).basis(at),
+    variant="constant per session",
+    profile=lambda at: (_by_session(_TILT, at),),
+    needs=("session",),
+    formula=("tilt in each session", "tilt in each session"),
+)
+_SAG = Effect(
+    "epoch_sag",
+    "the structure sags otherwise in one session than in another",
+    _OWN,
+    (Coefficient("sag_cosine"),),
+    lambda at: _by_session(_SAG, at).basis(at),
+    variant="constant per session",
+    profile=lambda at: (_by_session(_SAG, at),),
+    needs=("session",),
+    formula=("", "g cos E in each session"),
+)
+#: What each of them does inside an epoch.
+_SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}
+
+EFFECTS = (_OFFSET, _TILT, _SAG, _drift(1))

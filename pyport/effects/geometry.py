@@ -47,6 +47,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("azimuth_zero"),),
         azimuth_zero,
+        formula=("a cos E", ""),
     ),
     Effect(
         "elevation_zero",
@@ -54,6 +55,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("elevation_zero"),),
         elevation_zero,
+        formula=("", "e"),
     ),
     Effect(
         "collimation",
@@ -61,6 +63,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("collimation"),),
         collimation,
+        formula=("b", ""),
     ),
     Effect(
         "skew",
@@ -68,6 +71,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("skew"),),
         skew,
+        formula=("c sin E", ""),
     ),
     Effect(
         "tilt",
@@ -75,5 +79,6 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("tilt_north"), Coefficient("tilt_east")),
         tilt,
+        formula=("n sin E sin A - e sin E cos A", "n cos A + e sin A"),
     ),
 )

@@ -27,6 +27,7 @@ EFFECTS = (
         _BORKOWSKI,
         (Coefficient("sag_cosine"),),
         sag_cosine,
+        formula=("", "g cos E"),
     ),
     Effect(
         "sag_sine",
@@ -34,5 +35,6 @@ EFFECTS = (
         _BORKOWSKI,
         (Coefficient("sag_sine"),),
         sag_sine,
+        formula=("", "h sin E"),
     ),
 )

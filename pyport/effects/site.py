@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.angles import ARCSEC, Array
+from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.celestial import hour_angle_shift
+from pyport.effects.orientation import ut1_minus_utc
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
-
-
-def _hour_angle_shift(at: Circumstances) -> tuple[Array, Array]:
-    """Return (x, y) of one radian added to the hour angle."""
-    phi = at.latitude()
-    x = np.sin(phi) * np.cos(at.el) - np.cos(phi) * np.sin(at.el) * np.cos(at.az)
-    return x, np.cos(phi) * np.sin(at.az)
+#: UT1-UTC is told from a constant clock error where it changed by this share of itself.
+CHANGED = 0.1
 
 
 def site_latitude(at: Circumstances) -> tuple[Array, Array]:
@@ -24,12 +21,51 @@ def site_latitude(at: Circumstances) -> tuple[Array, Array]:
 
 def site_longitude(at: Circumstances) -> tuple[Array, Array]:
     """Return the offset for each radian of true minus assumed longitude, east positive."""
-    return stack(at, _hour_angle_shift(at))
+    return stack(at, hour_angle_shift(at))
 
 
 def clock(at: Circumstances) -> tuple[Array, Array]:
     """Return the offset for each radian of true minus assumed hour angle."""
-    return stack(at, _hour_angle_shift(at))
+    return stack(at, hour_angle_shift(at))
+
+
+def _omitted_ut1(at: Circumstances) -> tuple[Array, Array]:
+    """Return the offset of a clock that keeps UTC for UT1, as the Earth really turned."""
+    seconds = ut1_minus_utc(at)
+    x, y = hour_angle_shift(at)
+    return stack(at, (seconds * x, seconds * y))
+
+
+def _clock(basis: Basis, coefficient: Coefficient, variant: str) -> Effect:
+    return Effect(
+        "clock",
+        "the clock, or UT1-UTC, is wrong: every hour angle is shifted",
+        _SMART,
+        (coefficient,),
+        basis,
+        common="array",
+        variant=variant,
+        profile=_clocks,
+        needs=("latitude_deg",),
+        formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
+    )
+
+
+def _constant_clock() -> Effect:
+    return _clock(clock, Coefficient("clock_error", "s", 15 * ARCSEC), "constant")
+
+
+def _clocks(at: Circumstances) -> tuple[Effect, ...]:
+    """Return a constant error and, where it changed enough to show, UT1-UTC left out."""
+    constant = _constant_clock()
+    try:
+        seconds = ut1_minus_utc(at)
+    except MissingColumn:
+        return (constant,)
+    if np.nanstd(seconds) < CHANGED * np.sqrt(np.nanmean(seconds**2)):
+        return (constant,)
+    share = Coefficient("share_of_ut1_utc", "", 15 * ARCSEC, expected=1.0)
+    return constant, _clock(_omitted_ut1, share, "UT1-UTC left out")
 
 
 EFFECTS = (
@@ -39,6 +75,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("latitude_error"),),
         site_latitude,
+        formula=("d sin E sin A", "d cos A"),
     ),
     Effect(
         "site_longitude",
@@ -46,13 +83,8 @@ EFFECTS = (
         _SMART,
         (Coefficient("longitude_error"),),
         site_longitude,
+        needs=("latitude_deg",),
+        formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
     ),
-    Effect(
-        "clock",
-        "the clock, or UT1-UTC, is wrong: every hour angle is shifted",
-        _SMART,
-        (Coefficient("clock_error", "s", 15 * np.pi / 648000),),
-        clock,
-        common="array",
-    ),
+    _constant_clock(),
 )

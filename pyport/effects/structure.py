@@ -6,13 +6,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.angles import DEG, Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
 
 Edge = Callable[[Array], Array]
 
+#: So many straight edges are tried in elevation, and in azimuth: a first guess of the curve.
+MOST_EDGES = 9
 
-def subreflector_jump(edge: Edge, name: str) -> Effect:
+
+def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> Effect:
     """Return a step in elevation above a curve in the sky.
 
     Parameters
@@ -21,6 +24,8 @@ def subreflector_jump(edge: Edge, name: str) -> Effect:
         Azimuth (from north through east, unwrapped) -> elevation of the curve [rad].
     name
         What to call this curve in a report.
+    parameter
+        Where a straight edge stands [rad].
     """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -33,7 +38,34 @@ def subreflector_jump(edge: Edge, name: str) -> Effect:
         (Coefficient("jump"),),
         basis,
         variant=name,
+        profile=_straight_edges,
+        formula=("", "j above a curve in the sky"),
+        parameter=parameter,
     )
 
 
-EFFECTS: tuple[Effect, ...] = ()
+def _above(el: float) -> Effect:
+    name = f"above elevation {el / DEG:.1f} deg"
+    return subreflector_jump(lambda az: np.full(len(az), el), name, el)
+
+
+def _beyond(az: float) -> Effect:
+    name = f"beyond azimuth {az / DEG:.1f} deg"
+    return subreflector_jump(lambda there: np.where(there >= az, -np.inf, np.inf), name, az)
+
+
+def _straight_edges(at: Circumstances) -> tuple[Effect, ...]:
+    """Return steps at straight edges, with a tenth of the rows between one and the next."""
+    shares = np.arange(1, MOST_EDGES + 1) / (MOST_EDGES + 1)
+    found = [
+        make(float(value))
+        for make, where in ((_above, at.el), (_beyond, at.az))
+        for value in np.unique(np.quantile(where, shares))
+        if where.min() < value
+    ]
+    if not found:
+        raise MissingColumn("a second direction")
+    return tuple(found)
+
+
+EFFECTS = (_above(60 * DEG),)

@@ -1,0 +1,175 @@
+"""Astrometry left out: how far the sky truly stands from where it was computed to stand.
+
+Each basis is the apparent place less the place that a steering program computes
+when it leaves that one effect out, so where physics is all there is the
+coefficient comes out as the constant of nature, or as one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import ARCSEC, Array
+from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, stack
+from pyport.effects.celestial import (
+    TT_MINUS_UTC_DAYS,
+    UNIX_EPOCH_JD,
+    days,
+    earth_velocity,
+    from_sky,
+    hour_angle_shift,
+    project,
+    to_ground,
+    turned,
+)
+from pyport.effects.orientation import pole
+
+_SUPPLEMENT = "Urban & Seidelmann 2013, Explanatory Supplement to the Astronomical Almanac"
+_LEW = "Lew 2018, improving the RT32's pointing precision"
+_WHERE_AND_WHEN = ("time_utc", "latitude_deg", "longitude_deg")
+
+#: Constant of aberration [arcsec], and of diurnal aberration: the equator's speed over light's.
+KAPPA_ARCSEC = 20.49551
+DIURNAL_ARCSEC = 0.3200
+#: Epochs whose equinox coordinates are kept for, as Julian dates (TT).
+EPOCHS_JD = {"J2000": 2451545.0, "B1950": 2433282.42345905}
+
+
+def annual_aberration(at: Circumstances) -> tuple[Array, Array]:
+    """Return the shift toward where the Earth is moving, one for the mean speed of the orbit."""
+    velocity = from_sky(at, earth_velocity(at))
+    return stack(at, project(at, velocity / (KAPPA_ARCSEC * ARCSEC)))
+
+
+def diurnal_aberration(at: Circumstances) -> tuple[Array, Array]:
+    """Return the shift toward the east, where the site is carried: cos phi of the equator's."""
+    speed = np.cos(at.latitude())
+    x = speed * np.cos(at.az)
+    return stack(at, (x, -speed * np.sin(at.az) * np.sin(at.el)))
+
+
+def polar_motion(at: Circumstances) -> tuple[Array, Array]:
+    """Return the shift by the pole's x_p, y_p of each day."""
+    import erfa
+
+    x_p, y_p = pole(at)
+    return stack(at, turned(at, erfa.pom00(x_p * ARCSEC, y_p * ARCSEC, 0.0)))
+
+
+def _nutation(variant: str, *, apparent_time: bool) -> Effect:
+    """Return nutation left out of the coordinates, and of sidereal time unless `apparent_time`."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        import erfa
+
+        utc = days(at)
+        date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
+        in_longitude, in_obliquity = erfa.nut00b(*date)
+        obliquity = erfa.obl06(*date)
+        matrix = erfa.numat(obliquity, in_longitude, in_obliquity)
+        mean = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
+        apparent = mean + erfa.ee00(*date, obliquity, in_longitude)
+        kept = apparent if apparent_time else mean
+        return stack(at, turned(at, _spin(apparent) @ matrix @ _spin(-kept)))
+
+    return Effect(
+        "nutation",
+        "nutation was left out of the positions",
+        _LEW,
+        (Coefficient("nutation", "", 1.0, expected=1.0),),
+        basis,
+        common="array",
+        variant=variant,
+        profile=lambda _: NUTATIONS,
+        needs=_WHERE_AND_WHEN,
+        formula=("shift of the pole and equinox,", "by ERFA (IAU 2000B)"),
+    )
+
+
+#: With mean sidereal time nutation in longitude hardly shows; with the apparent one it does whole.
+NUTATIONS = (
+    _nutation("mean sidereal time", apparent_time=False),
+    _nutation("apparent sidereal time", apparent_time=True),
+)
+
+
+def _precession(epoch: str) -> Effect:
+    """Return precession left out: coordinates of an epoch taken for those of date."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        import erfa
+
+        utc = days(at)
+        date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
+        since = erfa.bp06(*date)[1] @ erfa.bp06(EPOCHS_JD[epoch], 0.0)[1].T
+        turn = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
+        return stack(at, turned(at, _spin(turn) @ since @ _spin(-turn)))
+
+    return Effect(
+        "precession",
+        "precession was left out: coordinates of another epoch were taken for those of date",
+        _SUPPLEMENT,
+        (Coefficient("precession", "", 1.0, expected=1.0),),
+        basis,
+        common="array",
+        variant=f"from {epoch}",
+        profile=lambda _: tuple(map(_precession, EPOCHS_JD)),
+        needs=_WHERE_AND_WHEN,
+        formula=("turn of the pole and equinox since J2000,", "by ERFA (IAU 2006)"),
+    )
+
+
+def _spin(angle: Array) -> Array:
+    """Return the rotations about the pole by sidereal time, from the sky to the Earth."""
+    import erfa
+
+    return erfa.rz(angle, np.eye(3))
+
+
+def parallactic(at: Circumstances) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Return (x, y) of a step of one radian eastward, and of one northward, on the sky.
+
+    At the pole itself east and north mean nothing and the steps are zero.
+    """
+    west_x, west_y = hour_angle_shift(at)
+    length = np.hypot(west_x, west_y)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        east_x, east_y = np.where(length > 0, (-west_x / length, -west_y / length), 0.0)
+    return (east_x, east_y), (east_y, -east_x)
+
+
+def _fixed(
+    identity: str, sentence: str, basis: Basis, coefficient: Coefficient, **more: tuple[str, ...]
+) -> Effect:
+    """Return an effect of the sky with one coefficient that physics fixes."""
+    return Effect(identity, sentence, _SUPPLEMENT, (coefficient,), basis, common="array", **more)
+
+
+EFFECTS = (
+    _fixed(
+        "polar_motion",
+        "the wandering of the pole was left out",
+        polar_motion,
+        Coefficient("polar_motion", "", 1.0, expected=1.0),
+        needs=_WHERE_AND_WHEN,
+        formula=("x_p, y_p of the IERS turned to the site,", "by ERFA"),
+    ),
+    _fixed(
+        "annual_aberration",
+        "aberration by the Earth's motion about the Sun was left out",
+        annual_aberration,
+        Coefficient("kappa", expected=KAPPA_ARCSEC),
+        needs=_WHERE_AND_WHEN,
+        formula=("kappa (V / V0) . e_A", "kappa (V / V0) . e_E, V the Earth's velocity by ERFA"),
+    ),
+    _fixed(
+        "diurnal_aberration",
+        "aberration by the Earth's spin was left out",
+        diurnal_aberration,
+        Coefficient("diurnal_aberration", expected=DIURNAL_ARCSEC),
+        needs=("latitude_deg",),
+        formula=("k cos phi cos A", "-k cos phi sin A sin E"),
+    ),
+    NUTATIONS[0],
+    _precession("J2000"),
+)

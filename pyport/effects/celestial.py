@@ -1,0 +1,109 @@
+"""The sky over a site: where the pole, the Sun and the Earth's motion stand, by ERFA.
+
+Vectors on the ground have the components north, east and up. Effects are small
+and go by slopes: half a second of UT1 turns none of them by more than 1e-4 of
+itself, a minute of TT by far less, so neither UT1-UTC nor leap seconds enter
+unless they are the effect.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances
+
+#: The Unix epoch as a Julian date, and TT - UTC since 1999 to 5 s.
+UNIX_EPOCH_JD = 2440587.5
+TT_MINUS_UTC_DAYS = 67.0 / 86400
+
+#: Speed of light [au/day].
+LIGHT_AU_PER_DAY = 173.1446326847
+
+
+def days(at: Circumstances, later_s: float = 0.0) -> Array:
+    """Return UTC [days since the Unix epoch], NaN where unknown."""
+    return (at.numbers("time") + later_s) / 86400
+
+
+def axes(at: Circumstances) -> tuple[Array, Array, Array]:
+    """Return unit vectors across, along elevation, and of the direction itself, (n, 3) each."""
+    sin_a, cos_a, sin_e, cos_e = np.sin(at.az), np.cos(at.az), np.sin(at.el), np.cos(at.el)
+    across = np.stack([-sin_a, cos_a, np.zeros_like(sin_a)], axis=1)
+    along = np.stack([-sin_e * cos_a, -sin_e * sin_a, cos_e], axis=1)
+    return across, along, np.stack([cos_e * cos_a, cos_e * sin_a, sin_e], axis=1)
+
+
+def project(at: Circumstances, shift: Array) -> tuple[Array, Array]:
+    """Return (x, y) of a small displacement on the ground, shape (n, 3), of what is pointed at."""
+    across, along, _ = axes(at)
+    return np.sum(across * shift, axis=1), np.sum(along * shift, axis=1)
+
+
+def turned(at: Circumstances, matrix: Array) -> tuple[Array, Array]:
+    """Return (x, y) of turning the Earth-fixed sky by matrices of shape (n, 3, 3)."""
+    ground = to_ground(at)
+    direction = axes(at)[2]
+    there = np.einsum("nij,nj->ni", matrix, direction @ ground) @ ground.T
+    return project(at, there - direction)
+
+
+def to_ground(at: Circumstances) -> Array:
+    """Return the matrix from Earth-fixed axes to north, east, up, shape (3, 3)."""
+    phi, lam = at.latitude(), at.longitude()
+    return np.array(
+        [
+            [-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)],
+            [-np.sin(lam), np.cos(lam), 0.0],
+            [np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)],
+        ]
+    )
+
+
+def from_sky(at: Circumstances, vector: Array, later_s: float = 0.0) -> Array:
+    """Return celestial (J2000) vectors, shape (n, 3), on the ground at the time of each row."""
+    import erfa
+
+    utc = days(at, later_s)
+    earth = erfa.c2t00b(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS, UNIX_EPOCH_JD, utc, 0.0, 0.0)
+    return np.einsum("nij,nj->ni", earth, vector) @ to_ground(at).T
+
+
+def earth_velocity(at: Circumstances) -> Array:
+    """Return the Earth's barycentric velocity over that of light, celestial axes, shape (n, 3)."""
+    import erfa
+
+    utc, row = np.unique(days(at), return_inverse=True)
+    _, barycentric = erfa.epv00(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS)
+    return (barycentric["v"] / LIGHT_AU_PER_DAY)[row]
+
+
+def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
+    """Return azimuth and elevation of the Sun [rad] as they were `lag_s` seconds ago.
+
+    To a minute of arc: what a structure feels.
+    """
+    import erfa
+
+    utc, row = np.unique(days(at, -lag_s), return_inverse=True)
+    heliocentric = erfa.plan94(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS, 3)["p"]
+    north, east, up = from_sky(at, -heliocentric[row], -lag_s).T
+    return np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
+
+
+def hour_angle_shift(at: Circumstances) -> tuple[Array, Array]:
+    """Return (x, y) of one radian added to the hour angle.
+
+    Per second of time it is the speed of the sidereal sky across the axes; its
+    length is cos Dec.
+    """
+    phi = at.latitude()
+    x = np.sin(phi) * np.cos(at.el) - np.cos(phi) * np.sin(at.el) * np.cos(at.az)
+    return x, np.cos(phi) * np.sin(at.az)
+
+
+def hour_angle(at: Circumstances) -> Array:
+    """Return the hour angle pointed at [rad, positive west]."""
+    phi = at.latitude()
+    toward_equator = np.cos(phi) * np.sin(at.el) - np.sin(phi) * np.cos(at.el) * np.cos(at.az)
+    return np.arctan2(-np.cos(at.el) * np.sin(at.az), toward_equator)

@@ -1,0 +1,51 @@
+"""The azimuth track: what a rail that is neither level nor round does to both axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.encoders import HARMONICS, need_azimuths
+
+
+def azimuth_track(k: int) -> Effect:
+    """Return the k-th harmonic of a rail: F2 sin E - F1 cos E across, F3 along elevation.
+
+    At each azimuth the mount is twisted by F1 about the vertical, leans by F2
+    sideways and by F3 backwards; each is a wave (sin kA, cos kA). k = 1 is a tilt.
+    """
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        sin_e, cos_e = np.sin(at.el), np.cos(at.el)
+        waves = np.sin(k * at.az), np.cos(k * at.az)
+        return stack(
+            at,
+            *[(-cos_e * wave, 0) for wave in waves],
+            *[(sin_e * wave, 0) for wave in waves],
+            *[(0, wave) for wave in waves],
+        )
+
+    return Effect(
+        "azimuth_track",
+        "the azimuth rail is not level or not round: the mount rocks as it goes round",
+        "Lew 2018, improving the RT32's pointing precision (rail irregularities)",
+        tuple(
+            Coefficient(f"track_{motion}_{phase}")
+            for motion in ("twist", "roll", "pitch")
+            for phase in ("sine", "cosine")
+        ),
+        basis,
+        variant=f"k = {k}",
+        profile=_tracks,
+        formula=("F2(A) sin E - F1(A) cos E", "F3(A), each F = s sin kA + c cos kA, k >= 2"),
+        parameter=k,
+    )
+
+
+def _tracks(at: Circumstances) -> tuple[Effect, ...]:
+    need_azimuths(at)
+    return tuple(map(azimuth_track, HARMONICS))
+
+
+EFFECTS = (azimuth_track(2),)

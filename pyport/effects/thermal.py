@@ -1,0 +1,127 @@
+"""Weather on the structure: the Sun's heat, the air's temperature, the wind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.celestial import sun
+
+_GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
+_WIND = "Mangum et al. 2006, PASP 118, 1257: wind on antennas in the open"
+
+#: A structure may follow the Sun so many hours late.
+LAGS_H = (1, 2, 3)
+#: Wind speed that the coefficient of `wind_tilt` is told for [m/s].
+REFERENCE_WIND_M_S = 10.0
+
+
+def lean(at: Circumstances, toward: Array, size: Array | float = 1.0) -> tuple[Array, Array]:
+    """Return (x, y) of an azimuth axis that leans by `size` toward an azimuth [rad]."""
+    relative = at.az - toward
+    return size * np.sin(at.el) * np.sin(relative), size * np.cos(relative)
+
+
+def _sun(at: Circumstances, lag_h: int) -> tuple[Array, Array | None]:
+    """Return azimuth and elevation of the Sun, as recorded where they were, else by ERFA."""
+    if lag_h == 0 and "sun_az" in at:
+        return at.numbers("sun_az"), at.numbers("sun_el") if "sun_el" in at else None
+    if lag_h == 0 and "time" not in at:
+        raise MissingColumn("sun_az_deg or time_utc")
+    return sun(at, lag_h * 3600.0)
+
+
+def _thermal_tilt(lag_h: int = 0, *, by_day: bool = False) -> Effect:
+    """Return a lean away from where the Sun was some hours ago, at all times or by day only."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        sun_az, sun_el = _sun(at, lag_h)
+        heat = np.where(sun_el > 0, 1.0, 0.0) if by_day and sun_el is not None else 1.0
+        return stack(at, lean(at, sun_az + np.pi, heat))
+
+    late = f", {lag_h} h late" if lag_h else ""
+    return Effect(
+        "thermal_tilt",
+        "the side that the Sun heats grows: the telescope leans away from the Sun",
+        _GREVE,
+        (Coefficient("thermal_tilt"),),
+        basis,
+        variant=f"while the Sun is up{late}" if by_day else "day and night",
+        profile=_thermal_tilts,
+        needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
+        formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
+        parameter=lag_h * 3600.0,
+    )
+
+
+def _thermal_tilts(at: Circumstances) -> tuple[Effect, ...]:
+    """Return a lean at all times and, where day is told from night, by day: at once and late."""
+    _, sun_el = _sun(at, 0)
+    always = _thermal_tilt()
+    by_day = () if sun_el is None or np.all(sun_el > 0) else (_thermal_tilt(by_day=True),)
+    if "time" not in at or at.site is None or at.site.longitude is None:
+        return always, *by_day
+    return always, *by_day, *(_thermal_tilt(lag, by_day=True) for lag in LAGS_H)
+
+
+#: Through which term a temperature acts: its name, and what it looks like across and along.
+_THROUGH: dict[str, Callable[[Circumstances], Array | float]] = {
+    "the same everywhere": lambda _: 1.0,
+    "as cos E": lambda at: np.cos(at.el),
+    "as sin E": lambda at: np.sin(at.el),
+}
+
+
+def _temperature(through: str, reference_c: float | None = None) -> Effect:
+    """Return offsets proportional to the temperature above a reference, the mean by default."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        celsius = at.numbers("temperature_c")
+        excess = celsius - (np.nanmean(celsius) if reference_c is None else reference_c)
+        size = excess * _THROUGH[through](at)
+        return stack(at, (size, 0), (0, size))
+
+    return Effect(
+        "temperature",
+        "the offsets follow the temperature of the air",
+        _GREVE,
+        (
+            Coefficient("temperature_xel", "arcsec/K"),
+            Coefficient("temperature_el", "arcsec/K"),
+        ),
+        basis,
+        variant=through,
+        profile=_temperatures,
+        needs=("temperature_c",),
+        formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
+    )
+
+
+def _temperatures(at: Circumstances) -> tuple[Effect, ...]:
+    """Return every way that a temperature may act, above the mean of these recordings."""
+    reference_c = float(np.nanmean(at.numbers("temperature_c")))
+    return tuple(_temperature(through, reference_c) for through in _THROUGH)
+
+
+def wind_tilt(at: Circumstances) -> tuple[Array, Array]:
+    """Return a lean downwind that grows as the square of the wind, from where `wind_az` says."""
+    pressure = (at.numbers("wind_speed_m_s") / REFERENCE_WIND_M_S) ** 2
+    return stack(at, lean(at, at.numbers("wind_az") + np.pi, pressure))
+
+
+EFFECTS = (
+    _thermal_tilt(),
+    _temperature("the same everywhere"),
+    Effect(
+        "wind_tilt",
+        "the wind pushes the telescope over",
+        _WIND,
+        (Coefficient("wind_tilt_at_10_m_s"),),
+        wind_tilt,
+        needs=("wind_speed_m_s", "wind_az_deg"),
+        formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 = A_wind + 180 deg"),
+    ),
+)
