@@ -98,10 +98,10 @@ def _hold_in_line(found: list[Cell], hour_angle: Array) -> None:
     expected = expected_offsets(
         offset,
         np.isfinite(offset).astype(float),
-        np.repeat(hour_angle / HOUR, 2),
-        direction,
-        scan,
-        np.zeros(slots),
+        hour_angle_h=np.repeat(hour_angle / HOUR, 2),
+        direction=direction,
+        scan=scan,
+        stretch=np.zeros(slots),
     )
     for cell in good:
         slot = 2 * cell.scan - 2 + CHANNELS_MHZ.index(cell.channel or 0)

@@ -25,6 +25,7 @@ ENOUGH = 4
 def expected_offsets(
     offset: Array,
     weight: Array,
+    *,
     hour_angle_h: Array,
     direction: Array,
     scan: NDArray[Any],

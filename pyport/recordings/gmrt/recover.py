@@ -94,10 +94,10 @@ def recover(table: Numbers) -> Recovered:
         expected = expected_offsets(
             offset,
             weight,
-            table.hour_angle_h,
-            table.direction,
-            table.scan,
-            table.stretch,
+            hour_angle_h=table.hour_angle_h,
+            direction=table.direction,
+            scan=table.scan,
+            stretch=table.stretch,
         )
         spread = _spread(offset, expected)
         good = (1 - failing) * _likelihood(table.offset, expected, spread)
