@@ -38,7 +38,7 @@ format: $(BIN)/tox
 golden: $(BIN)/pyport
 	@sh .ci/install-gfortran
 	$(BIN)/python -m pip install --quiet ./legacy_fortran
-	$(BIN)/python -m pyport.parity.stored
+	$(BIN)/python -m pyport.parity.golden
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport

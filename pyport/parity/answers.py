@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import os
 from types import ModuleType
 
 import numpy as np
 
-from pyport import legacy
+from pyport import legacy, pointing
 from pyport.angles import DEG
 from pyport.errors import BadInput
 from pyport.parity.points import Points, Real4
@@ -50,7 +50,8 @@ def of_oracle(oracle: ModuleType, at: Points, *, promoted: bool = False) -> Real
             oracle.hjump(at.az, at.alt, promoted=promoted),
         ]
     )
-    return answers.astype(np.float32)
+    with np.errstate(over="ignore"):  # what REAL*8 holds may be infinite in REAL*4
+        return answers.astype(np.float32)
 
 
 def of_legacy(at: Points) -> Real4:
@@ -63,22 +64,16 @@ def of_legacy(at: Points) -> Real4:
     return answers
 
 
-def of_pointing(at: Points) -> Real4 | None:
-    """Return what the vectorised port answers, rounded to REAL*4, shape (n, 5).
-
-    None in a tree that has no vectorised port.
-    """
-    if importlib.util.find_spec("pyport.pointing.exact") is None:
-        return None
-    from pyport import pointing
-
+def of_pointing(at: Points) -> Real4:
+    """Return what the vectorised port answers, rounded to REAL*4, shape (n, 5)."""
     answers = np.empty((len(at), len(OUTPUTS)))
     az, alt = at.az.astype(float), at.alt.astype(float)
-    for number, p in enumerate(at.parameters * DEG):
-        here = at.which == number
-        exact = pointing.exact_offsets(az[here], alt[here], p)
-        approximate = pointing.approximate_offsets(az[here], alt[here], p)
-        answers[here, :4] = np.column_stack([*exact, *approximate]) / DEG
-    jumped = pointing.has_jumped(az, alt).astype(float)
-    answers[:, 4] = np.where(alt < 0, pointing.jump_altitude(az) / DEG, jumped)
-    return answers.astype(np.float32)
+    with np.errstate(all="ignore"):  # the edges hold infinities, at which nothing is promised
+        for number, p in enumerate(at.parameters.astype(float) * DEG):
+            here = at.which == number
+            exact = pointing.exact_offsets(az[here], alt[here], p)
+            approximate = pointing.approximate_offsets(az[here], alt[here], p)
+            answers[here, :4] = np.column_stack([*exact, *approximate]) / DEG
+        jumped = pointing.has_jumped(az, alt).astype(float)
+        answers[:, 4] = np.where(alt < 0, pointing.jump_altitude(az) / DEG, jumped)
+        return answers.astype(np.float32)

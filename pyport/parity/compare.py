@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.parity.answers import OUTPUTS
 from pyport.parity.points import Points, Real4
@@ -37,12 +38,25 @@ class Worst:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How one output of one routine compares: counts of distances [ulp of REAL*4]."""
+    """How one output of one routine compares.
+
+    Attributes
+    ----------
+    routine, output
+        Which of ``OUTPUTS``.
+    counts
+        Distance [ulp of REAL*4] -> number of points; by powers of two from ``EXACT_BELOW`` on.
+    worst
+        The input that is farthest off, None where all answers are equal.
+    arcsec
+        The greatest distance on the sky [arcsec], of azimuths times the cosine of altitude.
+    """
 
     routine: str
     output: str
     counts: Counter[int]
     worst: Worst | None
+    arcsec: float
 
     @property
     def points(self) -> int:
@@ -51,7 +65,7 @@ class Comparison:
 
     @property
     def differing(self) -> int:
-        """The number of points whose answers are not equal bit for bit."""
+        """The number of points whose answers are not equal."""
         return self.points - self.counts[0]
 
     @property
@@ -70,8 +84,13 @@ class Comparison:
 
     def __add__(self, other: Comparison) -> Comparison:
         """Return the comparison over both sets of points."""
-        worse = other.worst if other.most > self.most else self.worst
-        return Comparison(self.routine, self.output, self.counts + other.counts, worse)
+        return Comparison(
+            self.routine,
+            self.output,
+            self.counts + other.counts,
+            other.worst if other.most > self.most else self.worst,
+            max(self.arcsec, other.arcsec),
+        )
 
     def __str__(self) -> str:
         """Say routine, output, differing points, distance and the worst input in one line."""
@@ -90,31 +109,54 @@ def distance_text(distance: int) -> str:
     return "NaN or infinity against a number" if distance == UNLIKE else f"{distance} ulp"
 
 
-def compare(expected: Real4, actual: Real4, at: Points) -> list[Comparison]:
-    """Compare answers of shape (n, 5) column by column, in the order of ``OUTPUTS``."""
+def compare(
+    expected: Real4, actual: Real4, at: Points, distances: NDArray[np.int64] | None = None
+) -> list[Comparison]:
+    """Compare answers of shape (n, 5) column by column, in the order of ``OUTPUTS``.
+
+    Parameters
+    ----------
+    expected, actual
+        The answers.
+    at
+        The points.
+    distances
+        What to count, shape (n, 5); the distances of the answers [ulp] unless given.
+    """
+    distances = ulps(expected, actual) if distances is None else distances
     return [
-        _compare_one(output, expected[:, k], actual[:, k], at) for k, output in enumerate(OUTPUTS)
+        _compare_one(output, expected[:, k], actual[:, k], at, distances[:, k])
+        for k, output in enumerate(OUTPUTS)
     ]
 
 
-def _compare_one(output: tuple[str, str], expected: Real4, actual: Real4, at: Points) -> Comparison:
-    distances = ulps(expected, actual)
+def _compare_one(
+    output: tuple[str, str],
+    expected: Real4,
+    actual: Real4,
+    at: Points,
+    distances: NDArray[np.int64],
+) -> Comparison:
     counts: Counter[int] = Counter()
     values, numbers = np.unique(distances, return_counts=True)
     for value, number in zip(values.tolist(), numbers.tolist(), strict=True):
         counts[_bin(value)] += number
-    worst = None
-    if distances.any():
-        i = int(np.argmax(distances))
-        worst = Worst(
-            az=hexadecimal(at.az[i]),
-            alt=hexadecimal(at.alt[i]),
-            p=tuple(hexadecimal(value) for value in at.parameters[at.which[i]]),
-            expected=hexadecimal(expected[i]),
-            actual=hexadecimal(actual[i]),
-            distance=int(distances[i]),
-        )
-    return Comparison(*output, counts, worst)
+    if not distances.any():
+        return Comparison(*output, counts, None, 0.0)
+    i = int(np.argmax(distances))
+    worst = Worst(
+        az=hexadecimal(at.az[i]),
+        alt=hexadecimal(at.alt[i]),
+        p=tuple(hexadecimal(value) for value in at.parameters[at.which[i]]),
+        expected=hexadecimal(expected[i]),
+        actual=hexadecimal(actual[i]),
+        distance=int(distances[i]),
+    )
+    apart = (distances > 0) & np.isfinite(expected) & np.isfinite(actual)
+    arcsec = np.abs(actual[apart].astype(float) - expected[apart]) * 3600
+    if output[1] == "azimuth":
+        arcsec *= np.abs(np.cos(at.alt[apart].astype(float)))
+    return Comparison(*output, counts, worst, float(arcsec.max(initial=0)))
 
 
 def _bin(distance: int) -> int:

@@ -83,10 +83,10 @@ def _blind_spot(az: list[float]) -> list[Points]:
 def _tilted_zenith() -> list[Points]:
     """Return the mount's own zenith and its neighbours: the arcsine's argument may pass 1."""
     result = []
-    for xi, zeta in ((0.001393, -0.000304), (0.5, 0.25), (-0.3, 0.0)):
+    for xi, zeta in ((0.001393, -0.000304), (0.5, 0.25), (-0.3, 0.0), (0.1944147, 0.22395763)):
         tilt = math.hypot(xi, zeta) * DEG
-        az = around(math.atan2(zeta, xi), 2)
-        result.append(product(az, around(math.pi / 2 - tilt, 2), _model3_with({5: xi, 6: zeta})))
+        az, alt = around(math.atan2(zeta, xi), 2), around(math.pi / 2 - tilt, 2)
+        result.append(product(az, alt, _model3_with({5: xi, 6: zeta})))
     return result
 
 

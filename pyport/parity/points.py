@@ -3,33 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG
+from pyport.pointing import PARAMETERS, jump_altitude
 
 Real4 = NDArray[np.float32]
 
-#: Model3 as printed, p1 to p12 [deg]: RT32 Pointing Model (2004), Data analysis.
-MODEL3_DEG = np.array(
-    [
-        -0.049282,
-        -0.059632,
-        0.009452,
-        -0.013255,
-        0.001393,
-        -0.000304,
-        0.031273,
-        0.011458,
-        -0.011751,
-        0.004539,
-        0.004291,
-        -0.020392,
-    ],
-    dtype=np.float32,
-)
+#: Model3 as printed, p1 to p12 [deg].
+MODEL3_DEG = np.array([one.printed_deg for one in PARAMETERS], dtype=float).astype(np.float32)
 
 TABLE_AZ_DEG = np.arange(-270, 271)
 TABLE_ZD_DEG = np.arange(-5, 90)
@@ -57,10 +42,14 @@ class Points:
         """The twelve parameters at each point [deg], shape (n, 12)."""
         return self.parameters[self.which]
 
-    def part(self, which: slice) -> Points:
+    def part(self, which: slice | NDArray[np.bool_]) -> Points:
         """Return some of the points, with those parameters that they use."""
         used, renumbered = np.unique(self.which[which], return_inverse=True)
         return Points(self.az[which], self.alt[which], self.parameters[used], renumbered)
+
+    def moved(self, az: Real4 | None = None, alt: Real4 | None = None) -> Points:
+        """Return the points with other azimuths or altitudes [rad]."""
+        return replace(self, az=self.az if az is None else az, alt=self.alt if alt is None else alt)
 
 
 def points(az: ArrayLike, alt: ArrayLike, p: ArrayLike) -> Points:
@@ -110,8 +99,9 @@ def random(n: int, seed: int | list[int]) -> Points:
 def _near_branches(az: Real4, rng: np.random.Generator) -> tuple[Real4, Real4]:
     """Return points within a few hundred ulp of the zenith, horizon, curve and azimuth zero."""
     n = len(az)
-    curve = np.where(az <= 0, 65 + 7 * np.cos(az / 2), 55 + ((az / DEG - 95) / 90) ** 2 * 15)
-    alt = np.choose(rng.integers(0, 3, n), [np.full(n, math.pi / 2), np.zeros(n), curve * DEG])
+    alt = np.choose(
+        rng.integers(0, 3, n), [np.full(n, math.pi / 2), np.zeros(n), jump_altitude(az)]
+    )
     az = np.where(rng.random(n) < 0.1, np.float32(0), az)
     return _nudged(az, rng), _nudged(alt, rng)
 

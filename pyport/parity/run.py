@@ -3,38 +3,108 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
 from typing import Any
 
-from pyport.parity import points, stored
+from pyport.parity import points, promise, stored
 from pyport.parity.answers import find_oracle, of_legacy, of_oracle, of_pointing
 from pyport.parity.compare import Comparison, compare
 from pyport.parity.edges import edges
+from pyport.parity.golden import describe
 from pyport.parity.points import Points, Real4
+from pyport.parity.spread import spread
 from pyport.progress import track
 
+#: Points that one process takes at a time.
 CHUNK = 5000
 
 
 @dataclass(frozen=True)
+class Held:
+    """Both ports held to the oracle at some points; comparisons in the order of ``OUTPUTS``.
+
+    Attributes
+    ----------
+    legacy
+        The statement-by-statement port, which is to be equal bit for bit.
+    pointing
+        The vectorised port, where it promises anything.
+    beyond
+        The same, counting only what goes beyond the oracle's own spread and is not in the ledger.
+    explained
+        Entry of the ledger -> number of answers beyond the promise that it explains.
+    """
+
+    legacy: list[Comparison]
+    pointing: list[Comparison]
+    beyond: list[Comparison]
+    explained: Counter[str]
+
+    def __add__(self, other: Held) -> Held:
+        """Return the same over both sets of points."""
+        return Held(
+            [add(*pair) for pair in zip(self.legacy, other.legacy, strict=True)],
+            [add(*pair) for pair in zip(self.pointing, other.pointing, strict=True)],
+            [add(*pair) for pair in zip(self.beyond, other.beyond, strict=True)],
+            Counter({k: self.explained[k] + other.explained[k] for k in self.explained}),
+        )
+
+
+@dataclass(frozen=True)
 class Parity:
-    """The ports against the oracle, five comparisons a port in the order of ``OUTPUTS``."""
+    """What `pyport parity` found.
+
+    Attributes
+    ----------
+    source
+        "live" when the compiled routines were asked, "stored" for their answers on paper.
+    provenance
+        Sources, compiler, flags, C library of the oracle.
+    points
+        Set of points -> number.
+    held
+        Both ports over all of them.
+    table_azimuths_differing
+        Azimuths of the whole table at which the legacy port leaves the stored answers.
+    """
 
     source: str
     provenance: dict[str, Any]
     points: dict[str, int]
-    legacy: list[Comparison]
-    pointing: list[Comparison] | None
+    held: Held
     table_azimuths_differing: int
 
     @property
-    def holds(self) -> bool:
-        """Whether the legacy port is the published program, bit for bit, wherever it was asked."""
-        return self.table_azimuths_differing == 0 and not any(c.differing for c in self.legacy)
+    def bit_for_bit(self) -> bool:
+        """Whether the legacy port is the published program wherever it was asked."""
+        return self.table_azimuths_differing == 0 and not any(
+            comparison.differing for comparison in self.held.legacy
+        )
+
+    @property
+    def promise_kept(self) -> bool:
+        """Whether the vectorised port keeps its promise."""
+        return promise.kept([comparison.most for comparison in self.held.beyond])
+
+
+def hold(at: Points, expected: Real4, own_spread: Real4, legacy: Real4, pointing: Real4) -> Held:
+    """Compare both ports' answers with the oracle's, all of shape (n, 5)."""
+    inside = promise.promised(at)
+    there = at.part(inside)
+    apart = promise.distances(expected[inside], pointing[inside])
+    left, explained = promise.beyond(
+        expected[inside], pointing[inside], own_spread[:, inside], there
+    )
+    return Held(
+        compare(expected, legacy, at),
+        compare(expected[inside], pointing[inside], there, apart),
+        compare(expected[inside], pointing[inside], there, left),
+        Counter(explained),
+    )
 
 
 def run(random_points: int = 20_000, seed: int = 0, jobs: int | None = None) -> Parity:
@@ -52,39 +122,27 @@ def run(random_points: int = 20_000, seed: int = 0, jobs: int | None = None) -> 
     oracle = find_oracle()
     if oracle is None:
         return _run_stored()
-    chunks = [(name, i, CHUNK) for name in ("table", "edges") for i in range(_chunks(_named(name)))]
-    whole, rest = divmod(random_points, CHUNK)
-    chunks += [(f"random {seed}", i, CHUNK) for i in range(whole)]
-    chunks += [(f"random {seed}", whole, rest)] if rest else []
-    results = list(track(_map(chunks, jobs), "parity", total=len(chunks)))
-    legacy = _total([legacy for legacy, _ in results])
-    pointing = _total([part for _, part in results if part])
-    return Parity(
-        source="live",
-        provenance=stored.describe(oracle),
-        points={
-            "table": len(points.table()),
-            "edges": len(edges()),
-            "random": random_points,
-        },
-        legacy=legacy,
-        pointing=pointing or None,
-        table_azimuths_differing=_azimuths_differing(),
-    )
+    sizes = {"table": len(points.table()), "edges": len(edges()), "random": random_points}
+    chunks = [
+        (name, seed, start, min(start + CHUNK, size))
+        for name, size in sizes.items()
+        for start in range(0, size, CHUNK)
+    ]
+    with ProcessPoolExecutor(jobs or os.cpu_count()) as pool:
+        parts = track(pool.map(_hold_chunk, chunks), "Comparing", total=len(chunks))
+        held = reduce(add, parts)
+    return Parity("live", describe(oracle), sizes, held, _azimuths_differing())
 
 
 def _run_stored() -> Parity:
     sets = {name: stored.load(name) for name in stored.SETS}
-    legacy = _total([compare(s.answers, of_legacy(s.at), s.at) for s in sets.values()])
-    parts = [_pointing(name, s.at, s.answers) for name, s in sets.items()]
-    return Parity(
-        source="stored",
-        provenance=sets["table"].provenance,
-        points={name: len(s.at) for name, s in sets.items()},
-        legacy=legacy,
-        pointing=_total([part for part in parts if part]) or None,
-        table_azimuths_differing=_azimuths_differing(),
+    parts = (
+        hold(kept.at, kept.answers, kept.spread, of_legacy(kept.at), of_pointing(kept.at))
+        for kept in sets.values()
     )
+    held = reduce(add, parts)
+    sizes = {name: len(kept.at) for name, kept in sets.items()}
+    return Parity("stored", sets["table"].provenance, sizes, held, _azimuths_differing())
 
 
 def _azimuths_differing() -> int:
@@ -94,41 +152,15 @@ def _azimuths_differing() -> int:
     return sum(a != b for a, b in zip(actual, expected, strict=True))
 
 
-def _pointing(name: str, at: Points, expected: Real4) -> list[Comparison]:
-    """Compare the vectorised port, which promises nothing at the ends of REAL*4."""
-    actual = None if name == "edges" else of_pointing(at)
-    return [] if actual is None else compare(expected, actual, at)
-
-
-def _named(name: str) -> Points:
-    return points.table() if name == "table" else edges()
-
-
-def _chunks(at: Points) -> int:
-    return -(-len(at) // CHUNK)
-
-
-def _map(
-    chunks: list[tuple[str, int, int]], jobs: int | None
-) -> Iterator[tuple[list[Comparison], list[Comparison]]]:
-    with ProcessPoolExecutor(jobs or os.cpu_count()) as pool:
-        yield from pool.map(_chunk, chunks)
-
-
-def _chunk(task: tuple[str, int, int]) -> tuple[list[Comparison], list[Comparison]]:
-    """Compare one chunk of points, made where it is used: (set, number, size)."""
-    name, number, size = task
+def _hold_chunk(task: tuple[str, int, int, int]) -> Held:
+    """Compare one chunk of points, made where it is used: (set, seed, from, to)."""
+    name, seed, start, stop = task
     oracle = find_oracle()
     if oracle is None:
         raise RuntimeError("the oracle vanished between two processes")
-    if name.startswith("random"):
-        at = points.random(size, [int(name.split()[1]), number])
+    if name == "random":
+        at = points.random(stop - start, [seed, start])
     else:
-        at = _named(name).part(slice(number * CHUNK, (number + 1) * CHUNK))
+        at = (points.table() if name == "table" else edges()).part(slice(start, stop))
     expected = of_oracle(oracle, at)
-    return compare(expected, of_legacy(at), at), _pointing(name, at, expected)
-
-
-def _total(parts: list[list[Comparison]]) -> list[Comparison]:
-    """Add up comparisons column by column."""
-    return [reduce(add, column) for column in zip(*parts, strict=True)]
+    return hold(at, expected, spread(oracle, at, expected), of_legacy(at), of_pointing(at))
