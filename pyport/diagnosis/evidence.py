@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.common_mode import Excess
-from pyport.fitting.gram import Gram, Part, inverted
+from pyport.fitting.gram import Gram, Part, index, inverted
 from pyport.fitting.stacking import Codes
 
 #: Shares of a coefficient's holders that a candidate is tried with.
@@ -63,8 +63,8 @@ class Trial:
 
     Attributes
     ----------
-    candidate, scope, part
-        What was tried, and for which blocks the coefficients are shared.
+    candidate, scope
+        What was tried, and for which blocks its coefficients are shared.
     gain
         Drop of the whitened sum of squares.
     dof
@@ -73,19 +73,21 @@ class Trial:
         `gain` less what that many coefficients must earn; above zero is worth having.
     noise_dof
         Deviations from which the scale of its noise is known.
+    values
+        Its coefficients, shape (P,).
     information
-        Information on its coefficients with the model refitted, shape (P, P).
+        Information on them with the model refitted, shape (P, P).
     drawn
         The same gain on each draw of the fitted noise, shape (draws,).
     """
 
     candidate: Candidate
     scope: str
-    part: Part
     gain: float
     dof: int
     delta_bic: float
     noise_dof: float
+    values: Array
     information: Array
     drawn: Array
 
@@ -125,72 +127,136 @@ class Evidence:
         out = np.empty((len(self.blocks), size, draws))
         for block, matrix in enumerate(self.gram.matrices[:, :-1, :-1]):
             eigenvalues, vectors = np.linalg.eigh(matrix)
-            root = vectors * np.sqrt(np.maximum(eigenvalues, 0))
-            out[block] = root @ rng.standard_normal((size, draws))
+            kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), 1e-300)
+            root = vectors[:, kept] * np.sqrt(eigenvalues[kept])
+            out[block] = root @ rng.standard_normal((int(kept.sum()), draws))
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(dof, 1e6)])
         return out * scale[antenna][:, None, :]
 
-    def part(self, columns: Codes, scope: str) -> Part:
-        """Return columns as a part of a model."""
-        return Part(np.asarray(columns, np.intp), self.blocks.groups(scope))
+    def beside(self, model: Sequence[Part]) -> Beside:
+        """Return what is left of everything when a model is refitted."""
+        return Beside(self, model)
 
-    def trials(self, model: Sequence[Part], wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
-        """Return what each (candidate, scope) would gain beside `model`, if it shows at all."""
-        inverse = inverted(self.gram.cross(model, model))[0]
-        values = inverse @ self.gram.moments(model)
-        drawn_values = inverse @ self.gram.moments(model, self.noise)
-        found = []
-        for candidate, scope in wanted:
-            part = self.part(candidate.columns, scope)
-            cross = self.gram.cross(model, [part])
-            own = self.gram.cross([part], [part])
-            left = own - cross.T @ inverse @ cross
-            power = np.diag(own)
-            length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
-            eigenvalues, vectors = np.linalg.eigh(left / np.outer(length, length))
-            good = eigenvalues > VISIBLE**2 * max(1.0, float(eigenvalues[-1]))
-            if not good.any():
-                continue
-            root = (vectors[:, good] / np.sqrt(eigenvalues[good])).T / length
-            seen = root @ (self.gram.moments([part]) - cross.T @ values)
-            drawn = root @ (self.gram.moments([part], self.noise) - cross.T @ drawn_values)
-            dof = int(good.sum())
-            # What the antennas share they cannot average out.
-            shared = "antenna" not in scope
-            excess = self.common.factor if shared else 1.0
-            gain = float(seen @ seen) / excess
-            penalty = dof * np.log(max(self.pointings, 3))
-            found.append(
-                Trial(
-                    candidate,
-                    scope,
-                    part,
-                    gain,
-                    dof,
-                    gain - penalty,
-                    min(self.dof.sum(), self.common.dof) if shared else float(np.median(self.dof)),
-                    left / excess,
-                    (drawn**2).sum(axis=0) * (self.luck if shared else 1.0),
-                )
-            )
-        return found
 
-    def share(self, model: Sequence[Part], winner: Trial, other: Trial) -> float:
-        """Return how much of the winner's fitted curve the other trial can draw, from 0 to 1.
+@dataclass(frozen=True)
+class _Left:
+    """All columns in one scope, with the model projected out.
+
+    Attributes
+    ----------
+    own
+        Products of the columns within each group, shape (G, K, K).
+    cross, solved
+        Products with the model's columns, and the model's inverse times them, (G, M, K).
+    seen
+        Products with the data's residuals, shape (G, K).
+    drawn
+        Products with drawn noise's residuals, shape (G, K, draws).
+    """
+
+    own: Array
+    cross: Array
+    solved: Array
+    seen: Array
+    drawn: Array
+
+    def between(self, some: Codes, others: Codes) -> Array:
+        """Return the projected products of two choices of columns, (G k, G l)."""
+        groups = len(self.own)
+        left = self.cross[:, :, some].transpose(1, 0, 2).reshape(self.cross.shape[1], -1)
+        right = self.solved[:, :, others].transpose(1, 0, 2).reshape(self.cross.shape[1], -1)
+        out = -(left.T @ right)
+        for group in range(groups):
+            rows = slice(group * len(some), (group + 1) * len(some))
+            columns = slice(group * len(others), (group + 1) * len(others))
+            out[rows, columns] += self.own[group][np.ix_(some, others)]
+        return out
+
+
+class Beside:
+    """Everything beside one model: scope by scope, what each column still shows."""
+
+    def __init__(self, evidence: Evidence, model: Sequence[Part]):
+        self.evidence = evidence
+        self.model = model
+        self.inverse = inverted(evidence.gram.cross(model, model))[0]
+        self.values = self.inverse @ evidence.gram.moments(model)
+        self.drawn_values = self.inverse @ evidence.gram.moments(model, evidence.noise)
+        self._left: dict[str, _Left] = {}
+
+    def left(self, scope: str) -> _Left:
+        """Return all columns in a scope with the model projected out."""
+        if scope not in self._left:
+            self._left[scope] = self._project(scope)
+        return self._left[scope]
+
+    def _project(self, scope: str) -> _Left:
+        evidence = self.evidence
+        groups = evidence.blocks.groups(scope)
+        count, size = int(groups.max()) + 1, evidence.gram.matrices.shape[1] - 1
+        own = np.zeros((count, size, size))
+        seen = np.zeros((count, size))
+        drawn = np.zeros((count, size, evidence.noise.shape[2]))
+        cross = np.zeros((count, len(self.values), size))
+        for block, (group, matrix) in enumerate(zip(groups, evidence.gram.matrices, strict=True)):
+            own[group] += matrix[:-1, :-1]
+            seen[group] += matrix[:-1, -1]
+            drawn[group] += evidence.noise[block]
+            places, columns = index(self.model, block)
+            cross[group, places] += matrix[columns, :-1]
+        seen -= np.einsum("gmk,m->gk", cross, self.values)
+        drawn -= cross.transpose(0, 2, 1) @ self.drawn_values
+        return _Left(own, cross, self.inverse @ cross, seen, drawn)
+
+    def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
+        """Return what each (candidate, scope) would gain, if it shows at all."""
+        found = (self._trial(candidate, scope) for candidate, scope in wanted)
+        return [trial for trial in found if trial is not None]
+
+    def _trial(self, candidate: Candidate, scope: str) -> Trial | None:
+        evidence, left = self.evidence, self.left(scope)
+        columns = candidate.columns
+        information = left.between(columns, columns)
+        power = np.concatenate([np.diag(own)[columns] for own in left.own])
+        length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
+        eigenvalues, vectors = np.linalg.eigh(information / np.outer(length, length))
+        good = eigenvalues > VISIBLE**2 * max(1.0, float(eigenvalues[-1]))
+        if not good.any():
+            return None
+        root = (vectors[:, good] / np.sqrt(eigenvalues[good])).T / length
+        seen = root @ left.seen[:, columns].ravel()
+        drawn = root @ left.drawn[:, columns].reshape(len(length), -1)
+        dof = int(good.sum())
+        # What the antennas share they cannot average out.
+        shared = "antenna" not in scope
+        excess = evidence.common.factor if shared else 1.0
+        gain = float(seen @ seen) / excess
+        total = float(evidence.dof.sum())
+        return Trial(
+            candidate,
+            scope,
+            gain,
+            dof,
+            gain - dof * np.log(max(evidence.pointings, 3)),
+            min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
+            root.T @ seen,
+            information / excess,
+            (drawn**2).sum(axis=0) * (evidence.luck if shared else 1.0),
+        )
+
+    def share(self, winner: Trial, other: Trial) -> float:
+        """Return how much of the winner's fitted curve another of its scope can draw, 0 to 1.
 
         Both are seen with the model projected out, so this is the squared
         cosine between the winner's curve and the other's nearest one.
         """
-        inverse = inverted(self.gram.cross(model, model))[0]
-        of_winner = self.gram.cross(model, [winner.part])
-        seen = self.gram.moments([winner.part]) - of_winner.T @ (inverse @ self.gram.moments(model))
-        values = inverted(winner.information)[0] @ seen
-        of_other = self.gram.cross(model, [other.part])
-        between = self.gram.cross([other.part], [winner.part]) - of_other.T @ inverse @ of_winner
-        drawn = between @ values
-        length = float(values @ winner.information @ values)
-        return float(drawn @ inverted(other.information)[0] @ drawn) / max(length, 1e-300)
+        left = self.left(winner.scope)
+        own, rival = winner.candidate.columns, other.candidate.columns
+        drawn = left.between(rival, own) @ winner.values
+        length = float(winner.values @ left.between(own, own) @ winner.values)
+        nearest = float(drawn @ inverted(left.between(rival, rival))[0] @ drawn)
+        return nearest / max(length, 1e-300)
 
 
 def family_p_value(trials: Sequence[Trial]) -> float:
@@ -203,9 +269,8 @@ def family_p_value(trials: Sequence[Trial]) -> float:
     """
     if not trials:
         return 1.0
-    scores = np.array([_log_chance(trial, np.array([trial.gain]))[0] for trial in trials])
-    drawn = np.min([_log_chance(trial, trial.drawn) for trial in trials], axis=0)
-    best = float(scores.min())
+    best = float(_log_chances(trials, np.array([[trial.gain] for trial in trials])).min())
+    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
     above = (1 + int((drawn <= best).sum())) / (1 + len(drawn))
     if above > 5 / (1 + len(drawn)):
         return float(above)
@@ -213,24 +278,35 @@ def family_p_value(trials: Sequence[Trial]) -> float:
     return float(min(above, -np.expm1(-independent * np.exp(best))))
 
 
-def _log_chance(trial: Trial, gain: Array) -> Array:
-    """Return the logarithm of the chance of a gain at least this large from noise."""
-    from scipy.stats import f
+def _log_chances(trials: Sequence[Trial], gains: Array) -> Array:
+    """Return log-chances of gains at least this large from noise, shape (trials, ...).
 
-    return np.asarray(f.logsf(gain / trial.dof, trial.dof, min(trial.noise_dof, 1e6)))
+    The F distribution's tail is an incomplete beta function; where that
+    underflows its leading term stands for it.
+    """
+    from scipy.special import betainc, betaln
+
+    half = np.array([[trial.dof / 2] for trial in trials])
+    rest = np.array([[min(trial.noise_dof, 1e6) / 2] for trial in trials])
+    x = rest / (rest + gains / 2)
+    chance = betainc(rest, half, x)
+    with np.errstate(divide="ignore"):
+        leading = rest * np.log(x) + (half - 1) * np.log1p(-x) - np.log(rest) - betaln(rest, half)
+        return np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
 
 
 def threshold(trials: Sequence[Trial], chance: float) -> float:
     """Return the log-chance that the best of a search falls below in `chance` of all noise."""
     if not trials:
         return float("-inf")
-    drawn = np.min([_log_chance(trial, trial.drawn) for trial in trials], axis=0)
+    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
     return float(np.quantile(drawn, chance))
 
 
 def gain_needed(trial: Trial, log_chance: float) -> float:
     """Return the gain whose chance under noise is `exp(log_chance)`."""
-    from scipy.stats import f
+    from scipy.special import betaincinv
 
-    dof = min(trial.noise_dof, 1e6)
-    return float(trial.dof * f.isf(np.exp(log_chance), trial.dof, dof))
+    rest = min(trial.noise_dof, 1e6) / 2
+    x = float(betaincinv(rest, trial.dof / 2, np.exp(log_chance)))
+    return 2 * rest * (1 - x) / max(x, 1e-300)

@@ -96,7 +96,7 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
     seen = visible(setup, scene.weighed, curve)
     effect = chosen.candidate.effect
     parameters = _parameters(scene, choice)
-    called = identify.name(setup, step)
+    called = identify.name(step)
     checks = check.halves(setup, scene.weighed, scene.joint, choice)
     checks += [
         one
@@ -160,7 +160,7 @@ def _own(
     column = setup.columns[:, chosen.candidate.columns[0]]
     curve = column * np.array([of_antenna.get(str(name), 0.0) for name in antennas])
     seen = visible(setup, scene.weighed, curve)
-    called = identify.name(setup, step)
+    called = identify.name(step)
     checks = check.halves(setup, scene.weighed, scene.joint, choice)
     return Finding(
         effect=effect.id,
@@ -209,7 +209,7 @@ def _shared(
         sentence=words.common(partner.effect, parameters, several=several),
         where=Where(_axes(setup, seen)),
         parameters=tuple(parameters),
-        evidence=_gain_of(step, common, identify.name(setup, step)),
+        evidence=_gain_of(step, common, identify.name(step)),
         visible_rms=_size(scene, seen, curve != 0),
         true_rms=_size(scene, curve, curve != 0),
         heldout=_heldout(scene, earlier, (*earlier, common), np.abs(curve) > 0),

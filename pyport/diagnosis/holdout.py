@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.fitting.gram import Gram, Solution
+from pyport.fitting.gram import Gram, Part, Solution
 from pyport.fitting.stacking import Codes
 
 #: Sessions from which on whole sessions are left out.
@@ -98,11 +98,18 @@ def _without_each(
 
     A fold is taken off the sufficient statistics of the whole; nothing is fitted anew.
     """
-    parts = [setup.part(one) for one in (*setup.base, *chosen)]
-    whole = weighed.evidence.gram.matrices
+    choices = [setup.part(one) for one in (*setup.base, *chosen)]
+    needed = np.concatenate([[], *(part.columns for part in choices)]).astype(np.intp)
+    starts = np.cumsum([0, *(len(part.columns) for part in choices)])
+    parts = [
+        Part(np.arange(low, high), part.groups)
+        for part, low, high in zip(choices, starts, starts[1:], strict=False)
+    ]
+    white = weighed.white[:, [*needed, -1]]
     block = np.concatenate([setup.block, setup.block])
     fold = np.concatenate([partition.fold, partition.fold])
+    whole = Gram.of(white, block, len(setup.blocks)).matrices
     for one in np.unique(partition.fold):
         rows = np.flatnonzero(fold == one)
-        own = Gram.of(weighed.white[rows], block[rows], len(setup.blocks)).matrices
+        own = Gram.of(white[rows], block[rows], len(setup.blocks)).matrices
         yield int(one), Gram(whole - own).solve(parts), rows

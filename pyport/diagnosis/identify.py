@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pyport.diagnosis.case import Setup
 from pyport.diagnosis.evidence import Trial
 from pyport.diagnosis.search import Step
 
@@ -55,10 +54,9 @@ class Name:
     runner_up: Trial | None
 
 
-def name(setup: Setup, step: Step) -> Name:
+def name(step: Step) -> Name:
     """Return the class of the winner of a turn and the best effect outside it."""
     winner = step.winner
-    model = [setup.part(one) for one in (*setup.base, *step.before)]
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in step.trials if t.candidate.effect.physical), key=lambda t: -t.delta_bic
@@ -69,9 +67,7 @@ def name(setup: Setup, step: Step) -> Name:
         if effect in members:
             continue
         close = rival.delta_bic > winner.delta_bic - NOT_EXCLUDED
-        same = rival.scope == winner.scope and (
-            step.weighed.evidence.share(model, winner, rival) >= ALIKE
-        )
+        same = rival.scope == winner.scope and (step.beside.share(winner, rival) >= ALIKE)
         if close or same:
             members.append(effect)
         else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,17 +11,24 @@ from pyport.angles import Array
 from pyport.diagnosis.noise import (
     DRIFT_GAIN,
     ENOUGH_FOR_DRIFT,
+    FAR,
     TUKEY,
     Noise,
     Series,
     by_pointing,
-    decorrelate,
+    factor,
 )
 from pyport.fitting import robust
 from pyport.fitting.stacking import Codes
 
 #: Pointings for each shape that may be taken out before the noise is read off.
 POINTINGS_PER_SHAPE = 4
+#: No more shapes than this: the most different ones draw what the others can.
+MOST_SHAPES = 80
+#: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
+SLOW = 0.9
+#: A drift that remembers longer than this is no noise: it is an effect of time. [s]
+LONGEST_MEMORY = 86400.0
 #: The array's usual noise counts as this many deviations where an antenna has few of its own.
 PRIOR_DOF = 6.0
 #: Antennas from which on there is a usual noise.
@@ -62,7 +69,7 @@ def fit(
         columns = _rich(base[part.rows], shapes[part.rows], int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
         weights[part.rows], residual = robust.weights(columns, value[part.rows], TUKEY, floor)
-        noises.append(_fit_series(value, columns, weights, residual, part, floor))
+        noises.append(_fit_series(value[part.rows], columns, weights, residual, part, floor))
     return _moderated(noises, parts), weights
 
 
@@ -84,12 +91,12 @@ def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
             shrunk = (noise.dof * noise.floor**2 + PRIOR_DOF * usual**2) / (noise.dof + PRIOR_DOF)
             if noise.floor > usual or noise.floor == 0:
                 continue
-            factor = float(np.sqrt(shrunk)) / noise.floor
+            more = float(np.sqrt(shrunk)) / noise.floor
             found[n] = replace(
                 noise,
-                within=noise.within * factor,
-                between=noise.between * factor,
-                drift=noise.drift * factor,
+                within=noise.within * more,
+                between=noise.between * more,
+                drift=noise.drift * more,
                 dof=noise.dof + PRIOR_DOF,
             )
     return found
@@ -99,28 +106,52 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     """Return the base and the main directions of what the candidates could add to it.
 
     The directions come from the geometry alone, never from the data, so that
-    the noise is not whittled down by the search.
+    the noise is not whittled down by the search. The result is orthonormal.
     """
     base = base[:, np.any(base != 0, axis=0)]
-    room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - base.shape[1]))
-    orthonormal = np.linalg.qr(base)[0] if base.shape[1] else base
+    orthonormal = _orthonormal(base)
+    room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
     length = np.linalg.norm(shapes, axis=0)
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
     new = new[:, left > 1e-3 * np.maximum(length, 1e-300)]
-    new = new / np.linalg.norm(new, axis=0)
     if room == 0 or new.shape[1] == 0:
-        return base
-    return np.concatenate([base, _most_different(new, room)], axis=1)
+        return orthonormal
+    new /= np.linalg.norm(new, axis=0)
+    room = min(room, MOST_SHAPES)
+    slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
+    first = _most_different(new[:, slow], room // 2)
+    rest = new - first @ (first.T @ new)
+    second = _most_different(rest, room - first.shape[1])
+    return np.concatenate([orthonormal, first, second], axis=1)
+
+
+def _orthonormal(columns: Array) -> Array:
+    """Return orthonormal directions that span the columns."""
+    if columns.shape[1] == 0:
+        return columns
+    length = np.linalg.norm(columns, axis=0)
+    directions, strength, _ = np.linalg.svd(columns / length, full_matrices=False)
+    return np.asarray(directions[:, strength > 1e-9 * strength[0]])
 
 
 def _most_different(columns: Array, room: int) -> Array:
-    """Return up to `room` orthonormal directions, each from the column least like those before."""
-    from scipy.linalg import qr
+    """Return up to `room` orthonormal directions, each from the column least like those before.
 
-    directions, triangle, _ = qr(columns, mode="economic", pivoting=True)
-    kept = int((np.abs(np.diag(triangle)) > 0.05).sum())
-    return directions[:, : min(room, kept)]
+    Gram and Schmidt with pivoting, stopped when there are enough.
+    """
+    left = columns.copy()
+    found = np.zeros((len(columns), 0))
+    for _ in range(room):
+        length = (left**2).sum(axis=0)
+        pick = int(np.argmax(length))
+        if length[pick] < 0.05**2:
+            break
+        new = left[:, pick] - found @ (found.T @ left[:, pick])
+        new /= np.linalg.norm(new)
+        found = np.concatenate([found, new[:, None]], axis=1)
+        left -= new[:, None] * (new @ left)
+    return found
 
 
 def _fit_series(
@@ -130,45 +161,80 @@ def _fit_series(
     count = np.bincount(part.pointing)
     weight = weights[part.rows]
     within = _within(residual, weight, part, count, floor)
-    data = np.concatenate([columns, value[part.rows][:, None]], axis=1)
-    pointings = len(count)
-    dof = max(1.0, pointings - np.linalg.matrix_rank(columns))
-    start = max(robust.scale(residual, floor), floor, 1e-12) * np.sqrt(pointings / dof)
+    data = np.concatenate([columns, value[:, None]], axis=1)
+    means, variance, _ = by_pointing(data, weight, part, Noise(0.0, 1.0))
+    likelihood = _Likelihood(means, np.where(variance >= FAR, np.inf, variance), part.time)
+    # The scatter of a pointing's mean holds what is left of the scatter within it.
+    of_mean = within**2 / float(np.mean(count))
+    white, scale = likelihood.at(0.0, 1.0)
+    how = "replicates" if count.max() > 1 else "reml"
+    dof = float(likelihood.dof)
+    lowest = max(0.05 * floor, 1e-14)
+    plain = Noise(within, max(np.sqrt(max(scale**2 - of_mean, 0.0)), lowest), dof=dof, how=how)
+    if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
+        return plain
+    best, ratio, time_s = _with_drift(likelihood, part.time)
+    if white - best < DRIFT_GAIN:
+        return plain
+    scale = likelihood.at(ratio, time_s)[1]
+    between = max(np.sqrt(max(scale**2 - of_mean, 0.0)), lowest)
+    return Noise(within, between, float(scale * ratio), time_s, dof, how)
 
-    def lack(between: float, drift: float = 0.0, time_s: float | None = None) -> float:
-        return _restricted(data, weight, part, Noise(within, between, drift, time_s))
 
-    from scipy.optimize import minimize, minimize_scalar
+def _with_drift(likelihood: _Likelihood, time: Array) -> tuple[float, float, float]:
+    """Return the least lack of likelihood with a drift, its ratio to the white part and its time."""
+    from scipy.optimize import minimize
 
-    low = 0.05 * max(floor, 1e-3 * start)
-    white = minimize_scalar(
-        lambda log: lack(np.exp(log)), bounds=(np.log(low), np.log(5 * start)), method="bounded"
+    gaps = np.diff(time)
+    usual = max(float(np.median(gaps[gaps < 1e8])), 1e-3)
+    tried = [(ratio, usual * steps) for steps in (3.0, 15.0, 80.0) for ratio in (0.4, 1.2)]
+    start = min(tried, key=lambda one: likelihood.at(*one)[0])
+
+    def inside(p: Array) -> tuple[float, float]:
+        return float(np.exp(np.clip(p[0], -9, 9))), min(float(np.exp(p[1])), LONGEST_MEMORY)
+
+    found = minimize(
+        lambda p: likelihood.at(*inside(p))[0],
+        np.log(start),
+        method="Nelder-Mead",
+        options={"xatol": 0.05, "fatol": 0.1, "maxiter": 60},
     )
-    noise = Noise(within, float(np.exp(white.x)), dof=dof, how=_how(count))
-    if part.time is None or dof < ENOUGH_FOR_DRIFT:
-        return noise
-    gaps = np.diff(part.time)
-    usual = float(np.median(gaps[gaps < 1e8])) or 1.0
-    best = min(
-        (
-            minimize(
-                lambda p: lack(*np.exp(np.clip(p, -60, 60))),
-                [np.log(noise.between / 1.5), np.log(noise.between / 1.5), np.log(usual * steps)],
-                method="Nelder-Mead",
-                options={"xatol": 0.02, "fatol": 0.05, "maxiter": 150},
-            )
-            for steps in (5.0, 50.0)
-        ),
-        key=lambda result: result.fun,
-    )
-    if white.fun - best.fun < DRIFT_GAIN:
-        return noise
-    between, drift, time_s = np.exp(best.x)
-    return Noise(within, float(between), float(drift), float(time_s), dof, _how(count))
+    return float(found.fun), *inside(found.x)
 
 
-def _how(count: Codes) -> str:
-    return "replicates" if count.max() > 1 else "reml"
+@dataclass(frozen=True)
+class _Likelihood:
+    """The restricted likelihood of a white part and a drift, the scale profiled out.
+
+    `means` holds the design and, last, the data, shape (n, q + 1); `variance`
+    is relative, infinite for outliers.
+    """
+
+    means: Array
+    variance: Array
+    time: Array | None
+
+    @property
+    def dof(self) -> int:
+        """Return the deviations that tell of the noise."""
+        return max(1, int(np.isfinite(self.variance).sum()) - self.means.shape[1] + 1)
+
+    def at(self, ratio: float, time_s: float) -> tuple[float, float]:
+        """Return minus twice the log-likelihood and the scale, for a drift `ratio` times it."""
+        kept = np.isfinite(self.variance)
+        d, white = factor(
+            self.means[kept],
+            self.variance[kept],
+            None if self.time is None or ratio == 0 else self.time[kept],
+            ratio,
+            time_s,
+        )
+        gram = white.T @ white
+        triangle = np.linalg.cholesky(gram[:-1, :-1] + 1e-12 * np.eye(len(gram) - 1))
+        projected = np.linalg.solve(triangle, gram[:-1, -1])
+        misfit = max(float(gram[-1, -1] - projected @ projected), 1e-300)
+        logs = float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
+        return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
 
 
 def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
@@ -179,38 +245,7 @@ def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: f
     total = np.maximum(np.bincount(part.pointing, weight), 1e-12)
     mean = np.bincount(part.pointing, weight * residual) / total
     deviation = residual - mean[part.pointing]
-    used = (count[part.pointing] > 1) & (weight > 0.5)
-    share = np.sqrt(
-        used.sum() / max(1.0, spare * used.sum() / max(1, (count[part.pointing] > 1).sum()))
-    )
-    return max(robust.scale(deviation[used]) * float(share), floor / 2, 1e-12)
-
-
-def _restricted(data: Array, weights: Array, part: Series, noise: Noise) -> float:
-    """Return minus twice the restricted log-likelihood of the pointings' means."""
-    means, variance, _ = by_pointing(data, weights, part, noise)
-    white = decorrelate(means, variance, part, noise)
-    log_det = _log_determinant(variance, part, noise)
-    gram = white.T @ white
-    design, right = gram[:-1, :-1], gram[:-1, -1]
-    scale = 1 / np.sqrt(np.maximum(np.diag(design), 1e-300))
-    eigenvalues, vectors = np.linalg.eigh(design * np.outer(scale, scale))
-    good = eigenvalues > 1e-9 * eigenvalues[-1] if len(eigenvalues) else eigenvalues > 0
-    projected = (vectors[:, good].T @ (scale * right)) / np.sqrt(eigenvalues[good])
-    misfit = gram[-1, -1] - projected @ projected
-    return float(log_det + np.log(eigenvalues[good]).sum() - 2 * np.log(scale).sum() + misfit)
-
-
-def _log_determinant(variance: Array, part: Series, noise: Noise) -> float:
-    """Return the logarithm of the determinant of the means' covariance."""
-    if noise.drift == 0 or noise.time_s is None or part.time is None:
-        return float(np.log(variance).sum())
-    from celerite2 import driver
-
-    n = len(variance)
-    d, w = np.empty(n), np.empty((n, 1))
-    power, ones = noise.drift**2, np.ones((n, 1))
-    driver.factor(
-        part.time, np.array([1 / noise.time_s]), variance + power, power * ones, ones, d, w
-    )
-    return float(np.log(d).sum())
+    several = count[part.pointing] > 1
+    share = np.sqrt(several.sum() / spare)
+    scatter = robust.scale(deviation[several & (weight > 0.5)]) * float(share)
+    return max(scatter, floor / 2, 1e-12)

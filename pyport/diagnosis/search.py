@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
-from pyport.diagnosis.evidence import Blocks, Trial, family_p_value
+from pyport.diagnosis.evidence import Beside, Blocks, Trial, family_p_value
 from pyport.diagnosis.holdout import unseen_misfit
 
 #: Chance of any finding at all where there is nothing to find.
@@ -17,6 +17,9 @@ FAMILY_ERROR = 0.05
 #: A nameless shape must beat every named effect by this much in BIC to be preferred.
 SHAPE_MARGIN = 10.0
 MOST_FINDINGS = 8
+#: What a strong effect leaves because its shape is known to first order only, as a share of its
+#: gain: a further finding must gain more than that.
+IMPERFECTION = 0.02
 #: This share of what an effect gains in the fit it must gain on data that the fit had not seen.
 UNSEEN_SHARE = 0.3
 #: So many of the best candidates of a turn may fail on unseen data before the search gives up.
@@ -35,8 +38,8 @@ class Step:
         Everything that was tried beside the model of that turn.
     before
         The model of that turn, without the winner.
-    weighed
-        The evidence as it was weighed in that turn.
+    beside
+        The evidence as it was weighed in that turn, with that model projected out.
     p_value
         Chance that noise alone gives a search as good as this, over all trials.
     """
@@ -44,7 +47,7 @@ class Step:
     winner: Trial
     trials: tuple[Trial, ...]
     before: tuple[Chosen, ...]
-    weighed: Weighed
+    beside: Beside
     p_value: float
 
 
@@ -81,29 +84,31 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
     weighed = weigh(setup)
     first: float | None = None
     while True:
-        trials = _trials(setup, weighed, chosen)
+        beside = weighed.evidence.beside([setup.part(one) for one in (*setup.base, *chosen)])
+        trials = _trials(setup, beside)
         p_value = family_p_value(trials)
         first = p_value if first is None else first
         winner = None
         if p_value <= FAMILY_ERROR and len(steps) < MOST_FINDINGS:
-            winner = _winner(setup, weighed, chosen, trials)
+            strongest = max((step.winner.gain for step in steps), default=0.0)
+            winner = _winner(setup, weighed, chosen, trials, IMPERFECTION * strongest)
         if winner is None:
             return Outcome(chosen, tuple(steps), weighed, first, tuple(trials))
         tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
-        steps.append(Step(winner, tuple(trials), chosen, weighed, p_value))
+        steps.append(Step(winner, tuple(trials), chosen, beside, p_value))
         chosen = _with(setup, chosen, Chosen(winner.candidate, winner.scope))
         weighed = weigh(setup, chosen)
 
 
-def _trials(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> list[Trial]:
+def _trials(setup: Setup, beside: Beside) -> list[Trial]:
     """Try every effect and shape in every scope that makes sense for it."""
-    model = [setup.part(one) for one in (*setup.base, *chosen)]
-    wanted = [
-        (candidate, scope)
-        for candidate in (*setup.candidates, *setup.shapes)
-        for scope in _scopes(candidate, setup.blocks)
-    ]
-    return weighed.evidence.trials(model, wanted)
+    return beside.trials(
+        [
+            (candidate, scope)
+            for candidate in (*setup.candidates, *setup.shapes)
+            for scope in _scopes(candidate, setup.blocks)
+        ]
+    )
 
 
 def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
@@ -123,13 +128,18 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
 
 
 def _winner(
-    setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], trials: Sequence[Trial]
+    setup: Setup,
+    weighed: Weighed,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[Trial],
+    least: float,
 ) -> Trial | None:
     """Return the trial most worth its coefficients that also predicts unseen data better.
 
-    A shape wins only by a clear margin over every effect with a name.
+    A shape wins only by a clear margin over every effect with a name; nothing
+    wins that gains no more than `least`.
     """
-    worth = [trial for trial in trials if trial.delta_bic > 0]
+    worth = [trial for trial in trials if trial.delta_bic > least]
     handicap = {id(t): 0.0 if t.candidate.effect.physical else SHAPE_MARGIN for t in worth}
     ranked = sorted(worth, key=lambda t: handicap[id(t)] - t.delta_bic)
     before = unseen_misfit(setup, weighed, chosen)

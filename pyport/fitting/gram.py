@@ -96,8 +96,8 @@ class Gram:
         """Return the assembled products of two choices of parts, shape (P, Q)."""
         out = np.zeros((sum(p.size for p in left), sum(p.size for p in right)))
         for block, matrix in enumerate(self.matrices):
-            rows, row_columns = _index(left, block)
-            places, place_columns = _index(right, block)
+            rows, row_columns = index(left, block)
+            places, place_columns = index(right, block)
             out[np.ix_(rows, places)] += matrix[np.ix_(row_columns, place_columns)]
         return out
 
@@ -110,7 +110,7 @@ class Gram:
         data = self.matrices[:, :-1, -1:] if vectors is None else vectors
         out = np.zeros((sum(p.size for p in parts), data.shape[2]))
         for block in range(len(self.matrices)):
-            places, columns = _index(parts, block)
+            places, columns = index(parts, block)
             out[places] += data[block][columns]
         return out[:, 0] if vectors is None else out
 
@@ -129,7 +129,7 @@ class Gram:
         )
 
 
-def _index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
+def index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
     """Return the places of a block's coefficients and the columns that they multiply."""
     if not parts:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
