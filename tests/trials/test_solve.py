@@ -8,7 +8,6 @@ import pytest
 from pyport.errors import BadInput
 from pyport.trials import seal, solve
 
-
 pytestmark = pytest.mark.usefixtures("solvers")
 
 
