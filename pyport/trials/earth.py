@@ -8,6 +8,7 @@ from typing import Any
 
 import erfa
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.trials.mount import Each
@@ -73,7 +74,7 @@ def dynamical(time_s: Array) -> tuple[Array, Array]:
     return erfa.taitt(*erfa.utctai(*julian_date(time_s)))
 
 
-def motion(time_s: Array) -> tuple[Array, Array]:
+def motion(time_s: Array) -> tuple[Array, NDArray[Any]]:
     """Return the Earth's place from the Sun [au], (n, 3), and its barycentric place and velocity.
 
     Between whole hours it is interpolated linearly: the velocity bends by two
@@ -89,6 +90,6 @@ def motion(time_s: Array) -> tuple[Array, Array]:
     def between(values: Array) -> Array:
         return (1 - share) * values[first] + share * values[second]
 
-    moving = np.empty(len(hour), erfa.dt_pv)
+    moving: NDArray[Any] = np.empty(len(hour), erfa.dt_pv)
     moving["p"], moving["v"] = between(barycentre["p"]), between(barycentre["v"])
     return between(sun["p"]), moving

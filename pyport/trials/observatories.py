@@ -149,7 +149,7 @@ def ablation(
     """
     streams = Streams.of(seed)
     world = World(rt32_plan(streams.plan, rows, span_weeks), mount=_rt32_mount())
-    faults = [left_out(step) for step in omitted]
+    faults = [left_out(step, world) for step in omitted]
     sigma = 12.8 * ARCSEC
     noise = Noise(sigma, sigma, drift_share=0.1, memory_s=5400.0, step=3.6 * ARCSEC)
     about: dict[str, Any] = {"kind": "ablation", "seed": seed, "left_out": list(omitted)}

@@ -37,7 +37,7 @@ def test_a_solver_that_reaches_for_the_vault_is_stopped(sealed):
     vault = seal.Folder(sealed).vault
     spelled = vault.parent / "a-set" / ".." / vault.name / "case-0001.truth.json"
     arguments = ("spy", "x.csv", "--out", "x", str(spelled))
-    done = subprocess.run(  # noqa: S603 - our own interpreter
+    done = subprocess.run(
         [sys.executable, "-m", "pyport.trials.cell", str(vault), "fake_solver", *arguments],
         capture_output=True,
         text=True,
