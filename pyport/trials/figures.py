@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 _INK = "#1f3b57"
 _ACCENT = "#c2571a"
 _QUIET = "#8a97a3"
+_DETECTED = {"color": _INK, "label": "detected"}
+_NAMED = {"color": _ACCENT, "label": "right class first"}
 
 
 def write(folder: Path, verdicts: Sequence[Verdict]) -> list[str]:
@@ -36,7 +38,11 @@ def write(folder: Path, verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _curve(
-    axes: Axes, verdicts: Sequence[Verdict], by: str, outcome: Callable[[Verdict], bool], label: str
+    axes: Axes,
+    verdicts: Sequence[Verdict],
+    by: str,
+    outcome: Callable[[Verdict], bool],
+    look: dict[str, str],
 ) -> None:
     """Draw the rate of an outcome against something of the spec, with Wilson's intervals."""
     values = sorted({one.spec[by] for one in verdicts})
@@ -45,11 +51,11 @@ def _curve(
     ]
     low = [100 * (rate.value - rate.interval[0]) for rate in rates]
     high = [100 * (rate.interval[1] - rate.value) for rate in rates]
-    colour = _ACCENT if "named" in label else _INK
-    axes.errorbar(
-        values, [100 * rate.value for rate in rates], yerr=[low, high],
-        fmt="o-", color=colour, label=label, capsize=3,
-    )  # fmt: skip
+    percent = [100 * rate.value for rate in rates]
+    axes.errorbar(values, percent, yerr=[low, high], fmt="o-", capsize=3, **look)
+    axes.set_xscale("log")
+    axes.set_xticks(values, [f"{value:g}" for value in values])
+    axes.minorticks_off()
 
 
 def _detection(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
@@ -57,8 +63,8 @@ def _detection(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
     those = [one for one in verdicts if one.group == "one"]
     if len({one.spec["rho"] for one in those}) < 2:
         return False
-    _curve(axes, those, "rho", lambda one: one.claimed, "detected")
-    _curve(axes, those, "rho", lambda one: one.first, "named, right class first")
+    _curve(axes, those, "rho", lambda one: one.claimed, _DETECTED)
+    _curve(axes, those, "rho", lambda one: one.first, _NAMED)
     _frame(axes, "rho: what the base leaves of the cause, over the noise")
     return True
 
@@ -68,14 +74,13 @@ def _length(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
     those = [one for one in verdicts if one.group == "rows"]
     if not those:
         return False
-    _curve(axes, those, "rows", lambda one: one.claimed, "detected")
-    _curve(axes, those, "rows", lambda one: one.first, "named, right class first")
+    _curve(axes, those, "rows", lambda one: one.claimed, _DETECTED)
+    _curve(axes, those, "rows", lambda one: one.first, _NAMED)
     _frame(axes, "recordings, at rho 0.25")
     return True
 
 
 def _frame(axes: Axes, across: str) -> None:
-    axes.set_xscale("log")
     axes.set_ylim(-3, 103)
     axes.set_xlabel(across)
     axes.set_ylabel("cases [%]")

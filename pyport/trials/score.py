@@ -238,11 +238,13 @@ def _honesty(verdicts: Sequence[Verdict]) -> list[Row]:
 
 
 def confusion(verdicts: Iterable[Verdict]) -> list[tuple[str, str, int]]:
-    """Return (hidden, said, how often) for cases that hide one cause, by the hidden one."""
+    """Return (hidden, said, how often) for cases that hide one cause loudly, by the hidden one."""
+    twin = {"degenerate": "twin: "}
     pairs = Counter(
-        (str(one.spec["effect"]), "right" if one.first else one.said)
+        (twin.get(one.group, "") + str(one.spec["effect"]), "right" if one.first else one.said)
         for one in verdicts
         if one.group in {"one", "unknown", "degenerate"}
+        and one.spec["rho"] >= THRESHOLDS["one_rho_least"]
     )
     return [(hidden, said, n) for (hidden, said), n in sorted(pairs.items())]
 
