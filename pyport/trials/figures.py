@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 _INK = "#1f3b57"
 _ACCENT = "#c2571a"
 _QUIET = "#8a97a3"
-_DETECTED = {"color": _INK, "label": "detected"}
-_NAMED = {"color": _ACCENT, "label": "right class first"}
+_DETECTED = (_INK, "detected")
+_NAMED = (_ACCENT, "right class first")
 
 
 def write(folder: Path, verdicts: Sequence[Verdict]) -> list[str]:
@@ -42,7 +42,7 @@ def _curve(
     verdicts: Sequence[Verdict],
     by: str,
     outcome: Callable[[Verdict], bool],
-    look: dict[str, str],
+    look: tuple[str, str],
 ) -> None:
     """Draw the rate of an outcome against something of the spec, with Wilson's intervals."""
     values = sorted({one.spec[by] for one in verdicts})
@@ -52,7 +52,8 @@ def _curve(
     low = [100 * (rate.value - rate.interval[0]) for rate in rates]
     high = [100 * (rate.interval[1] - rate.value) for rate in rates]
     percent = [100 * rate.value for rate in rates]
-    axes.errorbar(values, percent, yerr=[low, high], fmt="o-", capsize=3, **look)
+    colour, label = look
+    axes.errorbar(values, percent, yerr=[low, high], fmt="o-", capsize=3, color=colour, label=label)
     axes.set_xscale("log")
     axes.set_xticks(values, [f"{value:g}" for value in values])
     axes.minorticks_off()
