@@ -91,7 +91,11 @@ def test_a_pull_is_how_many_sigmas_a_coefficient_is_off():
     ]
     verdict = judged([finding("sag_sine", parameters=parameters)], SAG)
 
+    weaker = finding("sag_sine", parameters=parameters)
+    again = judged([finding("sag_sine", parameters=parameters), weaker], SAG)
+
     assert verdict.pulls == (("sag_sine", "size", 2.0), ("sag_sine", "of_nature", -2.0))
+    assert again.pulls == verdict.pulls
 
 
 def test_wilson_s_interval_is_that_of_the_books():
@@ -116,6 +120,17 @@ def test_regions_overlap_in_rows_and_azimuth_goes_round():
 
     np.testing.assert_array_equal(places.inside(TABLE, north), [1, 1, 0, 0, 1])
     assert places.region_overlap(TABLE, first, north) == pytest.approx(2 / 3)
+
+
+def test_what_no_finding_places_is_nowhere():
+    """The first finding that says a place counts; silence overlaps nothing and is far away."""
+    north = [{"column": "az_deg", "low": 340, "high": 20}]
+    vague, right = finding("drift"), finding("unknown", where={"region": north})
+    cause = {"where": {"region": north, "since": "2004-01-03T12:00:00Z", "curve": None}}
+
+    assert places.place(TABLE, [vague, right], [cause])["region_iou"] == 1
+    assert places.place(TABLE, [], [cause]) == {"region_iou": 0, "moment_rows": np.inf}
+    assert places.place(TABLE, [right], []) == {}
 
 
 def test_a_region_in_a_column_that_is_not_there_holds_nothing():
