@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from pyport.trials.examine import Score
 
 LEDGER = Path("docs/proof/ledger.md")
+PAGE = Path("docs/proof.md")
 
 _A_PATH = click.Path(path_type=Path)
 _jobs = click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
@@ -46,6 +47,7 @@ def command() -> None:
 @click.option("--rows", type=int, help="Recordings of each case.")
 @click.option("--noise", help="white, drift, heavy, outliers or gappy.")
 @click.option("--site", help="rt32, gmrt or south.")
+@click.option("--weeks", type=float, help="Length of an ablation's campaign.")
 @click.option(
     "--seed", default=0, show_default=True, help="The first case's; the next has one more."
 )
@@ -59,6 +61,7 @@ def make(
     rows: int | None,
     noise: str | None,
     site: str | None,
+    weeks: float | None,
     seed: int,
     count: int,
     out: Path,
@@ -69,7 +72,9 @@ def make(
     from pyport.trials.kinds import make_case
 
     for each in track(range(seed, seed + count), "making cases", total=count):
-        case = make_case(kind, each, effect=effect, rho=rho, rows=rows, noise=noise, site=site)
+        case = make_case(
+            kind, each, effect=effect, rho=rho, rows=rows, noise=noise, site=site, weeks=weeks
+        )
         stem = "-".join(filter(None, [kind, effect, f"{each:05d}"]))
         write_recordings(case, out / "recordings" / f"{stem}.csv")
         write_truth(case, out / "truth" / f"{stem}.json")
@@ -138,6 +143,17 @@ def prove(context: click.Context, folder: Path, which: str, jobs: int, ledger: P
         context.invoke(run, folder=folder, jobs=jobs)
     context.invoke(reveal, folder=folder)
     context.invoke(score, folder=folder, jobs=jobs, ledger=ledger)
+
+
+@command.command()
+@click.argument("folders", metavar="SET...", type=_A_PATH, nargs=-1, required=True)
+@click.option("-o", "--out", type=_A_PATH, default=PAGE, show_default=True, help="The page.")
+def page(folders: tuple[Path, ...], out: Path) -> None:
+    """Write the public record of sets that were scored: numbers, pictures, one case by hand."""
+    from pyport.trials.page import write
+
+    write(folders, out)
+    click.echo(f"{out}")
 
 
 def show(whole: Score) -> None:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import erfa
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.trials.mount import Each
@@ -65,3 +67,29 @@ def orientation(time_s: Array) -> tuple[Array, Array, Array]:
     pole_x, pole_y = _iers().pm_xy(*date)
     ut1 = _iers().ut1_utc(*date)
     return ut1.to_value("s"), pole_x.to_value("arcsec") * ARCSEC, pole_y.to_value("arcsec") * ARCSEC
+
+
+def dynamical(time_s: Array) -> tuple[Array, Array]:
+    """Return the two parts of the TT Julian date for UTC seconds since 1970."""
+    return erfa.taitt(*erfa.utctai(*julian_date(time_s)))
+
+
+def motion(time_s: Array) -> tuple[Array, NDArray[Any]]:
+    """Return the Earth's place from the Sun [au], (n, 3), and its barycentric place and velocity.
+
+    Between whole hours it is interpolated linearly: the velocity bends by two
+    parts in 10^9 in an hour, the direction of the Sun by 0.01 arcsec.
+    """
+    hour = np.asarray(time_s, float) / 3600
+    before = np.floor(hour)
+    nodes, index = np.unique([before, before + 1], return_inverse=True)
+    first, second = index.reshape(2, -1)
+    sun, barycentre = erfa.epv00(*dynamical(nodes * 3600))
+    share = (hour - before)[:, None]
+
+    def between(values: Array) -> Array:
+        return (1 - share) * values[first] + share * values[second]
+
+    moving: NDArray[Any] = np.empty(len(hour), erfa.dt_pv)
+    moving["p"], moving["v"] = between(barycentre["p"]), between(barycentre["v"])
+    return between(sun["p"]), moving

@@ -29,7 +29,7 @@ class Rate:
         spread = _Z95**2 / self.of
         centre = (self.value + spread / 2) / (1 + spread)
         half = sqrt(self.value * (1 - self.value) * spread + spread**2 / 4) / (1 + spread)
-        return max(0.0, centre - half), min(1.0, centre + half)
+        return max(0.0, centre - half), min(1.0, max(centre + half, self.value))
 
     def __str__(self) -> str:
         """Return "93.3 % (56 of 60; 84.1 to 97.4)"."""

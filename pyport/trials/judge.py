@@ -120,15 +120,17 @@ def _first_three(findings: list[Finding]) -> list[Finding]:
 
 
 def _pulls(findings: list[Finding], cause: Cause) -> list[tuple[str, str, float]]:
-    """Return (effect, parameter, pull) of what both sides give a number for."""
+    """Return (effect, parameter, pull) of what both sides give a number for.
+
+    Of several findings of one name the strongest stands for it; a stranger has no numbers.
+    """
+    effect = cause["effect"]
+    meant = [one for one in findings if one["effect"] == effect != "unknown"][:1]
     pulls = []
-    for finding in findings:
-        if finding["effect"] != cause["effect"]:
-            continue
-        for parameter in finding.get("parameters", []):
-            # Only what nature fixes, or what truth knows under the same name, can be compared.
-            known = cause["parameters"].get(parameter["name"], parameter.get("expected"))
-            if known is not None and parameter.get("sigma"):
-                pull = (parameter["value"] - known) / parameter["sigma"]
-                pulls.append((cause["effect"], parameter["name"], float(pull)))
+    for parameter in (each for one in meant for each in one.get("parameters", [])):
+        # Only what nature fixes, or what truth knows under the same name, can be compared.
+        known = cause["parameters"].get(parameter["name"], parameter.get("expected"))
+        if known is not None and parameter.get("sigma"):
+            pull = (parameter["value"] - known) / parameter["sigma"]
+            pulls.append((effect, parameter["name"], float(pull)))
     return pulls

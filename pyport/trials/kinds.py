@@ -40,6 +40,7 @@ def make_case(
     rows: int | None = None,
     noise: str | None = None,
     site: str | None = None,
+    weeks: float | None = None,
 ) -> Case:
     """Make a case; the same arguments give the same case.
 
@@ -62,6 +63,8 @@ def make_case(
         One of `NOISES`; drawn for "null", "white" or "drift" for others when not given.
     site
         One of `earth.SITES`; drawn when not given.
+    weeks
+        Length of an ablation's campaign; the RT32's own two when not given.
     """
     _check(kind, effect, noise, site)
     some = {} if rows is None else {"rows": rows}
@@ -71,7 +74,7 @@ def make_case(
         return observatories.gmrt(seed)
     if kind == "ablation":
         omitted = tuple(effect.split("+")) if effect else observatories.RT32_LEFT_OUT
-        return observatories.ablation(seed, omitted, **some)
+        return observatories.ablation(seed, omitted, span_weeks=weeks, **some)
     if kind == "degenerate":
         return degenerate.twins(seed, effect, rho, **some)
     return _hidden(kind, seed, effect, rho, rows or 1200, noise, site)

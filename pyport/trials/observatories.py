@@ -145,11 +145,13 @@ def ablation(
     """Make the RT32's campaigns with a steering that leaves steps of the reduction out.
 
     The telescope is the published one as far as the altaz base goes, so that the
-    sky alone is what is hidden.
+    sky alone is what is hidden. Refraction that is left out is that of layers of air.
     """
     streams = Streams.of(seed)
-    world = World(rt32_plan(streams.plan, rows, span_weeks), mount=_rt32_mount())
-    faults = [left_out(step) for step in omitted]
+    layered = "refraction" in omitted
+    plan = rt32_plan(streams.plan, rows, span_weeks)
+    world = World(plan, mount=_rt32_mount(), layered=layered)
+    faults = [left_out(step, world) for step in omitted]
     sigma = 12.8 * ARCSEC
     noise = Noise(sigma, sigma, drift_share=0.1, memory_s=5400.0, step=3.6 * ARCSEC)
     about: dict[str, Any] = {"kind": "ablation", "seed": seed, "left_out": list(omitted)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -51,10 +52,12 @@ def overlap(found: Mask, true: Mask) -> float:
     return float(np.sum(found & true) / either) if either else 0.0
 
 
-def region_overlap(table: Table, finding: dict[str, Any], true: list[dict[str, Any]]) -> float:
-    """Return the overlap of a finding's region with the true one, counted in rows; 0 for none."""
-    region = finding["where"].get("region") or []
-    return overlap(inside(table, region), inside(table, true)) if region else 0.0
+def region_overlap(
+    table: Table, finding: dict[str, Any], true: list[dict[str, Any]]
+) -> float | None:
+    """Return the overlap of a finding's region with the true one, counted in rows."""
+    region = finding["where"].get("region")
+    return overlap(inside(table, region), inside(table, true)) if region else None
 
 
 def curve_distance_deg(finding: dict[str, Any], true: list[dict[str, float]]) -> float | None:
@@ -87,25 +90,26 @@ def _seconds(text: str) -> float:
 def place(
     table: Table, findings: list[dict[str, Any]], causes: list[dict[str, Any]]
 ) -> dict[str, float]:
-    """Return how well the first finding is placed, in every way that the truth can say."""
+    """Return how well the first cause is placed, in every way that the truth can say.
+
+    The first finding that says such a place is held to it; where none does the
+    overlap is nothing and the distance infinite.
+    """
     if not causes:
         return {}
     where = causes[0]["where"]
-    first = findings[0] if findings else {"where": {}}
-    placed: dict[str, float | None] = {}
+    placed: dict[str, float] = {}
     if where.get("region"):
-        placed["region_iou"] = region_overlap(table, first, where["region"])
+        region = (region_overlap(table, one, where["region"]) for one in findings)
+        placed["region_iou"] = _first(region, 0.0)
     if where.get("curve"):
-        placed["curve_deg"] = _nearest(
-            findings, lambda one: curve_distance_deg(one, where["curve"])
-        )
+        curve = (curve_distance_deg(one, where["curve"]) for one in findings)
+        placed["curve_deg"] = _first(curve, np.inf)
     if where.get("since"):
-        placed["moment_rows"] = _nearest(
-            findings, lambda one: moment_rows(table, one, where["since"])
-        )
-    return {key: float("inf") if value is None else value for key, value in placed.items()}
+        since = (moment_rows(table, one, where["since"]) for one in findings)
+        placed["moment_rows"] = _first(since, np.inf)
+    return placed
 
 
-def _nearest(findings: list[dict[str, Any]], distance: Any) -> float | None:  # noqa: ANN401
-    """Return the distance of the first finding that has any."""
-    return next((far for one in findings if (far := distance(one)) is not None), None)
+def _first(values: Iterable[float | None], otherwise: float) -> float:
+    return next((value for value in values if value is not None), otherwise)

@@ -54,11 +54,18 @@ class Spec:
     rho: float = 0.5
     rows: int | None = None
     noise: str | None = None
+    weeks: float | None = None
 
     def make(self, seed: int) -> Case:
         """Make the case."""
         return make_case(
-            self.kind, seed, effect=self.effect, rho=self.rho, rows=self.rows, noise=self.noise
+            self.kind,
+            seed,
+            effect=self.effect,
+            rho=self.rho,
+            rows=self.rows,
+            noise=self.noise,
+            weeks=self.weeks,
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -110,6 +117,12 @@ def full() -> list[Spec]:
             for _ in range(10)
         ),
         *(Spec("ablation", "ablation", steps) for steps in _ABLATIONS),
+        *(Spec("ablation", "held", "ut1", 0.3, 5615) for _ in range(3)),
+        *(
+            Spec("weeks", "ablation", "nutation", weeks=weeks)
+            for weeks in (1, 2, 4, 8, 16, 32, 64)
+            for _ in range(3)
+        ),
         *(Spec("zero", "one", effect, 0.0) for effect in HIDEABLE),
     ]
 

@@ -13,6 +13,10 @@ from pyport.trials.intervals import Rate, count
 from pyport.trials.judge import Verdict
 from pyport.trials.protocol import THRESHOLDS
 
+#: Levels at which stated p-values are held to what happens, and the one that the table shows.
+_LEVELS = (0.01, 0.05, 0.1, 0.2, 0.5)
+_LEVEL = 0.05
+
 
 @dataclass(frozen=True)
 class Row:
@@ -38,7 +42,7 @@ def table(verdicts: Sequence[Verdict]) -> list[Row]:
     for group, fill in _FILL.items():
         if group in by_group:
             rows += fill(by_group[group])
-    return [*rows, *_held_out(verdicts)]
+    return [*rows, *_held_out(verdicts), *_honesty(verdicts)]
 
 
 def _at_most(what: str, rate: Rate, key: str) -> Row:
@@ -144,12 +148,12 @@ def _placed(what: str, key: str, threshold: str, *, least: bool) -> Any:  # noqa
 
 
 def _ablation(verdicts: list[Verdict]) -> list[Row]:
-    """Return the rows of the real sky; what is too small to be seen may be missed."""
-    tiny = {"ut1", "polar_motion"}
+    """Return the rows of the real sky; what the base swallows may be missed."""
     seen: list[bool] = []
     for one in verdicts:
+        swallowed = {"ut1", "polar_motion"} if one.spec["kind"] == "ablation" else set()
         steps = one.spec["effect"].split("+")
-        seen += [found for step, found in zip(steps, one.found, strict=True) if step not in tiny]
+        seen += [it for step, it in zip(steps, one.found, strict=True) if step not in swallowed]
     pulls = [abs(pull) for one in verdicts for _, _, pull in one.pulls]
     most = THRESHOLDS["ablation_sigmas_most"]
     return [
@@ -163,6 +167,23 @@ def _ablation(verdicts: list[Verdict]) -> list[Row]:
     ]
 
 
+def _weeks(verdicts: list[Verdict]) -> list[Row]:
+    """Return from how long a campaign on nutation is told from precession."""
+
+    def told(one: Verdict) -> bool:
+        return one.first and one.said == "nutation" and one.verdict == "named"
+
+    return [
+        Row(
+            f"nutation left out, {weeks:g} weeks: told from precession",
+            str(count([told(one) for one in verdicts if one.spec["weeks"] == weeks])),
+            "curve",
+            None,
+        )
+        for weeks in sorted({one.spec["weeks"] for one in verdicts})
+    ]
+
+
 def _zero(verdicts: list[Verdict]) -> list[Row]:
     claimed = count([one.claimed for one in verdicts])
     return [_at_most("control, amplitude zero: claims anything", claimed, "zero_claims_most")]
@@ -173,6 +194,7 @@ _FILL: dict[str, Any] = {
     "one": _one,
     "rows": _rows,
     "ablation": _ablation,
+    "weeks": _weeks,
     "degenerate": _degenerate,
     "two": _two,
     "unknown": _unknown,
@@ -204,22 +226,38 @@ def _held_out(verdicts: Iterable[Verdict]) -> list[Row]:
     ]
 
 
+def _honesty(verdicts: Sequence[Verdict]) -> list[Row]:
+    """Return whether stated probabilities and sigmas are true."""
+    below = dict(calibration(verdicts))[_LEVEL]
+    within_one, within_two = pulls(verdicts)
+    return [
+        Row(f"nothing hidden: p-value below {_LEVEL:g}", str(below), "shown", None),
+        Row("coefficients within one sigma of the truth", str(within_one), "68 %", None),
+        Row("coefficients within two sigma of the truth", str(within_two), "95 %", None),
+    ]
+
+
 def confusion(verdicts: Iterable[Verdict]) -> list[tuple[str, str, int]]:
-    """Return (hidden, said, how often) for cases that hide one cause, by the hidden one."""
+    """Return (hidden, said, how often) for cases that hide one cause loudly, by the hidden one."""
+    twin = {"degenerate": "twin: "}
     pairs = Counter(
-        (str(one.spec["effect"]), "right" if one.first else one.said)
+        (twin.get(one.group, "") + str(one.spec["effect"]), "right" if one.first else one.said)
         for one in verdicts
         if one.group in {"one", "unknown", "degenerate"}
+        and one.spec["rho"] >= THRESHOLDS["one_rho_least"]
     )
     return [(hidden, said, n) for (hidden, said), n in sorted(pairs.items())]
 
 
+def silent_p_value(verdict: Verdict) -> float | None:
+    """Return the stated p-value of a case that hides nothing, if it is one."""
+    return verdict.p_value if verdict.group in {"null", "zero"} else None
+
+
 def calibration(verdicts: Iterable[Verdict]) -> list[tuple[float, Rate]]:
     """Return how often p-values of cases that hide nothing are below a level, by level."""
-    silent = [
-        one.p_value for one in verdicts if one.group in {"null", "zero"} and one.p_value is not None
-    ]
-    return [(level, count([p <= level for p in silent])) for level in (0.01, 0.05, 0.1, 0.2, 0.5)]
+    values = [p for one in verdicts if (p := silent_p_value(one)) is not None]
+    return [(level, count([p <= level for p in values])) for level in _LEVELS]
 
 
 def pulls(verdicts: Iterable[Verdict]) -> tuple[Rate, Rate]:

@@ -12,7 +12,7 @@ import erfa
 import numpy as np
 
 from pyport.angles import Array
-from pyport.trials.earth import Site, julian_date, orientation
+from pyport.trials.earth import Site, dynamical, julian_date, motion, orientation
 from pyport.trials.mount import Each
 
 #: What lies between a catalogue position and an observed one.
@@ -82,19 +82,17 @@ def observed(
         Which of `STEPS` are taken; without precession, nutation is applied to the
         catalogue's own equinox; without UT1 the Earth turns by UTC.
     """
-    utc = julian_date(time_s)
-    tt = erfa.taitt(*erfa.utctai(*utc))
+    utc, tt = julian_date(time_s), dynamical(time_s)
     dut1, pole_x, pole_y = orientation(time_s)
     ut1 = erfa.utcut1(*utc, dut1 if "ut1" in steps else np.zeros_like(dut1))
     if "polar_motion" not in steps:
         pole_x, pole_y = np.zeros_like(pole_x), np.zeros_like(pole_y)
 
     equator, sidereal = _equator(tt, ut1, steps)
-    around_sun, barycentric = erfa.epv00(*tt)
+    from_sun, barycentric = motion(time_s)
     if "annual_aberration" not in steps:
-        barycentric = barycentric.copy()
         barycentric["v"] = 0.0
-    astrometry = erfa.apci(*tt, barycentric, around_sun["p"], 0.0, 0.0, 0.0)
+    astrometry = erfa.apci(*tt, barycentric, from_sun, 0.0, 0.0, 0.0)
     astrometry["bpn"] = equator
     apparent_ra, apparent_dec = erfa.atciq(ra, dec, 0.0, 0.0, 0.0, 0.0, astrometry)
 
@@ -130,9 +128,7 @@ def _equator(
 
 def sun(time_s: Array) -> tuple[Array, Array]:
     """Return the Sun's ICRS right ascension and declination [rad] as seen from the Earth."""
-    tt = erfa.taitt(*erfa.utctai(*julian_date(time_s)))
-    around_sun, _ = erfa.epv00(*tt)
-    ra, dec = erfa.c2s(-around_sun["p"])
+    ra, dec = erfa.c2s(-motion(time_s)[0])
     return erfa.anp(ra), dec
 
 
@@ -141,7 +137,6 @@ def planet(number: int, time_s: Array) -> tuple[Array, Array]:
 
     `number` counts from Mercury, 1.
     """
-    tt = erfa.taitt(*erfa.utctai(*julian_date(time_s)))
-    around_sun, _ = erfa.epv00(*tt)
-    ra, dec = erfa.c2s(erfa.plan94(*tt, number)["p"] - around_sun["p"])
+    from_sun, _ = motion(time_s)
+    ra, dec = erfa.c2s(erfa.plan94(*dynamical(time_s), number)["p"] - from_sun)
     return erfa.anp(ra), dec

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -99,8 +100,8 @@ def _sit(task: Task, recordings: Path, out: Path) -> str | None:
         )
     except subprocess.TimeoutExpired:
         return f"no answer within {_TIMEOUT_S:.0f} s"
-    if done.returncode < 0:
-        raise KeyboardInterrupt  # killed from outside: no answer, to be asked again
+    if -done.returncode in {signal.SIGINT, signal.SIGTERM}:
+        raise KeyboardInterrupt  # stopped from outside: no answer, to be asked again
     if done.returncode:
         return done.stderr.strip()[-2000:] or f"exit status {done.returncode}"
     return None

@@ -9,6 +9,7 @@ import numpy as np
 from pyport.angles import Array, wrap
 from pyport.trials import mount as mounts
 from pyport.trials import sky
+from pyport.trials.atmosphere import bending
 from pyport.trials.earth import EARTH_RADIUS_M, Site
 from pyport.trials.mount import Each, Mount
 from pyport.trials.schedule import Plan
@@ -80,6 +81,8 @@ class World:
         Horizontal parallax of each target [rad]: the Earth's radius over its distance.
     electrons_m2
         Free electrons overhead that the steering does not know of.
+    layered
+        Whether the real air is followed layer by layer rather than by ERFA's two coefficients.
     across, up
         Offsets [rad] that no part of a telescope is known to make.
     """
@@ -90,6 +93,7 @@ class World:
     steering: Steering = field(default_factory=Steering)
     near: Each = 0.0
     electrons_m2: Each = 0.0
+    layered: bool = False
     across: Each = 0.0
     up: Each = 0.0
 
@@ -138,8 +142,10 @@ def believed(world: World, later_s: float = 0.0) -> sky.Place:
 def arriving(world: World) -> tuple[Array, Array]:
     """Return azimuth and elevation [rad] from which the sources' waves really come."""
     plan = world.plan
-    place = sky.observed(plan.ra, plan.dec, plan.time_s, plan.site, plan.air())
-    cos_el, sin_el = np.cos(place.el), np.sin(place.el)
+    steps = sky.STEPS - {"refraction"} if world.layered else sky.STEPS
+    place = sky.observed(plan.ra, plan.dec, plan.time_s, plan.site, plan.air(), steps)
+    lifted = place.el + bending(place.el, plan.air()) if world.layered else place.el
+    cos_el, sin_el = np.cos(lifted), np.sin(lifted)
     # From the surface a near target stands lower: its height shrinks by one radius of the Earth.
     el = np.arctan2(sin_el - world.near, cos_el)
     return place.az, el + _ionosphere(world, el)

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.trials.degenerate import TWINS
 from pyport.trials.faults import CATALOGUED, STRANGERS, SWALLOWED
 from pyport.trials.kinds import HIDEABLE, KINDS, make_case
+from pyport.trials.projection import Base
 
 ROWS = 240
 
@@ -19,6 +21,21 @@ def test_a_hidden_cause_has_the_rho_that_was_asked_for(effect):
 
     assert cause["effect"] == effect
     assert max(cause["rho_xel"], cause["rho_el"]) == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nothing_hidden_leaves_nothing(seed):
+    """What the altaz base leaves of a null case is a fifth of a sigma, all rows taken together."""
+    case = make_case("null", seed, noise="white")
+    az, el = (np.radians(case.columns[name]) for name in ("az_deg", "el_deg"))
+    noise = case.truth["noise"]
+    base = Base(
+        az, el, case.columns["antenna"],
+        ~np.isnan(case.columns["d_az_deg"]), ~np.isnan(case.columns["d_el_deg"]),
+        noise["xel_arcsec"] * ARCSEC, noise["el_arcsec"] * ARCSEC,
+    )  # fmt: skip
+
+    assert np.hypot(*base.rho(*case.clean)) * np.sqrt(len(el)) < 0.2
 
 
 @pytest.mark.parametrize("kind", ["null", "rt32", "gmrt"])

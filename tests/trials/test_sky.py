@@ -6,7 +6,7 @@ import pytest
 
 from pyport.angles import ARCSEC, DEG
 from pyport.trials import sky
-from pyport.trials.earth import SITES, julian_date, orientation
+from pyport.trials.earth import SITES, dynamical, julian_date, motion, orientation
 from pyport.trials.sources import sources
 
 SITE = SITES["rt32"]
@@ -73,6 +73,16 @@ def test_refraction_left_out_is_sixty_arcsec_at_45_deg():
 
     assert np.abs(x).max() < 0.1
     np.testing.assert_allclose((y * np.tan(el))[high], 60, atol=8)
+
+
+def test_the_interpolated_earth_is_erfas():
+    """Place and velocity are epv00's to 1e-7 au and 1e-8 of the velocity, at any minute."""
+    time_s = 1.05e9 + np.arange(0, 3e6, 1234.5)
+    from_sun, moving = motion(time_s)
+    sun, barycentre = erfa.epv00(*dynamical(time_s))
+
+    np.testing.assert_allclose(from_sun, sun["p"], atol=1e-7)
+    np.testing.assert_allclose(moving["v"], barycentre["v"], atol=2e-10)
 
 
 def test_orientation_needs_no_network_and_is_that_of_iers():

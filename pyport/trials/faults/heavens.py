@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import ARCSEC
+from pyport.trials.earth import orientation
 from pyport.trials.faults.base import Draw, Fault
 from pyport.trials.schedule import with_planet
 from pyport.trials.world import World
@@ -17,8 +18,9 @@ _BOTH = {"axes": ["xel", "el"]}
 _FORGOTTEN = ("precession", "nutation", "annual_aberration", "diurnal_aberration", "polar_motion")
 
 
-def left_out(step: str) -> Fault:
+def left_out(step: str, world: World) -> Fault:
     """Return the fault of a steering that leaves a step of `sky.STEPS` out, all of it."""
+    ut1_s = float(np.mean(orientation(world.plan.time_s)[0]))
 
     def apply(world: World, size: float) -> World:
         if size == 0:
@@ -34,11 +36,12 @@ def left_out(step: str) -> Fault:
         same=("site_longitude",) if step == "ut1" else (),
         beside=("refraction_curvature",) if step == "refraction" else (),
         where={"axes": ["el"] if step == "refraction" else ["xel", "el"]},
+        parameters={"clock_error": ut1_s} if step == "ut1" else {},
     )
 
 
 def _leaving_out(step: str) -> Draw:
-    return lambda world, rng: left_out(step)  # noqa: ARG005 - nothing to draw
+    return lambda world, rng: left_out(step, world)  # noqa: ARG005 - nothing to draw
 
 
 def clock(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001

@@ -112,16 +112,16 @@ def azimuth_track(world: World, rng: np.random.Generator) -> Fault:
 
 
 def azimuth_scale(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an azimuth encoder that counts a little too fast."""
+    """Draw an azimuth encoder that counts a little too fast; the catalogue counts per degree."""
     return on_mount(
-        "azimuth_scale", ("xel",), {"azimuth_scale": 1.0}, parameters={"azimuth_scale": 1.0}
+        "azimuth_scale", ("xel",), {"azimuth_scale": 1.0}, parameters={"azimuth_scale": DEG}
     )
 
 
 def elevation_scale(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an elevation encoder that counts a little too fast."""
+    """Draw an elevation encoder that counts a little too fast; the catalogue counts per degree."""
     return on_mount(
-        "elevation_scale", ("el",), {"elevation_scale": 1.0}, parameters={"elevation_scale": 1.0}
+        "elevation_scale", ("el",), {"elevation_scale": 1.0}, parameters={"elevation_scale": DEG}
     )
 
 

@@ -9,12 +9,14 @@ from pyport.trials.faults.base import Draw, Fault, on_mount, phase
 from pyport.trials.world import World
 
 
-def thermal_tilt(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001 - nothing to draw
-    """Draw a tower that leans away from the Sun while the Sun is up, more the higher it stands."""
+def thermal_tilt(world: World, rng: np.random.Generator) -> Fault:
+    """Draw a tower that leans away from the Sun by day: always as much, or as the Sun is high."""
     sun_az = world.plan.weather["sun_az_deg"] * DEG
-    warm = np.clip(np.sin(world.plan.weather["sun_el_deg"] * DEG), 0, None)
+    height = np.sin(world.plan.weather["sun_el_deg"] * DEG)
+    weight = str(rng.choice(["by day", "as the Sun is high"]))
+    warm = np.where(height > 0, 1.0 if weight == "by day" else height, 0.0)
     parts = {"tilt_north": -warm * np.cos(sun_az), "tilt_east": -warm * np.sin(sun_az)}
-    return on_mount("thermal_tilt", ("xel", "el"), parts)
+    return on_mount("thermal_tilt", ("xel", "el"), parts, facts={"weight": weight})
 
 
 def wind_tilt(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001

@@ -1,0 +1,150 @@
+"""The public record: one page with the whole case, numbers and pictures taken from the scores."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pyport.files import sha256, write_whole
+from pyport.trials import figures
+from pyport.trials.judge import Verdict
+from pyport.trials.seal import Folder, read_json
+
+_HEAD = """# Does it find what was hidden?
+
+The claim: given recordings that differ from the simulation, `pyport diagnose` finds where, says
+which physics was left out, models it, and the fit improves on data that it did not see.
+
+The proof: causes are drawn at random and put into recordings by an examiner that shares no
+formula with the program. Its telescope is made of rotations, its sky is ERFA's, with catalogue
+sources, real dates and the Earth's real orientation. Truths are sealed by SHA-256 of a 256-bit
+nonce and the text, together with the hashes of the recordings, the solver, the examiner and the
+thresholds. Each case is solved in a process that sees the recordings alone and cannot open the
+truth. Then the set is opened, once, and scored. Every set that was ever sealed stands in the
+[ledger](proof/ledger.md).
+
+rho is what the altaz base leaves of a cause, rms, over the noise, on the axis where it is
+greater. Brackets hold counts and Wilson's 95 % interval.
+"""
+
+_CAPTIONS = {
+    "detection.png": "How often a single cause is detected, and named right first, against rho.",
+    "length.png": "The same against the number of recordings.",
+    "calibration.png": "Stated p-values where nothing is hidden: on the line they are honest.",
+    "skill.png": "How much of what a refit of the true form gains on unseen data was gained.",
+    "confusion.png": "What was said first of what was hidden, in per cent of its cases.",
+}
+
+_WORST = 12
+
+
+def write(sets: Sequence[Path], out: Path) -> None:
+    """Write the page and, in a folder of its name beside it, pictures, seals and one case each.
+
+    Parameters
+    ----------
+    sets
+        Folders of sets that were scored.
+    out
+        The page, Markdown.
+    """
+    sections = [
+        _section(root, out.with_suffix("") / root.resolve().name, out.parent) for root in sets
+    ]
+    with write_whole(out) as file:
+        file.write("\n".join([_HEAD, *sections]))
+
+
+def _section(root: Path, folder: Path, base: Path) -> str:
+    """Write the files of one set and return its part of the page."""
+    folder.mkdir(parents=True, exist_ok=True)
+    scored, sealed = read_json(root / "score.json"), read_json(Folder(root).seal)
+    verdicts = [Verdict(**one) for one in scored["verdicts"]]
+    shutil.copyfile(Folder(root).seal, folder / "sealed.json")
+    place = folder.relative_to(base).as_posix()
+    pictures = [
+        f"![{_CAPTIONS[name]}]({place}/{name})\n\n{_CAPTIONS[name]}\n"
+        for name in figures.write(folder, verdicts)
+    ]
+    lines = [
+        f"## {scored['name']}: {'passed' if scored['passed'] else 'not passed'}\n",
+        f"{len(verdicts)} cases, sealed {sealed['sealed_utc']}.\n",
+        _table(scored["table"]),
+        *pictures,
+        _wrong(verdicts),
+        _by_hand(root, folder, base, verdicts),
+    ]
+    return "\n".join(lines)
+
+
+def _table(rows: list[dict[str, Any]]) -> str:
+    marks = {True: "yes", False: "**no**", None: "shown"}
+    lines = [
+        f"| {row['what']} | {row['result']} | {row['needed']} | {marks[row['passed']]} |"
+        for row in rows
+    ]
+    return "\n".join(["| what | result | needed | passed |", "|---|---|---|---|", *lines, ""])
+
+
+def _wrong(verdicts: Sequence[Verdict]) -> str:
+    """Return the confident wrong answers, by case."""
+    wrong = [
+        one
+        for one in verdicts
+        if one.verdict == "named" and not one.first and one.group in {"one", "unknown", "two"}
+    ]
+    failed = [one for one in verdicts if one.failed]
+    lines = [
+        f"- {one.case}: hidden {one.spec['effect'] or 'two at random'} at rho {one.spec['rho']:g},"
+        f" said {one.said}"
+        for one in wrong[:_WORST]
+    ]
+    more = f" The first {_WORST}:" if len(wrong) > _WORST else ""
+    return "\n".join(
+        [
+            "### Wrong answers\n",
+            f"{len(wrong)} cases got one confident wrong name, {len(failed)} no report.{more}\n",
+            *lines,
+            "",
+        ]
+    )
+
+
+def _by_hand(root: Path, folder: Path, base: Path, verdicts: Sequence[Verdict]) -> str:
+    """Put one opened case beside the page and return how to check it from seal to answer."""
+    shown = next((one for one in verdicts if one.group == "one" and one.first), verdicts[0])
+    opened = Folder(root).opened
+    for suffix in ("truth.json", "nonce"):
+        shutil.copyfile(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
+    truth = read_json(folder / f"{shown.case}.truth.json")
+    sealed = read_json(folder / "sealed.json")
+    entry = next(one for one in sealed["cases"] if one["case"] == shown.case)
+    here = (Path(base.name) / folder.relative_to(base)).as_posix()
+    options = {"effect": "--effect", "rho": "--rho", "rows": "--rows", "noise": "--noise"}
+    asked = [
+        f"{option} {truth['spec'][key]}"
+        for key, option in options.items()
+        if truth["spec"][key] is not None
+    ]
+    stem = "-".join(filter(None, [truth["spec"]["kind"], truth["spec"]["effect"]]))
+    made = f"try/recordings/{stem}-{truth['seed']:05d}.csv"
+    return f"""### One case by hand
+
+{shown.case}, with the solver `{sealed["solver_sha256"][:16]}`:
+
+```
+sha256sum {here}/sealed.json
+(xxd -r -p {here}/{shown.case}.nonce; cat {here}/{shown.case}.truth.json) | sha256sum
+pyport trials make --kind {truth["spec"]["kind"]} {" ".join(asked)} --seed {truth["seed"]} -o try
+sha256sum {made}
+pyport diagnose {made} {" ".join(entry["arguments"])} --out try
+```
+
+The first prints the seal that the ledger holds, `{sha256(folder / "sealed.json")}`; the
+second what the seal holds of the truth, `{entry["truth_commitment"]}`;
+the fourth what it holds of the recordings, `{entry["recordings_sha256"]}`
+(with the same libraries; with others the last digit of a number may differ);
+the fifth what was answered: {shown.said}.
+"""

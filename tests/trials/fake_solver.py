@@ -1,0 +1,27 @@
+"""Solvers that know nothing, to examine the examination with: python -m fake_solver HOW FILE ..."""
+
+import json
+import sys
+from pathlib import Path
+
+
+def main(how: str, file: str, _: str, out: str, *arguments: str) -> None:
+    """Answer in one of several useless ways."""
+    folder = Path(out) / Path(file).stem
+    findings = []
+    if how == "crash":
+        sys.exit("I have no idea")
+    if how == "mute":
+        return
+    if how == "spy":
+        Path(arguments[-1]).read_text()
+    if how == "parrot":
+        findings = [{"effect": "refraction", "class": ["refraction"], "verdict": "named",
+                     "where": {}, "parameters": []}]  # fmt: skip
+    beside = sorted(path.name for path in Path.cwd().iterdir())
+    folder.mkdir(parents=True)
+    report = {"mismatch": bool(findings), "p_value": 0.5, "findings": findings, "beside": beside}
+    (folder / "report.json").write_text(json.dumps({**report, "arguments": arguments}))
+
+
+main(*sys.argv[1:])
