@@ -46,14 +46,22 @@ class Raw:
         return BadInput(message, self.file, self.header_line if row is None else self.line[row])
 
     def words(self, name: str) -> NDArray[np.str_]:
-        """Return a column as text without surrounding blanks."""
+        """Return a column as text without surrounding blanks.
+
+        Raises
+        ------
+        BadInput
+            A cell is so long that it is none.
+        """
         cells = self.columns[name]
-        if cells.dtype.kind in "SU":
-            return np.strings.strip(cells.astype(np.str_))
-        if cells.dtype.kind in "iub":
-            return cells.astype(np.str_)
-        # 130.0 names the same channel as 130
-        return np.array(["" if v != v else f"{v:.15g}" for v in cells.tolist()], np.str_)  # noqa: PLR0124
+        if cells.dtype.kind in "fiub":
+            # 130.0 names the same channel as 130
+            return np.array(["" if v != v else f"{v:.15g}" for v in cells.tolist()], np.str_)  # noqa: PLR0124
+        text = [str(cell).strip() for cell in cells.tolist()]
+        for row, cell in enumerate(text):
+            if len(cell) > LONGEST_CELL:
+                raise self.error(f"{name} has more than {LONGEST_CELL} characters", row)
+        return np.array(text, np.str_)
 
     def numbers(self, name: str) -> Array:
         """Return a column as numbers, NaN where it is blank.
@@ -67,16 +75,22 @@ class Raw:
         if cells.dtype.kind in "fiub":
             values = cells.astype(float)
         else:
-            text = self.words(name)
-            blank = (text == "") | (np.strings.lower(text) == "nan")
             try:
-                values = np.where(blank, "nan", text).astype(float)
+                values = np.array([float(cell or "nan") for cell in cells.tolist()])
             except ValueError:
-                row = next(i for i, cell in enumerate(text) if not _is_number(cell))
-                raise self.error(
-                    f"{name} is {str(text[row])!r}, expected a number or blank", row
-                ) from None
+                values = self._numbers_one_by_one(name)
         self.refuse(np.isinf(values), f"{name} is infinite, expected a number or blank")
+        return values
+
+    def _numbers_one_by_one(self, name: str) -> Array:
+        """Return a column as numbers where some cells are spaces, or say which is no number."""
+        values = np.full(len(self.line), np.nan)
+        for row, cell in enumerate(self.words(name).tolist()):
+            try:
+                values[row] = float(cell or "nan")
+            except ValueError:
+                wrong = f"{name} is {cell!r}, expected a number or blank"
+                raise self.error(wrong, row) from None
         return values
 
     def numbers_or_words(self, name: str) -> NDArray[Any]:
@@ -117,12 +131,3 @@ class Raw:
         """Raise `BadInput` at the first row where `wrong` holds."""
         if wrong.any():
             raise self.error(message, int(np.argmax(wrong)))
-
-
-def _is_number(cell: str) -> bool:
-    """Tell whether a cell is blank or a number."""
-    try:
-        float(cell or "nan")
-    except ValueError:
-        return False
-    return True

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from pyport.errors import BadInput
 from pyport.recordings import read
@@ -37,7 +40,7 @@ CASES = {
     "latitude": ("# latitude_deg: 190\n" + GOOD + "1,2,3\n", 2, "latitude_deg"),
     "zero": ("# azimuth_zero: east\n" + GOOD + "1,2,3\n", 2, "azimuth_zero"),
     "open_quote": (GOOD + '1,2,"3\n1,2,3\n', 3, "expected CSV"),
-    "runaway": (GOOD + "1,2," + "3" * 2000 + "\n", 2, "1000 characters"),
+    "runaway": (GOOD[:-1] + ",source\n1,2,3," + "C" * 2000 + "\n", 2, "1000 characters"),
     "empty": ("", 1, "empty"),
     "blank": ("\n \n", 1, "empty"),
 }
@@ -102,3 +105,35 @@ def test_folder(tmp_path):
     """A folder is no file of recordings."""
     with pytest.raises(BadInput, match="folder"):
         read(tmp_path)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_any_damage_is_one_clear_line(tmp_path_factory, data):
+    """However a good file is damaged, it reads or it is refused in one line that names it."""
+    good = (
+        b"# latitude_deg: 53\n# azimuth_zero: south\n"
+        b"az_deg,el_deg,d_xel_arcsec,d_el_arcsec,time_utc,source,scan_direction\n"
+        b'-90,40,1.5,-2,2003-06-01T12:00:00Z,"Cyg A, core",1\n10,50,,3,,3C84,-1\n'
+    )
+    path = tmp_path_factory.mktemp("damaged") / "night.csv"
+    content = bytearray(good)
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(0, len(content) - 1))
+        junk = data.draw(st.binary(max_size=3) | st.sampled_from([b",", b'"', b"\n", b"1e400"]))
+        content[place : place + data.draw(st.integers(0, 5))] = junk
+        content = content or bytearray(b" ")
+    path.write_bytes(content)
+
+    night, refused = None, ""
+    try:
+        night = read(path)
+    except BadInput as error:
+        refused = str(error)
+
+    if night is None:
+        assert refused.startswith(f"{path}:")
+        assert "\n" not in refused
+    else:
+        assert np.isfinite(night.at.el).all()
+        assert (np.isfinite(night.x) | np.isfinite(night.y)).all()

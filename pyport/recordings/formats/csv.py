@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.raw import LONGEST_CELL, Raw
+from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 
 
@@ -66,10 +69,14 @@ def read(path: Path) -> Raw:
     else:
         raise BadInput("no line of column names, expected one such as az_deg,el_deg,...", path)
     names = _names(header, path, skipped + 1)
-    rows, lines = _rows(stream, len(names), path, skipped + 1)
+    rows, lines = _rows(text, skipped + 1, path)
+    for row, line in zip(rows, lines, strict=True):
+        if len(row) != len(names):
+            count = f"{len(row)} cell{'s' * (len(row) != 1)}"
+            raise BadInput(f"{count}, expected {len(names)} as in the header", path, line)
     if not rows:
         raise BadInput("no rows below the column names", path, skipped + 1)
-    cells = [np.array(column, np.str_) for column in zip(*rows, strict=True)]
+    cells = [np.array(column, object) for column in zip(*rows, strict=True)]
     columns = dict(zip(names, cells, strict=True))
     return Raw(path, meta, skipped + 1, columns, np.array(lines, np.int64))
 
@@ -88,32 +95,28 @@ def _names(header: str, path: Path, line: int) -> list[str]:
     return names
 
 
-def _rows(
-    stream: io.StringIO, width: int, path: Path, skipped: int
-) -> tuple[list[list[str]], list[int]]:
-    """Return the rows below the header and their lines."""
-    reader = csv.reader(stream, strict=True)
-    rows, lines = [], []
+def _rows(text: str, skipped: int, path: Path) -> tuple[list[list[str]], list[int]]:
+    """Return the rows below the header, and the line that each ends on."""
+    reader = _reader(text, skipped)
     try:
-        for row in reader:
-            if not row or row[0].startswith("#"):
-                continue
-            if len(row) != width:
-                cells = f"{len(row)} cell{'s' * (len(row) != 1)}"
-                raise BadInput(
-                    f"{cells}, expected {width} as in the header", path, skipped + reader.line_num
-                )
-            if len(max(row, key=len)) > LONGEST_CELL:
-                raise BadInput(
-                    f"a cell of more than {LONGEST_CELL} characters",
-                    path,
-                    skipped + reader.line_num,
-                )
-            rows.append(row)
-            lines.append(skipped + reader.line_num)
+        rows = list(reader)
     except csv.Error as error:
         raise BadInput(f"{error}, expected CSV", path, skipped + reader.line_num) from None
-    return rows, lines
+    lines: Iterable[int] = range(skipped + 1, skipped + 1 + len(rows))
+    if reader.line_num != len(rows):  # some cell holds a line break
+        reader = _reader(text, skipped)
+        lines = [skipped + reader.line_num for _ in reader]
+    kept = [
+        (row, line)
+        for row, line in zip(rows, lines, strict=True)
+        if row and not row[0].startswith("#")
+    ]
+    return [row for row, _ in kept], [line for _, line in kept]
+
+
+def _reader(text: str, skipped: int) -> Any:  # noqa: ANN401 - csv keeps its reader's type to itself
+    """Return a reader of the lines below the first ones."""
+    return csv.reader(islice(io.StringIO(text, newline=""), skipped, None), strict=True)
 
 
 def write(table: Table, path: Path) -> None:
