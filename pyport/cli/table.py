@@ -10,26 +10,39 @@ import click
 @click.option("--refraction", help="A formula of mean refraction, or none.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
 @click.option("--check", is_flag=True, help="Compare with every published number of 3model.")
-def command(model: str, refraction: str | None, output: str | None, check: bool) -> None:  # noqa: FBT001
+@click.option(
+    "--reading",
+    default="as-written",
+    show_default=True,
+    help="as-written, routine or float64: how the numbers of an RT32 table are computed.",
+)
+def command(
+    model: str,
+    refraction: str | None,
+    output: str | None,
+    check: bool,  # noqa: FBT001 - click's
+    reading: str,
+) -> None:
     """Write the steering table of a pointing model, refraction included."""
     from pyport import steering
 
-    refraction = refraction or steering.DEFAULT_REFRACTION
     if not (output or check):
         raise click.UsageError("nothing to do: give -o FILE, or --check")
     if check:
-        _print_check(refraction)
+        _print_check(refraction or steering.DEFAULT_REFRACTION, reading)
     if output:
-        table = steering.tabulate(model, refraction)
+        table = steering.tabulate(model, refraction, reading=reading)
         steering.write_ascii(table, output)
-        click.echo(f"{output}: {len(table.grid)} rows, model {model}, refraction {refraction}")
+        click.echo(
+            f"{output}: {len(table.grid)} rows, model {table.model}, refraction {table.refraction}"
+        )
 
 
-def _print_check(refraction: str) -> None:
+def _print_check(refraction: str, reading: str) -> None:
     """Print how many cells of each published block agree in their last digit, and the others."""
     from pyport.steering import check
 
-    for result in check(refraction):
+    for result in check(refraction, reading):
         block = result.block
         click.echo(f"{block.name:<38}{result.agree:4d} of {result.total}")
         for i in result.misses:

@@ -4,7 +4,7 @@ from pyport.pointing.approximate import approximate_columns, approximate_offsets
 from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jump import has_jumped, jump_altitude
 from pyport.pointing.model import Rt32Model
-from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas
+from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas, recovered
 from pyport.pointing.refraction import FORMULAE, refraction
 
 __all__ = [
@@ -18,5 +18,6 @@ __all__ = [
     "jump_altitude",
     "printed",
     "printed_sigmas",
+    "recovered",
     "refraction",
 ]

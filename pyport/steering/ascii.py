@@ -79,4 +79,4 @@ def read_ascii(path: str | Path) -> Table:
         )
     shape = az_deg.shape
     d_az_deg, d_zd_deg = numbers[:, 2].reshape(shape), numbers[:, 3].reshape(shape)
-    return Table(grid, d_az_deg, d_zd_deg, "unknown", "unknown")
+    return Table(grid, d_az_deg, d_zd_deg)
