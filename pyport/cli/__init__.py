@@ -16,6 +16,7 @@ COMMANDS = {
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
     "fit": "Fit a pointing model to recordings.",
+    "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "table": "Write the steering table of a pointing model.",

@@ -5,10 +5,8 @@ from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jump import has_jumped, jump_altitude
 from pyport.pointing.model import Rt32Model
 from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas, recovered
-from pyport.pointing.refraction import FORMULAE, refraction
 
 __all__ = [
-    "FORMULAE",
     "PARAMETERS",
     "Rt32Model",
     "approximate_columns",
@@ -19,5 +17,4 @@ __all__ = [
     "printed",
     "printed_sigmas",
     "recovered",
-    "refraction",
 ]

@@ -17,8 +17,8 @@ PRINTED_ROUNDING = 0.5e-6 * DEG
 
 
 #: p1..p12 [deg] of the 3model table to nine decimals, inside the rounding of the printed six:
-#: the table's program, given these, writes every printed digit. Others do too; each is told by
-#: the digits to within 1e-6 deg at most (`pyport.steering.feasible`).
+#: the table's program, given these, writes every printed digit. Others near by do too; within
+#: which bounds, `pyport.steering.feasible` tells.
 _RECOVERED_DEG = (
     -0.049282183,
     -0.059631502,

@@ -118,7 +118,7 @@ def exact4(
 def refraction4(zd_deg: float) -> np.float32:
     """Return R(z) [deg] in REAL*4, signed as Fortran's SIGN does it.
 
-    The formula is that of `rt32-table` in :mod:`pyport.pointing.refraction`.
+    The formula is that of `rt32-table` in :mod:`pyport.effects.refraction`.
     """
     h = real4((90 - abs(zd_deg)) * DEG) * SHORT_RADIAN
     first = 1 / tan((h + real4(7.31) / (h + real4(4.4))) / SHORT_RADIAN)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
@@ -52,7 +53,7 @@ def span(text: str) -> Array:
         count = round((last - first) / step) + 1
     except (ValueError, ZeroDivisionError, OverflowError):
         raise BadInput(f"expected FIRST:LAST:STEP in degrees, found {text!r}") from None
-    values: Array = first + step * np.arange(max(count, 0))
+    values = np.asarray(first + step * np.arange(max(count, 0)), dtype=float)
     if count < 2 or step < 0 or abs(values[-1] - last) > 1e-9 * abs(last - first):
         raise BadInput(f"{text!r}: steps of {step:g} deg do not lead from {first:g} to {last:g}")
     return values
@@ -60,6 +61,9 @@ def span(text: str) -> Array:
 
 #: What the RT32's steering reads: 541 x 95 points, one degree apart.
 RT32_GRID = Grid(np.arange(-270.0, 271.0), np.arange(-5.0, 90.0))
+
+#: The last decimal of the published table: offsets are whole multiples of 1e-7 deg.
+UNITS_PER_DEG = 1e7
 
 
 @dataclass(frozen=True)
@@ -72,8 +76,8 @@ class Table:
         n azimuths and m zenith distances.
     d_az_deg, d_zd_deg
         Offset of azimuth (the coordinate's) and of zenith distance, shape (n, m).
-    model, refraction
-        What they were computed from, by name; "" where a file does not tell.
+    model, refraction, reading
+        What they were computed from and how, by name; "" where a file does not tell.
     """
 
     grid: Grid
@@ -81,3 +85,11 @@ class Table:
     d_zd_deg: Array
     model: str = ""
     refraction: str = ""
+    reading: str = ""
+
+    def units(self) -> NDArray[np.int64]:
+        """Return both offsets in whole units of 1e-7 deg, shape (2, n, m).
+
+        Every file is written from these, so that all of them hold the same digits.
+        """
+        return np.rint(np.stack([self.d_az_deg, self.d_zd_deg]) * UNITS_PER_DEG).astype(np.int64)

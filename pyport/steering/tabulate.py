@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
+from pyport.effects.refraction import ITERATIONS, refraction
 from pyport.errors import BadInput
 from pyport.pointing import (
     approximate_offsets,
     exact_offsets,
     printed,
     recovered,
-    refraction,
 )
 from pyport.steering.grid import RT32_GRID, Grid, Table
 
@@ -33,6 +35,10 @@ _RT32 = {
 }
 
 
+#: Azimuth and zenith distance [deg] -> their offsets [deg].
+OffsetsDeg = Callable[[Array, Array], tuple[Array, Array]]
+
+
 def tabulate(
     model: str = "rt32-3model",
     refraction_name: str | None = None,
@@ -47,7 +53,7 @@ def tabulate(
         `rt32-3model`, `rt32-exact` or `rt32-approximate`, azimuth from south through west;
         or any other model with coefficients (a TOML file), azimuth from north through east.
     refraction_name
-        One of :data:`pyport.pointing.FORMULAE`; by default the RT32's own for its models
+        One of :data:`pyport.effects.refraction.FORMULAE`; by default the RT32's own for its models
         and Bennett's for others.
     grid
         Where.
@@ -57,29 +63,35 @@ def tabulate(
     Raises
     ------
     BadInput
-        There is no such model or refraction, or the model lacks coefficients.
+        There is no such model, refraction or reading, or the model lacks coefficients.
     """
-    az_deg, zd_deg = grid.points_deg()
+    if model not in _RT32:
+        reading = "float64"
+    name = refraction_name or (DEFAULT_REFRACTION if model in _RT32 else STANDARD_REFRACTION)
+    offsets = offsets_of(model, name, reading)(*grid.points_deg())
+    return Table(grid, *offsets, model, name, reading)
+
+
+def offsets_of(model: str, refraction_name: str, reading: str) -> OffsetsDeg:
+    """Return a model as a function of azimuth and zenith distance; arguments as for `tabulate`."""
     if model in _RT32:
         parameters, exact = _RT32[model]
-        name = refraction_name or DEFAULT_REFRACTION
-        offsets = rt32_offsets(az_deg, zd_deg, parameters(), name, reading, exact=exact)
-    else:
-        name = refraction_name or STANDARD_REFRACTION
-        d_az_deg, d_alt_deg = _offsets_of(model, az_deg, zd_deg)
-        offsets = d_az_deg, -d_alt_deg - zenith_refraction(name, zd_deg)
-    return Table(grid, *offsets, model=model, refraction=name)
+        p = parameters()
+        return lambda az_deg, zd_deg: rt32_offsets(
+            az_deg, zd_deg, p, refraction_name, reading, exact=exact
+        )
+    return lambda az_deg, zd_deg: _any_offsets(model, refraction_name, az_deg, zd_deg)
 
 
-def zenith_refraction(name: str, zd_deg: Array) -> Array:
+def zenith_refraction(name: str, zd_deg: Array, iterations: int = ITERATIONS) -> Array:
     """Return the refraction R(z) of a table [deg], odd in zenith distance.
 
     Refraction lifts a source toward the zenith from either side of it: the
     offset -R brings the zenith distance nearer to zero. See
-    :func:`pyport.pointing.refraction` for the names.
+    :func:`pyport.effects.refraction.refraction` for the names and the iterations.
     """
     altitude = (90 - np.abs(zd_deg)) * DEG
-    return np.sign(zd_deg) * refraction(name, altitude) / DEG
+    return np.sign(zd_deg) * refraction(name, altitude, iterations) / DEG
 
 
 def rt32_offsets(
@@ -123,12 +135,6 @@ def _single_precision(
     exact_form = as_written.exact4 if reading == "as-written" else legacy.model
     routine = exact_form if exact else legacy.modela
 
-    heights, which = np.unique(zd_deg, return_inverse=True)
-    if refraction_name == DEFAULT_REFRACTION:
-        lifts = np.array([as_written.refraction4(zd) for zd in heights], real4)
-    else:
-        lifts = zenith_refraction(refraction_name, heights).astype(real4)
-
     p4 = list((p / DEG).astype(real4))
     az4, alt4 = (az_deg * DEG).astype(real4), ((90 - zd_deg) * DEG).astype(real4)
     offsets = np.empty((2, az4.size), real4)
@@ -136,11 +142,25 @@ def _single_precision(
         for i, (az, alt) in enumerate(zip(az4.flat, alt4.flat, strict=True)):
             offsets[:, i] = routine(az, alt, p4)
     d_az, d_alt = offsets.reshape(2, *az4.shape)
-    return d_az.astype(float), (-d_alt - lifts[which].reshape(d_alt.shape)).astype(float)
+    lift = refraction4(refraction_name, zd_deg)
+    return d_az.astype(float), (-d_alt - lift).astype(float)
 
 
-def _offsets_of(model: str, az_deg: Array, zd_deg: Array) -> tuple[Array, Array]:
-    """Return azimuth and altitude offset [deg] of any model of the program with coefficients."""
+def refraction4(name: str, zd_deg: Array) -> NDArray[np.float32]:
+    """Return the refraction R(z) [deg] in REAL*4, the RT32's own as its program computed it."""
+    from pyport.steering import as_written
+
+    if name != DEFAULT_REFRACTION:
+        return zenith_refraction(name, zd_deg).astype(np.float32)
+    heights, which = np.unique(zd_deg, return_inverse=True)
+    lifts = np.array([as_written.refraction4(zd) for zd in heights], np.float32)
+    return lifts[which].reshape(np.shape(zd_deg))
+
+
+def _any_offsets(
+    model: str, refraction_name: str, az_deg: Array, zd_deg: Array
+) -> tuple[Array, Array]:
+    """Return the offsets [deg] of any model of the program that has coefficients."""
     from pyport.effects import Circumstances, MissingColumn
     from pyport.fitting import models
 
@@ -155,5 +175,8 @@ def _offsets_of(model: str, az_deg: Array, zd_deg: Array) -> tuple[Array, Array]
             f"model {model!r} needs {lack.column}, which a table of azimuth and zenith "
             "distance does not have"
         ) from None
-    shape = az_deg.shape
-    return (x / np.cos(at.el)).reshape(shape) / DEG, y.reshape(shape) / DEG
+    # at the zenith azimuth has no meaning; a quarter turn is as far as the blind spot asks for
+    d_az_deg = np.clip(x / np.cos(at.el) / DEG, -90, 90)
+    d_alt_deg = y / DEG
+    d_zd_deg = -d_alt_deg.reshape(az_deg.shape) - zenith_refraction(refraction_name, zd_deg)
+    return d_az_deg.reshape(az_deg.shape), d_zd_deg

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from pyport import legacy
 from pyport.angles import DEG
-from pyport.pointing import exact_offsets, recovered, refraction
+from pyport.effects.refraction import refraction
+from pyport.pointing import exact_offsets, recovered
 from pyport.pointing.exact import tilted
 from pyport.steering import as_written
 

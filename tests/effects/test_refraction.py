@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCMIN, ARCSEC, DEG
+from pyport.effects.refraction import FORMULAE, refraction
 from pyport.errors import BadInput
-from pyport.pointing import FORMULAE, refraction
 
 PHYSICAL = sorted(set(FORMULAE) - {"none"})
 
