@@ -40,6 +40,11 @@ if TYPE_CHECKING:
 @click.option("--check", is_flag=True, help="Compare with every published number of 3model.")
 @click.option("--against", metavar="OLD", help="Compare with another table or model.")
 @click.option("--picture", type=click.Path(dir_okay=False), help="Draw the comparison (PNG).")
+@click.option(
+    "--recordings",
+    type=click.Path(dir_okay=False),
+    help="Write the published extracts as recordings (CSV), for pyport diagnose.",
+)
 @click.option("--refractions", is_flag=True, help="Hold every refraction to the published digits.")
 def command(
     model: str,
@@ -52,13 +57,15 @@ def command(
     check: bool,  # noqa: FBT001 - click's
     against: str | None,
     picture: str | None,
+    recordings: str | None,
     refractions: bool,  # noqa: FBT001 - click's
 ) -> None:
     """Write the steering table of a pointing model, refraction included."""
     from pyport import steering
     from pyport.steering.grid import span
+    from pyport.steering.published import write_recordings
 
-    if not (output or check or against or refractions):
+    if not (output or check or against or recordings or refractions):
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
     if picture and not against:
         raise click.UsageError("--picture draws a comparison: give --against OLD")
@@ -66,6 +73,9 @@ def command(
         _print_check(refraction or steering.DEFAULT_REFRACTION, reading)
     if refractions:
         _print_refractions()
+    if recordings:
+        write_recordings(recordings)
+        click.echo(f"{recordings}: the published extracts as recordings")
     if not (output or against):
         return
     grid = steering.Grid(
