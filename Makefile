@@ -39,6 +39,7 @@ golden: $(BIN)/pyport
 	@sh .ci/install-gfortran
 	$(BIN)/python -m pip install --quiet ./legacy_fortran
 	$(BIN)/python -m pyport.parity.golden
+	$(BIN)/python -m pyport.steering.golden
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport

@@ -17,6 +17,7 @@ COMMANDS = {
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
+    "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "table": "Write the steering table of a pointing model.",

@@ -1,35 +1,100 @@
-"""`pyport table`: write the steering table of a model, or hold it to the published one."""
+"""`pyport table`: write the steering table of a model, hold it to the published one or another."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
+if TYPE_CHECKING:
+    from pyport.steering import Table
 
-@click.command("table")
-@click.option("--model", default="rt32-3model", show_default=True, help="A built-in model.")
-@click.option("--refraction", help="A formula of mean refraction, or none.")
+
+@click.command(
+    "table",
+    epilog="Examples: pyport table -o 3model.txt; pyport table --check; "
+    "pyport table --model rt32-approximate --against 3model.txt --picture difference.png",
+)
+@click.option("--model", default="rt32-3model", show_default=True, help="A model, or a TOML file.")
+@click.option("--refraction", help="A formula of mean refraction; see --refractions.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
+@click.option(
+    "--format",
+    "layout",
+    type=click.Choice(["ascii", "binary"]),
+    default="ascii",
+    show_default=True,
+    help="Layout of the file.",
+)
+@click.option(
+    "--reading",
+    type=click.Choice(["as-written", "routine", "float64"]),
+    default="as-written",
+    show_default=True,
+    help="How an RT32 table is computed: as the published one was, by the printed routines with "
+    "azimuth as the cable has it, or in double precision.",
+)
+@click.option("--az", help="Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
+@click.option("--zd", help="Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
 @click.option("--check", is_flag=True, help="Compare with every published number of 3model.")
-def command(model: str, refraction: str | None, output: str | None, check: bool) -> None:  # noqa: FBT001
+@click.option("--against", metavar="OLD", help="Compare with another table or model.")
+@click.option("--picture", type=click.Path(dir_okay=False), help="Draw the comparison (PNG).")
+@click.option(
+    "--recordings",
+    type=click.Path(dir_okay=False),
+    help="Write the published extracts as recordings (CSV), for pyport diagnose.",
+)
+@click.option("--refractions", is_flag=True, help="Hold every refraction to the published digits.")
+def command(
+    model: str,
+    refraction: str | None,
+    output: str | None,
+    layout: str,
+    reading: str,
+    az: str | None,
+    zd: str | None,
+    check: bool,  # noqa: FBT001 - click's
+    against: str | None,
+    picture: str | None,
+    recordings: str | None,
+    refractions: bool,  # noqa: FBT001 - click's
+) -> None:
     """Write the steering table of a pointing model, refraction included."""
     from pyport import steering
+    from pyport.steering.grid import span
+    from pyport.steering.published import write_recordings
 
-    refraction = refraction or steering.DEFAULT_REFRACTION
-    if not (output or check):
-        raise click.UsageError("nothing to do: give -o FILE, or --check")
+    if not (output or check or against or recordings or refractions):
+        raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
+    if picture and not against:
+        raise click.UsageError("--picture draws a comparison: give --against OLD")
     if check:
-        _print_check(refraction)
+        _print_check(refraction or steering.DEFAULT_REFRACTION, reading)
+    if refractions:
+        _print_refractions()
+    if recordings:
+        write_recordings(recordings)
+        click.echo(f"{recordings}: the published extracts as recordings")
+    if not (output or against):
+        return
+    grid = steering.Grid(
+        span(az) if az else steering.RT32_GRID.az_deg, span(zd) if zd else steering.RT32_GRID.zd_deg
+    )
+    table = steering.tabulate(model, refraction, grid, reading)
     if output:
-        table = steering.tabulate(model, refraction)
-        steering.write_ascii(table, output)
-        click.echo(f"{output}: {len(table.grid)} rows, model {model}, refraction {refraction}")
+        write = steering.write_binary if layout == "binary" else steering.write_ascii
+        write(table, output)
+        click.echo(f"{output}: {len(grid)} rows, model {model}, refraction {table.refraction}")
+    if against:
+        _print_difference(table, against, refraction, reading, picture)
 
 
-def _print_check(refraction: str) -> None:
+def _print_check(refraction: str, reading: str) -> None:
     """Print how many cells of each published block agree in their last digit, and the others."""
     from pyport.steering import check
 
-    for result in check(refraction):
+    for result in check(refraction, reading):
         block = result.block
         click.echo(f"{block.name:<38}{result.agree:4d} of {result.total}")
         for i in result.misses:
@@ -37,3 +102,36 @@ def _print_check(refraction: str) -> None:
                 f"    azimuth {block.az_deg[i]:g}, zenith distance {block.zd_deg[i]:g}: "
                 f"{result.computed[i]:.2f}, printed {block.printed[i]}"
             )
+
+
+def _print_refractions() -> None:
+    """Print how far each formula stays from the refraction that the published digits tell."""
+    from pyport.steering.recover import candidates
+
+    click.echo("formula             iterated   farthest off   rms off [mdeg]   cells that agree")
+    for one in candidates():
+        worst, rms = 1e3 * one.outside_deg.max(), 1e3 * (one.outside_deg**2).mean() ** 0.5
+        click.echo(
+            f"{one.name:<20}{one.iterations:8d}{worst:15.4f}{rms:17.4f}"
+            f"{one.agree:12d} of {one.total}"
+        )
+
+
+def _print_difference(
+    table: Table, against: str, refraction: str | None, reading: str, picture: str | None
+) -> None:
+    """Print where `table` differs from another, a file or a model, and draw it."""
+    from pyport import steering
+    from pyport.steering.compare import describe
+    from pyport.steering.compare import picture as draw
+
+    if Path(against).is_file() and not against.endswith(".toml"):
+        old = steering.read_table(against)
+    else:
+        old = steering.tabulate(against, refraction, table.grid, reading)
+    difference = steering.compare(table, old)
+    for line in describe(difference):
+        click.echo(line)
+    if picture:
+        draw(difference, picture, f"{table.model} - {old.model or Path(against).name}")
+        click.echo(f"picture: {picture}")

@@ -142,6 +142,8 @@ def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
     one with the most readings, shows what hangs together.
     """
     setup, fit = diagnosis.setup, diagnosis.after
+    if not fit.choices:
+        return [], []
     block = int(np.argmax(np.bincount(setup.block)))
     gram = diagnosis.weighed.evidence.gram.matrices[block]
     columns = np.concatenate([c.candidate.columns for c in fit.choices])

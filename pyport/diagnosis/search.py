@@ -145,7 +145,9 @@ def _winner(
     before = unseen_misfit(setup, weighed, chosen)
     for trial in ranked[:MOST_TRIED]:
         new = _with(setup, chosen, Chosen(trial.candidate, trial.scope))
-        if before - unseen_misfit(setup, weighed, new) > UNSEEN_SHARE * trial.gain:
+        # what is unseen counts only so far: no effect can gain more than all that there was
+        needed = UNSEEN_SHARE * min(trial.gain, before)
+        if before - unseen_misfit(setup, weighed, new) > needed:
             return trial
     return None
 

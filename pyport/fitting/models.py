@@ -65,10 +65,11 @@ ALTAZ = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
 
 def _rt32(name: str, *, exact: bool) -> Model:
     """Return the RT32's model about its published parameters, each of the twelve a term."""
-    from pyport.pointing import Rt32Model, printed
+    from pyport.pointing import Rt32Model, printed, recovered
 
+    p = recovered() if name == "rt32-3model" else printed()
     terms = tuple(Term(_rt32_parameter(number)) for number in range(1, 13))
-    return Model(name, terms, Rt32Model(printed(), exact=exact).offsets)
+    return Model(name, terms, Rt32Model(p, exact=exact).offsets)
 
 
 def _rt32_parameter(number: int) -> Effect:

@@ -4,11 +4,9 @@ from pyport.pointing.approximate import approximate_columns, approximate_offsets
 from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jump import has_jumped, jump_altitude
 from pyport.pointing.model import Rt32Model
-from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas
-from pyport.pointing.refraction import FORMULAE, refraction
+from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas, recovered
 
 __all__ = [
-    "FORMULAE",
     "PARAMETERS",
     "Rt32Model",
     "approximate_columns",
@@ -18,5 +16,5 @@ __all__ = [
     "jump_altitude",
     "printed",
     "printed_sigmas",
-    "refraction",
+    "recovered",
 ]

@@ -8,11 +8,16 @@ further west, z up.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pyport.angles import Array, wrap
 from pyport.pointing.jump import has_jumped
+
+#: (azimuth, altitude, xi, zeta) -> (change of azimuth, altitude that the mount reads), all [rad].
+Tilt = Callable[[Array, Array, float, float], tuple[Array, Array]]
 
 
 def tilted(az_south: Array, altitude: Array, xi: float, zeta: float) -> tuple[Array, Array]:
@@ -74,7 +79,9 @@ def skewed(altitude: Array, sigma: float, beta: float) -> tuple[Array, Array]:
     return turn, np.arctan2(across, cos_h * np.cos(turn))
 
 
-def exact_offsets(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+def exact_offsets(
+    az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike, tilt: Tilt = tilted
+) -> tuple[Array, Array]:
     """Return the RT32's azimuth and altitude offsets, encoder minus true [rad].
 
     Parameters
@@ -85,6 +92,9 @@ def exact_offsets(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tup
         True altitude [rad], beyond pi/2 in plunge; broadcasts with the azimuth.
     p
         The twelve parameters p1..p12 [rad], shape (12,).
+    tilt
+        How the tilt of the azimuth axis acts; the steering table's program had its own
+        way in plunge.
 
     Returns
     -------
@@ -101,7 +111,7 @@ def exact_offsets(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tup
     )
     az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = np.asarray(p)
 
-    turn_of_tilt, alt_tilted = tilted(az_south, altitude, xi, zeta)
+    turn_of_tilt, alt_tilted = tilt(az_south, altitude, xi, zeta)
     turn_of_skew, alt_skewed = skewed(alt_tilted, sigma, beta)
     sine, cosine = np.sin(2 * az_south), np.cos(2 * az_south)
 

@@ -16,6 +16,25 @@ from pyport.angles import DEG, Array
 PRINTED_ROUNDING = 0.5e-6 * DEG
 
 
+#: p1..p12 [deg] of the 3model table to nine decimals, inside the rounding of the printed six:
+#: the table's program, given these, writes every printed digit. Others near by do too; within
+#: which bounds, `pyport.steering.feasible` tells.
+_RECOVERED_DEG = (
+    -0.049282183,
+    -0.059631502,
+    0.009452264,
+    -0.013254868,
+    0.001393287,
+    -0.000304149,
+    0.031273499,
+    0.011457918,
+    -0.011750501,
+    0.004538503,
+    0.004290860,
+    -0.020392426,
+)
+
+
 @dataclass(frozen=True)
 class Rt32Parameter:
     """One of p1..p12.
@@ -61,6 +80,11 @@ PARAMETERS = (
 def printed() -> Array:
     """Return the published values of p1..p12 [rad], shape (12,)."""
     return np.array([float(one.printed_deg) for one in PARAMETERS]) * DEG
+
+
+def recovered() -> Array:
+    """Return p1..p12 with the digits that the print left out, from the printed table [rad]."""
+    return np.array(_RECOVERED_DEG) * DEG
 
 
 def printed_sigmas() -> Array:

@@ -9,20 +9,21 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.steering.grid import Grid, Table
+from pyport.steering.grid import UNITS_PER_DEG, Grid, Table
 
 
 def rows(table: Table) -> Iterator[str]:
-    """Yield the table's rows without line ends: Fortran's (I4,I3,2F12.7)."""
-    for az_deg, d_az, d_zd in zip(table.grid.az_deg, table.d_az_deg, table.d_zd_deg, strict=True):
-        for row in zip(table.grid.zd_deg, d_az, d_zd, strict=True):
-            yield f"{az_deg:4.0f}{row[0]:3.0f}{_fixed(row[1])}{_fixed(row[2])}"
+    """Yield the table's rows without line ends: Fortran's (I4,I3,2F12.7).
 
-
-def _fixed(degrees: float) -> str:
-    """Return F12.7; a zero has no sign, whichever side it was rounded from."""
-    text = f"{degrees:12.7f}"
-    return text.replace("-0.0000000", " 0.0000000")
+    A grid that is not in whole degrees has wider columns: (F10.4,F9.4,2F13.7).
+    """
+    az_deg, zd_deg = table.grid.az_deg, table.grid.zd_deg
+    whole = np.all(az_deg == np.rint(az_deg)) and np.all(zd_deg == np.rint(zd_deg))
+    place, width = ("{:4.0f}{:3.0f}", 12) if whole else ("{:10.4f}{:9.4f}", 13)
+    d_az, d_zd = table.units() / UNITS_PER_DEG
+    for i, az in enumerate(az_deg):
+        for j, zd in enumerate(zd_deg):
+            yield f"{place.format(az, zd)}{d_az[i, j]:{width}.7f}{d_zd[i, j]:{width}.7f}"
 
 
 def _words(line: str) -> list[str]:
@@ -79,4 +80,4 @@ def read_ascii(path: str | Path) -> Table:
         )
     shape = az_deg.shape
     d_az_deg, d_zd_deg = numbers[:, 2].reshape(shape), numbers[:, 3].reshape(shape)
-    return Table(grid, d_az_deg, d_zd_deg, "unknown", "unknown")
+    return Table(grid, d_az_deg, d_zd_deg)

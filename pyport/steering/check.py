@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.pointing import recovered
 from pyport.steering.published import Block, published
-from pyport.steering.tabulate import DEFAULT_REFRACTION, model_named, table_offsets
+from pyport.steering.tabulate import DEFAULT_REFRACTION, rt32_offsets
 
 
 @dataclass(frozen=True)
@@ -38,14 +39,27 @@ class BlockCheck:
         return len(self.block.printed)
 
 
-def check(refraction_name: str = DEFAULT_REFRACTION) -> list[BlockCheck]:
-    """Compute every printed number of the 3model table anew, block by block."""
+def check(
+    refraction_name: str = DEFAULT_REFRACTION,
+    reading: str = "as-written",
+    parameters: Array | None = None,
+) -> list[BlockCheck]:
+    """Compute every printed number of the 3model table anew, block by block.
+
+    Parameters
+    ----------
+    refraction_name, reading
+        As for :func:`pyport.steering.tabulate`.
+    parameters
+        p1..p12 [rad]; those of `rt32-3model` where none are given.
+    """
+    p = recovered() if parameters is None else parameters
     results = []
     for block in published():
-        at = refraction_name, block.az_deg, block.zd_deg
-        d_az, d_zd = table_offsets(model_named("rt32-3model"), *at)
+        at = block.az_deg, block.zd_deg, p, refraction_name, reading
+        d_az, d_zd = rt32_offsets(*at, exact=True)
         if block.quantity.endswith("_difference"):
-            d_az_rough, d_zd_rough = table_offsets(model_named("rt32-approximate"), *at)
+            d_az_rough, d_zd_rough = rt32_offsets(*at, exact=False)
             d_az, d_zd = d_az_rough - d_az, d_zd_rough - d_zd
         value_deg = d_az if block.quantity.startswith("d_az") else d_zd
         results.append(BlockCheck(block, value_deg / block.unit_deg))

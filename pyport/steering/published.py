@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import DEG, Array
+from pyport.files import write_whole
 
 #: The printed texts; `golden_tables/published` in the source tree.
 FOLDER = Path(__file__).parent / "published"
@@ -88,6 +89,27 @@ def full_rows() -> list[Block]:
         Block(f"full rows, {name}", quantity, 1e-7, az_deg, zd_deg, np.rint(d * 1e7).astype(int))
         for name, quantity, d in (("azimuth", "d_az", d_az), ("zenith distance", "d_zd", d_zd))
     ]
+
+
+def write_recordings(path: str | Path) -> None:
+    """Write the extracts as recordings, for `pyport diagnose` to find what the routines lack.
+
+    Each cell is a measured offset whose error is that of rounding, a unit of the last
+    digit over the root of twelve. Azimuth cells at z = 0.1 deg are left out: there the
+    rounding of the parameters is larger than that of the table.
+    """
+    with write_whole(path) as file:
+        file.write("# telescope: RT32, 3model table as printed\n# azimuth_zero: south\n")
+        file.write("az_deg,el_deg,d_az_deg,d_zd_deg,sigma_xel_deg,sigma_el_deg\n")
+        for block in extracts()[:2]:
+            sigma_deg = block.unit_deg / np.sqrt(12)
+            for az, zd, units in zip(block.az_deg, block.zd_deg, block.printed, strict=True):
+                where, offset = f"{az:g},{90 - zd:g}", f"{units * block.unit_deg:.3f}"
+                if block.quantity == "d_zd":
+                    file.write(f"{where},,{offset},,{sigma_deg:.3g}\n")
+                elif zd != 0.1:
+                    across_deg = sigma_deg * abs(np.sin(zd * DEG))
+                    file.write(f"{where},{offset},,{across_deg:.3g},\n")
 
 
 def published() -> list[Block]:

@@ -2,77 +2,181 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
+from pyport.effects.refraction import ITERATIONS, refraction
 from pyport.errors import BadInput
-from pyport.pointing import approximate_offsets, exact_offsets, printed, refraction
+from pyport.pointing import (
+    approximate_offsets,
+    exact_offsets,
+    printed,
+    recovered,
+)
 from pyport.steering.grid import RT32_GRID, Grid, Table
 
-#: (azimuth from south, altitude) [rad] -> (azimuth offset, altitude offset) [rad].
-Offsets = Callable[[Array, Array], tuple[Array, Array]]
+#: The refraction of the RT32's tables, and what others take where none is asked for.
+DEFAULT_REFRACTION = "rt32-table"
+STANDARD_REFRACTION = "bennett-improved"
 
-#: The refraction of a table where none is asked for.
-DEFAULT_REFRACTION = "bennett-improved"
+#: How a table of the RT32 can be computed: as the program did that wrote the published one;
+#: by the routines as printed, azimuth as the cable has it; or in double precision throughout.
+READINGS = ("as-written", "routine", "float64")
 
-
-def _exact(az_south: Array, altitude: Array) -> tuple[Array, Array]:
-    return exact_offsets(az_south, altitude, printed())
-
-
-def _approximate(az_south: Array, altitude: Array) -> tuple[Array, Array]:
-    return approximate_offsets(az_south, altitude, printed())
-
-
-MODELS: dict[str, Offsets] = {
-    "rt32-3model": _exact,
-    "rt32-exact": _exact,
-    "rt32-approximate": _approximate,
+#: The RT32's models: their parameters, and whether the form is the exact one.
+_RT32 = {
+    "rt32-3model": (recovered, True),
+    "rt32-exact": (printed, True),
+    "rt32-approximate": (printed, False),
 }
 
 
-def model_named(name: str) -> Offsets:
-    """Return a built-in model, or raise `BadInput`."""
-    if name not in MODELS:
-        raise BadInput(f"no model is called {name!r}; there are {', '.join(MODELS)}")
-    return MODELS[name]
-
-
-def zenith_refraction(name: str, zd_deg: Array) -> Array:
-    """Return the refraction R(z) of a table [deg], odd in zenith distance.
-
-    Refraction lifts a source toward the zenith from either side of it: the
-    offset -R brings the zenith distance nearer to zero. See
-    :func:`pyport.pointing.refraction` for the names.
-    """
-    altitude = (90 - np.abs(zd_deg)) * DEG
-    return np.sign(zd_deg) * refraction(name, altitude) / DEG
-
-
-def table_offsets(
-    offsets: Offsets, refraction_name: str, az_deg: Array, zd_deg: Array
-) -> tuple[Array, Array]:
-    """Return azimuth and zenith-distance offset [deg] at any points.
-
-    The zenith-distance offset is -dAlt - R(z): altitude turned over, and
-    refraction, of which the pointing model knows nothing.
-    """
-    d_az, d_alt = offsets(np.asarray(az_deg) * DEG, (90 - np.asarray(zd_deg)) * DEG)
-    return d_az / DEG, -d_alt / DEG - zenith_refraction(refraction_name, zd_deg)
+#: Azimuth and zenith distance [deg] -> their offsets [deg].
+OffsetsDeg = Callable[[Array, Array], tuple[Array, Array]]
 
 
 def tabulate(
-    model: str, refraction_name: str = DEFAULT_REFRACTION, grid: Grid = RT32_GRID
+    model: str = "rt32-3model",
+    refraction_name: str | None = None,
+    grid: Grid = RT32_GRID,
+    reading: str = "as-written",
 ) -> Table:
     """Return the table of a model with a refraction.
+
+    Parameters
+    ----------
+    model
+        `rt32-3model`, `rt32-exact` or `rt32-approximate`, azimuth from south through west;
+        or any other model with coefficients (a TOML file), azimuth from north through east.
+    refraction_name
+        One of :data:`pyport.effects.refraction.FORMULAE`; by default the RT32's own for its models
+        and Bennett's for others.
+    grid
+        Where.
+    reading
+        One of :data:`READINGS`, for the RT32's models; others are computed in float64.
 
     Raises
     ------
     BadInput
-        There is no such model or refraction.
+        There is no such model, refraction or reading, or the model lacks coefficients.
     """
-    az_deg, zd_deg = grid.points_deg()
-    d_az_deg, d_zd_deg = table_offsets(model_named(model), refraction_name, az_deg, zd_deg)
-    return Table(grid, d_az_deg, d_zd_deg, model, refraction_name)
+    if model not in _RT32:
+        reading = "float64"
+    name = refraction_name or (DEFAULT_REFRACTION if model in _RT32 else STANDARD_REFRACTION)
+    offsets = offsets_of(model, name, reading)(*grid.points_deg())
+    return Table(grid, *offsets, model, name, reading)
+
+
+def offsets_of(model: str, refraction_name: str, reading: str) -> OffsetsDeg:
+    """Return a model as a function of azimuth and zenith distance; arguments as for `tabulate`."""
+    if model in _RT32:
+        parameters, exact = _RT32[model]
+        p = parameters()
+        return lambda az_deg, zd_deg: rt32_offsets(
+            az_deg, zd_deg, p, refraction_name, reading, exact=exact
+        )
+    return lambda az_deg, zd_deg: _any_offsets(model, refraction_name, az_deg, zd_deg)
+
+
+def zenith_refraction(name: str, zd_deg: Array, iterations: int = ITERATIONS) -> Array:
+    """Return the refraction R(z) of a table [deg], odd in zenith distance.
+
+    Refraction lifts a source toward the zenith from either side of it: the
+    offset -R brings the zenith distance nearer to zero. See
+    :func:`pyport.effects.refraction.refraction` for the names and the iterations.
+    """
+    altitude = (90 - np.abs(zd_deg)) * DEG
+    return np.sign(zd_deg) * refraction(name, altitude, iterations) / DEG
+
+
+def rt32_offsets(
+    az_deg: Array, zd_deg: Array, p: Array, refraction_name: str, reading: str, *, exact: bool
+) -> tuple[Array, Array]:
+    """Return azimuth and zenith-distance offset [deg] of the RT32 at any points.
+
+    The zenith-distance offset is -dAlt - R(z): altitude turned over, and
+    refraction, of which the pointing model knows nothing.
+
+    Parameters
+    ----------
+    az_deg, zd_deg
+        Azimuth from south through west and zenith distance [deg], of one shape.
+    p
+        p1..p12 [rad].
+    refraction_name, reading
+        As for :func:`tabulate`.
+    exact
+        The exact form, or the approximate one.
+    """
+    if reading == "float64":
+        form = exact_offsets if exact else approximate_offsets
+        d_az, d_alt = form(az_deg * DEG, (90 - zd_deg) * DEG, p)
+        return d_az / DEG, -d_alt / DEG - zenith_refraction(refraction_name, zd_deg)
+    if reading not in READINGS:
+        raise BadInput(f"no reading is called {reading!r}; there are {', '.join(READINGS)}")
+    return _single_precision(az_deg, zd_deg, p, refraction_name, reading, exact=exact)
+
+
+def _single_precision(
+    az_deg: Array, zd_deg: Array, p: Array, refraction_name: str, reading: str, *, exact: bool
+) -> tuple[Array, Array]:
+    """Return the offsets with the roundings of the routines, point by point."""
+    from pyport import legacy
+    from pyport.steering import as_written
+
+    real4 = np.float32
+    if reading == "as-written":
+        az_deg = np.vectorize(as_written.wrapped_deg, otypes=[float])(az_deg)
+    exact_form = as_written.exact4 if reading == "as-written" else legacy.model
+    routine = exact_form if exact else legacy.modela
+
+    p4 = list((p / DEG).astype(real4))
+    az4, alt4 = (az_deg * DEG).astype(real4), ((90 - zd_deg) * DEG).astype(real4)
+    offsets = np.empty((2, az4.size), real4)
+    with np.errstate(all="ignore"):
+        for i, (az, alt) in enumerate(zip(az4.flat, alt4.flat, strict=True)):
+            offsets[:, i] = routine(az, alt, p4)
+    d_az, d_alt = offsets.reshape(2, *az4.shape)
+    lift = refraction4(refraction_name, zd_deg)
+    return d_az.astype(float), (-d_alt - lift).astype(float)
+
+
+def refraction4(name: str, zd_deg: Array) -> NDArray[np.float32]:
+    """Return the refraction R(z) [deg] in REAL*4, the RT32's own as its program computed it."""
+    from pyport.steering import as_written
+
+    if name != DEFAULT_REFRACTION:
+        return zenith_refraction(name, zd_deg).astype(np.float32)
+    heights, which = np.unique(zd_deg, return_inverse=True)
+    lifts = np.array([as_written.refraction4(zd) for zd in heights], np.float32)
+    return lifts[which].reshape(np.shape(zd_deg))
+
+
+def _any_offsets(
+    model: str, refraction_name: str, az_deg: Array, zd_deg: Array
+) -> tuple[Array, Array]:
+    """Return the offsets [deg] of any model of the program that has coefficients."""
+    from pyport.effects import Circumstances, MissingColumn
+    from pyport.fitting import models
+
+    loaded = models.load(model)
+    if loaded.given is None and all(term.values is None for term in loaded.terms):
+        raise BadInput(f"model {model!r} has no coefficients to make a table from")
+    at = Circumstances(az=az_deg.ravel() * DEG, el=math.pi / 2 - zd_deg.ravel() * DEG)
+    try:
+        x, y = loaded.offsets(at)
+    except MissingColumn as lack:
+        raise BadInput(
+            f"model {model!r} needs {lack.column}, which a table of azimuth and zenith "
+            "distance does not have"
+        ) from None
+    # at the zenith azimuth has no meaning; a quarter turn is as far as the blind spot asks for
+    d_az_deg = np.clip(x / np.cos(at.el) / DEG, -90, 90)
+    d_alt_deg = y / DEG
+    d_zd_deg = -d_alt_deg.reshape(az_deg.shape) - zenith_refraction(refraction_name, zd_deg)
+    return d_az_deg.reshape(az_deg.shape), d_zd_deg

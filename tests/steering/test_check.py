@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pyport.pointing import PARAMETERS, printed, recovered
 from pyport.steering import check
 from pyport.steering.published import published
 
@@ -40,12 +41,33 @@ def test_row_of_dots_stands_for_zeroes():
     assert not between.any()
 
 
-def test_azimuth_extract_agrees_to_the_last_digit(checks):
-    """Every azimuth cell but some at z = 0.1 is reproduced from the printed parameters."""
-    result = checks["azimuth offsets"]
+def test_every_printed_digit_is_reproduced(checks):
+    """584 printed numbers, each to its last digit."""
+    assert [one.agree for one in checks.values()] == [143, 143, 143, 143, 6, 6]
+
+
+@pytest.mark.parametrize("reading", ["as-written", "routine", "float64"])
+def test_printed_parameters_alone_miss_cells_at_the_zenith_only(reading):
+    """In any reading the azimuth extract agrees with the printed parameters but at z = 0.1."""
+    result = check(reading=reading, parameters=printed())[0]
 
     assert set(result.block.zd_deg[result.misses]) <= {0.1}
     assert result.agree >= 140
+
+
+def test_recovered_parameters_round_to_the_printed_ones():
+    """What was recovered differs from the print only in digits that the print left out."""
+    rounded = [f"{degrees:.6f}" for degrees in np.degrees(recovered())]
+
+    assert rounded == [one.printed_deg for one in PARAMETERS]
+
+
+def test_other_readings_miss_full_rows():
+    """Neither the routine with unwrapped azimuth nor double precision gives all full rows."""
+    for reading in ("routine", "float64"):
+        azimuth = check(reading=reading)[4]
+
+        assert azimuth.agree < 6
 
 
 def test_a_wrong_number_is_seen(checks):

@@ -17,6 +17,12 @@ from pyport.errors import BadInput
 
 _BENNETT = "Bennett 1982, J. Navigation 35, 255"
 
+#: What formulae with weather in them are given: pressure [hPa], temperature [C], humidity.
+STANDARD_AIR = (1010.0, 10.0, 0.5)
+
+#: Degrees in a radian as the RT32's steering table has them: cut short, not rounded.
+_SHORT_RADIAN = 57.29
+
 
 def _cot(degrees: Array) -> Array:
     return 1 / np.tan(degrees * DEG)
@@ -46,6 +52,51 @@ def _bennett_improved(altitude_deg: Array) -> Array:
 
 def _saemundsson(altitude_deg: Array) -> Array:
     return 1.02 * _cot(altitude_deg + 10.3 / (altitude_deg + 5.11))
+
+
+def _field_system(altitude_deg: Array) -> Array:
+    """Return the Field System's refraction, held below 1 deg, in its own standard weather."""
+    altitude_deg = np.maximum(altitude_deg, 1.0)
+    pressure_hpa, temperature_c, humidity_pct = 1000.0, 15.0, 50.0
+    dryness = 0.9 * (100 - humidity_pct)
+    dew_point_c = temperature_c - dryness * (
+        0.136667 + 1.33333e-3 * dryness + 1.5e-3 * temperature_c
+    )
+    vapour_mmhg = np.polynomial.polynomial.polyval(
+        dew_point_c, [4.58675, 0.322009, 1.03452e-2, 2.74777e-4, 1.57115e-6]
+    )
+    kelvin = temperature_c + 273
+    refractivity = 77.6 * (pressure_hpa + 4810 * 1.33289 * vapour_mmhg / kelvin) / kelvin
+    bend = 0.57295787e-4 * (_cot(altitude_deg) - 42.5 / (altitude_deg + 0.4) ** 2.64)
+    return 60 * (bend * refractivity - 40 / (altitude_deg + 2.7) ** 4)
+
+
+def _erfa_radio(altitude_deg: Array) -> Array:
+    """Return A tan z + B tan^3 z with ERFA's constants for radio waves in standard air."""
+    import erfa
+
+    a, b = erfa.refco(*STANDARD_AIR, 1e6)
+    tan_z = _cot(altitude_deg)
+    return (a * tan_z + b * tan_z**3) / ARCMIN
+
+
+def _rt32_table(altitude_deg: Array) -> Array:
+    """Return the refraction in the RT32's 3model table, as recovered from its digits.
+
+    Bennett's improved formula, with three turns of its own: it is evaluated once more
+    at the apparent altitude that it gives, its correction comes from the first
+    evaluation, and a radian has 57.29 degrees. Near the zenith the formula falls below
+    zero; the table holds its magnitude.
+    """
+    per_radian = _SHORT_RADIAN
+    degrees = altitude_deg * DEG * per_radian
+
+    def first_term(h: Array) -> Array:
+        return 1 / np.tan((h + 7.31 / (h + 4.4)) / per_radian)
+
+    first = first_term(degrees)
+    second = first_term(degrees + first / 60)
+    return np.abs(second - 0.06 * np.sin((14.7 * first + 13) / per_radian))
 
 
 @dataclass(frozen=True)
@@ -79,11 +130,17 @@ FORMULAE = {
         Formula("bennett", f"{_BENNETT}, formula G", _bennett, "apparent"),
         Formula("bennett-improved", f"{_BENNETT}, formula H", _bennett_improved, "apparent"),
         Formula("saemundsson", "Saemundsson 1986, Sky & Telescope 72, 70", _saemundsson, "true"),
+        Formula("field-system", "Mark IV Field System, function refr", _field_system, "true"),
+        Formula("erfa-radio", "ERFA refco, 1010 hPa, 10 C, 50 %", _erfa_radio, "apparent"),
+        Formula("rt32-table", f"{_BENNETT}, formula H, as in the 3model", _rt32_table, "true"),
     )
 }
 
+#: So many evaluations bring a formula of the apparent altitude to rest above 1 deg.
+ITERATIONS = 12
 
-def refraction(name: str, altitude: ArrayLike, iterations: int = 6) -> Array:
+
+def refraction(name: str, altitude: ArrayLike, iterations: int = ITERATIONS) -> Array:
     """Return how much higher a source stands than its true altitude [rad].
 
     Parameters

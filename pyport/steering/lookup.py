@@ -1,0 +1,163 @@
+"""Offsets at any azimuth and zenith distance from a table, and how far they can be trusted."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pyport.angles import DEG, Array
+from pyport.errors import BadInput
+from pyport.steering.ascii import read_ascii
+from pyport.steering.binary import MAGIC, read_binary
+from pyport.steering.grid import Table
+from pyport.steering.tabulate import OffsetsDeg, zenith_refraction
+
+#: Edges of the zenith-distance bands that interpolation errors are stated for [deg].
+BANDS_DEG = (-5, -1, 1, 2, 5, 10, 30, 60, 80, 89)
+
+#: Neighbours in a table whose zenith-distance offsets differ by more have a step between them;
+#: smooth terms of the size of pointing errors differ by a hundredth of this.
+STEP_DEG = 0.01
+
+
+def read_table(path: str | Path) -> Table:
+    """Read a table, binary or ASCII, whichever the file is."""
+    with Path(path).open("rb") as file:
+        binary = file.read(len(MAGIC)) == MAGIC
+    return read_binary(path) if binary else read_ascii(path)
+
+
+def offsets_at(table: Table, az_deg: ArrayLike, zd_deg: ArrayLike) -> tuple[Array, Array]:
+    """Return azimuth and zenith-distance offset [deg], interpolated linearly in both.
+
+    Parameters
+    ----------
+    table
+        The table.
+    az_deg, zd_deg
+        Where, in the table's own azimuth, unwrapped: Az and Az + 360 are different
+        rows. Any shapes that broadcast.
+
+    Raises
+    ------
+    BadInput
+        The table does not reach so far.
+    """
+    az_deg, zd_deg = np.broadcast_arrays(
+        np.asarray(az_deg, dtype=float), np.asarray(zd_deg, dtype=float)
+    )
+    i, u = _place("azimuth", az_deg, table.grid.az_deg)
+    j, v = _place("zenith distance", zd_deg, table.grid.zd_deg)
+    d_az_deg, d_zd_deg = (
+        (1 - u) * ((1 - v) * of[i, j] + v * of[i, j + 1])
+        + u * ((1 - v) * of[i + 1, j] + v * of[i + 1, j + 1])
+        for of in (table.d_az_deg, table.d_zd_deg)
+    )
+    return d_az_deg, d_zd_deg
+
+
+def _place(what: str, wanted: Array, nodes: Array) -> tuple[NDArray[np.intp], Array]:
+    """Return the node at or before each value, and how far on it lies, 0 to 1."""
+    outside = ~((wanted >= nodes[0]) & (wanted <= nodes[-1]))
+    if outside.any():
+        raise BadInput(
+            f"{what} {wanted[outside].flat[0]:g} deg is outside the table, "
+            f"which reaches from {nodes[0]:g} to {nodes[-1]:g}"
+        )
+    i = np.clip(np.searchsorted(nodes, wanted, side="right") - 1, 0, len(nodes) - 2)
+    return i, (wanted - nodes[i]) / (nodes[i + 1] - nodes[i])
+
+
+def answers(table: Table, lines: Iterable[str], file: str) -> Iterator[str]:
+    """Yield azimuth, zenith distance and their offsets for each line of azimuth, zenith distance.
+
+    One answer a line, as soon as the line is there: for a steering program at the other
+    end of a pipe. Blank lines are passed over.
+    """
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            az_deg, zd_deg = (float(word) for word in line.split())
+        except ValueError:
+            raise BadInput(
+                f"expected azimuth and zenith distance [deg], found {line.strip()[:40]!r}",
+                file,
+                number,
+            ) from None
+        try:
+            d_az_deg, d_zd_deg = offsets_at(table, az_deg, zd_deg)
+        except BadInput as outside:
+            raise BadInput(outside.message, file, number) from None
+        yield f"{az_deg:12.7f}{zd_deg:12.7f}{d_az_deg:12.7f}{d_zd_deg:12.7f}"
+
+
+@dataclass(frozen=True)
+class BandError:
+    """How far interpolation strays in one band of zenith distance, the middles of its cells.
+
+    Azimuth errors are on the sky, times sin z. `steps` cells are crossed by a step of the
+    model, and are not in the other numbers; `step_deg` is their largest error.
+    """
+
+    zd_from_deg: float
+    zd_to_deg: float
+    az_rms_deg: float
+    az_max_deg: float
+    zd_rms_deg: float
+    zd_max_deg: float
+    steps: int
+    step_deg: float
+
+
+def interpolation_errors(table: Table, truth: OffsetsDeg) -> list[BandError]:
+    """Compare interpolated offsets with the model's in the middle of every cell of the table.
+
+    Parameters
+    ----------
+    table
+        The table.
+    truth
+        The model behind it.
+    """
+    az_nodes, zd_nodes = table.grid.az_deg, table.grid.zd_deg
+    az_deg, zd_deg = np.meshgrid(
+        (az_nodes[1:] + az_nodes[:-1]) / 2, (zd_nodes[1:] + zd_nodes[:-1]) / 2, indexing="ij"
+    )
+    true_az, true_zd = truth(az_deg, zd_deg)
+    ours_az, ours_zd = offsets_at(table, az_deg, zd_deg)
+    error_az = np.abs((ours_az - true_az) * np.sin(zd_deg * DEG))
+    error_zd = np.abs(ours_zd - true_zd)
+    crossed = _crossed(table)
+    bands = []
+    for low, high in itertools.pairwise(BANDS_DEG):
+        band = (zd_deg > low) & (zd_deg < high)
+        plain, steps = band & ~crossed, band & crossed
+        bands.append(
+            BandError(
+                low,
+                high,
+                float(np.sqrt(np.mean(error_az[band] ** 2))),
+                float(np.max(error_az[band])),
+                float(np.sqrt(np.mean(error_zd[plain] ** 2))),
+                float(np.max(error_zd[plain])),
+                int(np.sum(steps)),
+                float(np.max(error_zd[steps], initial=0)),
+            )
+        )
+    return bands
+
+
+def _crossed(table: Table) -> NDArray[np.bool_]:
+    """Tell the cells whose corners differ as if a step of the model ran between them.
+
+    Refraction makes the corners differ too, and is taken out first.
+    """
+    uneven = table.d_zd_deg + zenith_refraction(table.refraction, table.grid.zd_deg)
+    corners = np.stack([uneven[:-1, :-1], uneven[1:, :-1], uneven[:-1, 1:], uneven[1:, 1:]])
+    return np.ptp(corners, axis=0) > STEP_DEG

@@ -1,0 +1,156 @@
+"""`pyport table` and `pyport lookup` as a user calls them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from click.testing import CliRunner
+
+from pyport.cli.lookup import command as lookup
+from pyport.cli.table import command as table
+from pyport.recordings.files import read
+from pyport.steering import read_table
+
+SMALL = ["--az", "-10:10:5", "--zd", "20:30:5"]
+
+
+def run(command, *words, **options):
+    """Run a command and return what it printed, its errors raised."""
+    return CliRunner().invoke(
+        command, words, catch_exceptions=False, standalone_mode=False, **options
+    )
+
+
+def test_check_counts_every_printed_cell():
+    """The six blocks agree whole: 143, 143, 143, 143, 6, 6."""
+    counts = [line.split()[-3:] for line in run(table, "--check").output.splitlines()]
+
+    assert [(one[0], one[2]) for one in counts] == [("143", "143")] * 4 + [("6", "6")] * 2
+
+
+def test_check_of_another_reading_lists_what_differs():
+    """A cell that differs is shown with its value and the printed one."""
+    output = run(table, "--check", "--reading", "routine").output
+
+    assert "azimuth 270, zenith distance 89" in output
+    assert "printed -669250" in output
+
+
+@pytest.mark.parametrize("layout", ["ascii", "binary"])
+def test_table_is_written_and_read_back(tmp_path, layout):
+    """Either layout, on a grid of the user's choice."""
+    path = tmp_path / "table"
+    run(table, *SMALL, "--format", layout, "-o", str(path))
+    read_back = read_table(path)
+
+    assert list(read_back.grid.az_deg) == [-10, -5, 0, 5, 10]
+    assert list(read_back.grid.zd_deg) == [20, 25, 30]
+
+
+def test_against_a_file_and_a_model(tmp_path):
+    """A table is compared with an old file, and with another model; a picture is drawn."""
+    old, png = tmp_path / "old.txt", tmp_path / "d.png"
+    run(table, *SMALL, "-o", str(old))
+    same = run(table, *SMALL, "--against", str(old)).output
+    other = run(table, *SMALL, "--against", "rt32-approximate", "--picture", str(png)).output
+
+    assert same.count("equal everywhere") == 3
+    assert "differ" in other
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_refractions_are_listed_best_first():
+    """Every formula with its residual and the cells that it gives."""
+    lines = run(table, "--refractions").output.splitlines()
+
+    assert lines[1].startswith("rt32-table")
+    assert lines[1].endswith("149 of 149")
+
+
+def test_published_extracts_become_recordings(tmp_path):
+    """273 cells as measured offsets, readable by the program."""
+    path = tmp_path / "published.csv"
+    run(table, "--recordings", str(path))
+
+    assert len(read(path)) == 273
+
+
+def test_lookup_answers_one_and_many(tmp_path):
+    """One target by options, many by a file or standard input."""
+    path = tmp_path / "table.bin"
+    run(table, *SMALL, "--format", "binary", "-o", str(path))
+    one = run(lookup, str(path), "--az", "-7.5", "--zd", "22").output
+    many = run(lookup, str(path), "--batch", "-", input="-7.5 22\n0 20\n").output
+
+    assert many.splitlines()[0] + "\n" == one
+    assert len(many.splitlines()) == 2
+
+
+def test_errors_of_interpolation_are_stated(tmp_path):
+    """Nine bands of zenith distance, for a table that says what it was made from."""
+    path = tmp_path / "table.bin"
+    run(table, "--az", "-20:20:1", "--format", "binary", "-o", str(path))
+    output = run(lookup, str(path), "--errors").output
+
+    assert len(output.splitlines()) == 11
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["table"],
+        ["table", "--model", "nothing", "-o", "x"],
+        ["table", "--refraction", "nothing", "-o", "x"],
+        ["table", "--picture", "x.png", "--check"],
+        ["table", "--az", "0:1", "-o", "x"],
+        ["lookup", "nowhere.bin", "--az", "1", "--zd", "2"],
+        ["lookup", __file__, "--az", "1", "--zd", "2"],
+        ["lookup", __file__, "--az", "1"],
+    ],
+)
+def test_bad_call_is_one_line_with_status_2(words, tmp_path):
+    """Whatever is wrong is said in one line, and nothing is written."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pyport", *words],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stderr.startswith("pyport: error: ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_killed_while_writing_the_old_table_stays(tmp_path):
+    """A kill while the new table is being written leaves the old file whole."""
+    path = tmp_path / "table.txt"
+    path.write_text("old\n")
+    slow = (
+        "import time; from pyport.steering import ascii as a, tabulate, write_ascii\n"
+        "rows = a.rows\n"
+        "def slowly(table):\n"
+        "    for i, row in enumerate(rows(table)):\n"
+        "        if i == 5: time.sleep(60)\n"
+        "        yield row\n"
+        "a.rows = slowly\n"
+        "from pyport.steering.grid import Grid, RT32_GRID\n"
+        "grid = Grid(RT32_GRID.az_deg[:3], RT32_GRID.zd_deg)\n"
+        f"write_ascii(tabulate(grid=grid), {str(path)!r})\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", slow])
+    for _ in range(600):
+        if any(one.name.startswith(".table.txt.") for one in tmp_path.iterdir()):
+            break
+        time.sleep(0.05)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+
+    assert path.read_text() == "old\n"
