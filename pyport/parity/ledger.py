@@ -30,7 +30,7 @@ ZENITH_RADIUS = 2.0**-13
 Mask = NDArray[np.bool_]
 
 #: The curve of Hjump may be taken for this much higher or lower [rad]: REAL*4 pi has an error of
-#: 1.1e-7, the altitude of the curve up to 112 deg; with the roundings on the way 7e-5 deg at most.
+#: 1.1e-7, the curve is as high as 112 deg; with the roundings on the way 7e-5 deg at most.
 CURVE_WIDTH = 1e-4 * DEG
 
 
