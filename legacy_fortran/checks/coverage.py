@@ -49,15 +49,15 @@ def branches(objects: Path) -> list[dict]:
             text=True,
         )
         source = (objects.parent / f"converted_{routine}.f").read_text().splitlines()
-        for line in json.loads(report.stdout)["files"][0]["lines"]:
-            if line["branches"]:
-                rows.append(
-                    {
-                        "line": f"{routine}.f:{line['line_number']}",
-                        "text": source[line["line_number"] - 1].strip(),
-                        "taken": [branch["count"] for branch in line["branches"]],
-                    }
-                )
+        rows += [
+            {
+                "line": f"{routine}.f:{line['line_number']}",
+                "text": source[line["line_number"] - 1].strip(),
+                "taken": [branch["count"] for branch in line["branches"]],
+            }
+            for line in json.loads(report.stdout)["files"][0]["lines"]
+            if line["branches"]
+        ]
     return rows
 
 

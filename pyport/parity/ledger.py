@@ -23,8 +23,8 @@ from pyport.parity.points import Points, Real4
 from pyport.pointing import jump_altitude
 
 #: Within this of the mount's zenith [rad], 25 arcsec, the azimuth offset has less than REAL*4's
-#: digits: DASIN leaves the cosine of the altitude c with an error of 2**-52/c, relative 2**-52/c**2,
-#: and that passes 2**-26, a quarter ulp.
+#: digits: DASIN leaves the cosine c of the altitude with an error of 2**-52/c; relative to c that
+#: passes 2**-26, a quarter ulp.
 ZENITH_RADIUS = 2.0**-13
 
 Mask = NDArray[np.bool_]
