@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 OUT ?= out
 
 .PHONY: demo test lint format proof proof-small golden clean
+.PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -35,11 +36,33 @@ format: $(BIN)/tox
 	$(BIN)/ruff check --fix pyport tests
 	$(BIN)/ruff format pyport tests
 
-golden: $(BIN)/pyport
+# The compiled Fortran, and what the long checks of parity need.
+$(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)
 	@sh .ci/install-gfortran
-	$(BIN)/python -m pip install --quiet ./legacy_fortran
+	$(BIN)/python -m pip install --quiet --editable '.[test]' ./legacy_fortran
+	@touch $@
+
+golden: $(VENV)/oracle
 	$(BIN)/python -m pyport.parity.golden
 	$(BIN)/python -m pyport.steering.golden
+
+# Each long check leaves its figures among the stored answers; parity-report shows them.
+parity-long: $(VENV)/oracle
+	$(BIN)/pyport parity --points 10000000 --json > $(VENV)/run.json
+	mv $(VENV)/run.json golden_tables/oracle/run.json
+
+parity-matrix: $(VENV)/oracle
+	@sh legacy_fortran/checks/install-flang
+	$(BIN)/python legacy_fortran/checks/matrix.py
+
+mutants: $(VENV)/oracle
+	$(BIN)/python legacy_fortran/checks/mutants.py
+
+coverage: $(VENV)/oracle
+	$(BIN)/python legacy_fortran/checks/coverage.py
+
+parity-report: $(BIN)/pyport
+	$(BIN)/pyport parity --stored --report docs/parity.md
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport

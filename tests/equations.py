@@ -3,6 +3,9 @@
 Equations 1, 2, 15, 16, 18 and 19 of RT32 Pointing Model (2004) and the text around Hjump, with a pi
 that has all its digits. Arguments as for the routines: azimuth from south through west and altitude
 [rad], parameters and answers [deg].
+
+In plunge the routines turn the tilt's sign, and Model the change of azimuth with it. The equations
+do not, when they are continued beyond 90 deg; `turned` says which is wanted.
 """
 
 from mpmath import mp, mpf
@@ -37,22 +40,22 @@ def _step(az, alt, p):
     return mpf(float(p[11])) * (hjump(az, alt) if alt > 0 else 0)
 
 
-def model(az, alt, p):
+def model(az, alt, p, *, turned=True):
     """Return the exact form's offsets; NaN where no setting of the axes reaches the source."""
     p_deg = [mpf(float(value)) for value in p]
     sigma, beta, xi, zeta = (_rad(value) for value in p[2:6])
     a, h = mpf(float(az)), mpf(float(alt))
     plunge = mp.cos(h) < 0
-    eta = mp.asin(mp.hypot(mp.sin(xi), mp.sin(zeta))) * (-1 if plunge else 1)
+    eta = mp.asin(mp.hypot(mp.sin(xi), mp.sin(zeta))) * (-1 if plunge and turned else 1)
     alpha = mp.atan2(mp.sin(zeta), mp.sin(xi))
-    turned = mp.atan2(
+    seen = mp.atan2(
         mp.cos(h) * mp.sin(alpha - a),
         mp.sin(h) * mp.sin(eta) - mp.cos(h) * mp.cos(eta) * mp.cos(alpha - a),
     ) - mp.atan2(mp.sin(alpha), -mp.cos(eta) * mp.cos(alpha))
-    change = turned - a
     h1 = mp.asin(mp.sin(h) * mp.cos(eta) + mp.cos(h) * mp.sin(eta) * mp.cos(alpha - a))
+    change = seen - a
     if plunge:
-        change, h1 = mp.pi - change, mp.pi - h1
+        change, h1 = mp.pi + (-change if turned else change), mp.pi - h1
     sine = (mp.sin(h1) * mp.sin(sigma) + mp.sin(beta)) / (mp.cos(h1) * mp.cos(sigma))
     if abs(sine) > 1:
         return mp.nan, mp.nan
@@ -66,8 +69,8 @@ def model(az, alt, p):
     return _half_turn(daz), dalt + p_deg[10] * mp.sin(2 * a) + _step(az, alt, p)
 
 
-def modela(az, alt, p):
-    """Return the approximate form's offsets; in plunge the azimuth of the tilt is turned by pi."""
+def modela(az, alt, p, *, turned=True):
+    """Return the approximate form's offsets."""
     q = [mpf(float(value)) for value in p]
     a, h = mpf(float(az)), mpf(float(alt))
     daz = (
@@ -77,7 +80,7 @@ def modela(az, alt, p):
         + q[8] * mp.sin(2 * a)
         + q[9] * mp.cos(2 * a)
     )
-    side = -1 if h > mp.pi / 2 else 1
+    side = -1 if h > mp.pi / 2 and turned else 1
     dalt = (
         q[1]
         + side * (q[4] * mp.cos(a) + q[5] * mp.sin(a))
@@ -88,6 +91,10 @@ def modela(az, alt, p):
     return _half_turn(daz), dalt + _step(az, alt, p)
 
 
-def answers(az, alt, p):
+def answers(az, alt, p, *, turned=True):
     """Return the five answers in the order of the routines' outputs."""
-    return [*model(az, alt, p), *modela(az, alt, p), hjump(az, alt)]
+    return [
+        *model(az, alt, p, turned=turned),
+        *modela(az, alt, p, turned=turned),
+        hjump(az, alt),
+    ]

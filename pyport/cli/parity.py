@@ -17,9 +17,17 @@ import click
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random points.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes; all cores by default.")
-@click.option("--report", type=click.Path(dir_okay=False), help="Write the text here as well.")
+@click.option("--stored", is_flag=True, help="Ask the stored answers even where the oracle is.")
+@click.option("--report", type=click.Path(dir_okay=False), help="Write a page of Markdown here.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
-def command(points: int, seed: int, jobs: int | None, report: str | None, as_json: bool) -> None:  # noqa: FBT001 - click passes flags by keyword
+def command(
+    points: int,
+    seed: int,
+    jobs: int | None,
+    stored: bool,  # noqa: FBT001 - click passes flags by keyword
+    report: str | None,
+    as_json: bool,  # noqa: FBT001
+) -> None:
     """Hold the Python ports to the published Fortran routines, in ulp of REAL*4.
 
     With the compiled routines installed (pip install ./legacy_fortran) they are asked anew at every
@@ -27,11 +35,14 @@ def command(points: int, seed: int, jobs: int | None, report: str | None, as_jso
     """
     from pyport.files import write_whole
     from pyport.parity import report as reporting
+    from pyport.parity.document import document
     from pyport.parity.run import run
 
-    parity = run(points, seed, jobs)
-    text = reporting.text(parity)
+    parity = run(points, seed, jobs, live=not stored)
     if report:
         with write_whole(report) as file:
-            file.write(text)
-    click.echo(json.dumps(reporting.as_json(parity), indent=2) if as_json else text, nl=False)
+            file.write(document(parity))
+    if as_json:
+        click.echo(json.dumps(reporting.as_json(parity), indent=1))
+    else:
+        click.echo(reporting.text(parity), nl=False)

@@ -53,6 +53,7 @@ def edges() -> Points:
         product([*around(0.0), -0.0, *around(math.pi), *around(-math.pi)], [0.7, 1.2, 1.3]),
         product([a * DEG for a in (-100, 260, -200, 160, -300, 60)], [-0.1, 0.9, 1.1, 1.17]),
         *_jump_curve(),
+        _single_cosine(),
         *_blind_spot(some),
         *_tilted_zenith(),
         *_zeros(some),
@@ -67,6 +68,12 @@ def _jump_curve() -> list[Points]:
     east = [(a, 65 + 7 * math.cos(a * DEG / 2)) for a in (-270, -180, -90, -1, 0)]
     west = [(a, 55 + ((a - 95) / 90) ** 2 * 15) for a in (1, 50, 95, 180, 270)]
     return [product([a * DEG], around(h * DEG, 2)) for a, h in east + west]
+
+
+def _single_cosine() -> Points:
+    """Return azimuths whose REAL*4 cosine is not the REAL*8 one rounded, below the horizon."""
+    az = [-4.516542434692383, -2.1071996688842773, -4.552035331726074, -1.7674838304519653]
+    return product(az, [-0.0199, -0.05])
 
 
 def _blind_spot(az: list[float]) -> list[Points]:
@@ -102,7 +109,9 @@ def _zeros(az: list[float]) -> list[Points]:
 def _wraps() -> list[Points]:
     """Return azimuth offsets that pass 180 deg, or several turns, on their way."""
     offsets = [*around(180), *around(-180), 360, -360, 540, 1e4]
-    return [product([0.3, -2.0], [0.8, 1.6], _model3_with({1: value})) for value in offsets]
+    sets = [product([0.3, -2.0], [0.8, 1.6], _model3_with({1: value})) for value in offsets]
+    # exactly half a turn stays what it is
+    return [*sets, *(product([0.0], [0.8], [half, *[0.0] * 11]) for half in (180, -180))]
 
 
 def _extremes() -> list[Points]:

@@ -23,14 +23,14 @@ from pyport.parity.points import Points, Real4
 from pyport.pointing import jump_altitude
 
 #: Within this of the mount's zenith [rad], 25 arcsec, the azimuth offset has less than REAL*4's
-#: digits: DASIN leaves the cosine of the altitude c with an error of 2**-52/c, relative 2**-52/c**2,
-#: and that passes 2**-26, a quarter ulp.
+#: digits: DASIN leaves the cosine c of the altitude with an error of 2**-52/c; relative to c that
+#: passes 2**-26, a quarter ulp.
 ZENITH_RADIUS = 2.0**-13
 
 Mask = NDArray[np.bool_]
 
 #: The curve of Hjump may be taken for this much higher or lower [rad]: REAL*4 pi has an error of
-#: 1.1e-7, the altitude of the curve up to 112 deg; with the roundings on the way 7e-5 deg at most.
+#: 1.1e-7, the curve is as high as 112 deg; with the roundings on the way 7e-5 deg at most.
 CURVE_WIDTH = 1e-4 * DEG
 
 
