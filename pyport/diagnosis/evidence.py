@@ -163,9 +163,9 @@ class _Left:
 
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
-        groups = len(self.own)
-        left = self.cross[:, :, some].transpose(1, 0, 2).reshape(self.cross.shape[1], -1)
-        right = self.solved[:, :, others].transpose(1, 0, 2).reshape(self.cross.shape[1], -1)
+        groups, model = self.cross.shape[:2]
+        left = self.cross[:, :, some].transpose(1, 0, 2).reshape(model, groups * len(some))
+        right = self.solved[:, :, others].transpose(1, 0, 2).reshape(model, groups * len(others))
         out = -(left.T @ right)
         for group in range(groups):
             rows = slice(group * len(some), (group + 1) * len(some))

@@ -19,7 +19,6 @@ from pyport.effects.celestial import (
     from_sky,
     hour_angle_shift,
     project,
-    to_ground,
     turned,
 )
 from pyport.effects.orientation import pole
@@ -139,10 +138,24 @@ def parallactic(at: Circumstances) -> tuple[tuple[Array, Array], tuple[Array, Ar
 
 
 def _fixed(
-    identity: str, sentence: str, basis: Basis, coefficient: Coefficient, **more: tuple[str, ...]
+    identity: str,
+    sentence: str,
+    basis: Basis,
+    coefficient: Coefficient,
+    needs: tuple[str, ...],
+    formula: tuple[str, str],
 ) -> Effect:
     """Return an effect of the sky with one coefficient that physics fixes."""
-    return Effect(identity, sentence, _SUPPLEMENT, (coefficient,), basis, common="array", **more)
+    return Effect(
+        identity,
+        sentence,
+        _SUPPLEMENT,
+        (coefficient,),
+        basis,
+        common="array",
+        needs=needs,
+        formula=formula,
+    )
 
 
 EFFECTS = (
@@ -151,24 +164,24 @@ EFFECTS = (
         "the wandering of the pole was left out",
         polar_motion,
         Coefficient("polar_motion", "", 1.0, expected=1.0),
-        needs=_WHERE_AND_WHEN,
-        formula=("x_p, y_p of the IERS turned to the site,", "by ERFA"),
+        _WHERE_AND_WHEN,
+        ("x_p, y_p of the IERS turned to the site,", "by ERFA"),
     ),
     _fixed(
         "annual_aberration",
         "aberration by the Earth's motion about the Sun was left out",
         annual_aberration,
         Coefficient("kappa", expected=KAPPA_ARCSEC),
-        needs=_WHERE_AND_WHEN,
-        formula=("kappa (V / V0) . e_A", "kappa (V / V0) . e_E, V the Earth's velocity by ERFA"),
+        _WHERE_AND_WHEN,
+        ("kappa (V / V0) . e_A", "kappa (V / V0) . e_E, V the Earth's velocity by ERFA"),
     ),
     _fixed(
         "diurnal_aberration",
         "aberration by the Earth's spin was left out",
         diurnal_aberration,
         Coefficient("diurnal_aberration", expected=DIURNAL_ARCSEC),
-        needs=("latitude_deg",),
-        formula=("k cos phi cos A", "-k cos phi sin A sin E"),
+        ("latitude_deg",),
+        ("k cos phi cos A", "-k cos phi sin A sin E"),
     ),
     NUTATIONS[0],
     _precession("J2000"),

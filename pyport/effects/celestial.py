@@ -10,12 +10,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Circumstances
 
 #: The Unix epoch as a Julian date, and TT - UTC since 1999 to 5 s.
 UNIX_EPOCH_JD = 2440587.5
 TT_MINUS_UTC_DAYS = 67.0 / 86400
+
+#: Speed of the sky along the hour angle [rad/s].
+SIDEREAL = 15.041067 * ARCSEC
 
 #: Speed of light [au/day].
 LIGHT_AU_PER_DAY = 173.1446326847

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from pyport.angles import ARCSEC, Array
+from pyport.angles import Array
 from pyport.effects.base import Circumstances, Coefficient, Effect, stack
-from pyport.effects.celestial import hour_angle_shift
+from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
 _ALMA = "Mangum et al. 2006, PASP 118, 1257: backlash and servo errors of antenna drives"
-
-#: Speed of the sidereal sky [rad/s].
-SIDEREAL = 15.041067 * ARCSEC
 
 
 def _scanned(at: Circumstances) -> tuple[Array, Array]:
@@ -53,10 +50,10 @@ def _timing(name: str, *, cosine_of_el: bool) -> Effect:
 
 def _timings(at: Circumstances) -> tuple[Effect, ...]:
     """Return scan_timing for a rate of the axis and, where azimuth was scanned, of the sky."""
-    variants: tuple[Effect, ...] = (_timing("rate of the axis", cosine_of_el=True),)
-    if np.any(_scanned(at)[0]):
-        variants += (_timing("rate on the sky", cosine_of_el=False),)
-    return variants
+    of_axis = _timing("rate of the axis", cosine_of_el=True)
+    if not np.any(_scanned(at)[0]):
+        return (of_axis,)
+    return of_axis, _timing("rate on the sky", cosine_of_el=False)
 
 
 def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:

@@ -22,5 +22,7 @@ EFFECTS = (
         (Coefficient("hour_angle_cosine"), Coefficient("hour_angle_sine")),
         hour_angle_wave,
         physical=False,
+        needs=("hour_angle_h",),
+        formula=("", "c cos H + s sin H"),
     ),
 )

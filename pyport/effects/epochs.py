@@ -128,7 +128,7 @@ def _span(time: Array) -> tuple[float, float]:
     return float(np.nanmin(time)), float(np.nanmax(time))
 
 
-_OFFSET = Effect(
+_OFFSET: Effect = Effect(
     "epoch_offset",
     "something was moved: the zeros differ from one time to another",
     _OWN,
@@ -139,7 +139,7 @@ _OFFSET = Effect(
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
 )
-_TILT = Effect(
+_TILT: Effect = Effect(
     "epoch_tilt",
     "the azimuth axis leans otherwise in one session than in another",
     _OWN,
@@ -150,7 +150,7 @@ _TILT = Effect(
     needs=("session",),
     formula=("tilt in each session", "tilt in each session"),
 )
-_SAG = Effect(
+_SAG: Effect = Effect(
     "epoch_sag",
     "the structure sags otherwise in one session than in another",
     _OWN,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import Circumstances, MissingColumn
@@ -17,7 +18,8 @@ _UNIX_EPOCH_MJD = 40587.0
 def pole(at: Circumstances) -> tuple[Array, Array]:
     """Return the pole's coordinates x_p, y_p [arcsec] at the time of each row."""
     time, row, series = _around(at)
-    return tuple(np.interp(time, series[:, 0], series[:, k])[row] for k in (1, 2))
+    x_p, y_p = (np.interp(time, series[:, 0], series[:, k])[row] for k in (1, 2))
+    return x_p, y_p
 
 
 def ut1_minus_utc(at: Circumstances) -> Array:
@@ -30,7 +32,7 @@ def ut1_minus_utc(at: Circumstances) -> Array:
     return (value - smooth[day] + series[day, 3])[row]
 
 
-def _around(at: Circumstances) -> tuple[Array, Array, Array]:
+def _around(at: Circumstances) -> tuple[Array, NDArray[np.intp], Array]:
     """Return distinct times [MJD], which is each row's, and the days of the series around them.
 
     Raises
@@ -49,7 +51,12 @@ def _around(at: Circumstances) -> tuple[Array, Array, Array]:
 
 @functools.cache
 def _series() -> Array:
-    """Read the C04 series that comes with astropy: MJD, x_p, y_p [arcsec], UT1-UTC [s]."""
+    """Read the C04 series that comes with astropy: MJD, x_p, y_p [arcsec], UT1-UTC [s].
+
+    It is read once: the file does not change while the program runs.
+    """
     from astropy_iers_data import IERS_B_FILE
 
-    return np.loadtxt(IERS_B_FILE, usecols=(4, 5, 6, 7))
+    series = np.loadtxt(IERS_B_FILE, usecols=(4, 5, 6, 7))
+    series.flags.writeable = False
+    return series

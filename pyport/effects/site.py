@@ -6,7 +6,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
-from pyport.effects.celestial import hour_angle_shift
+from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 from pyport.effects.orientation import ut1_minus_utc
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
@@ -64,7 +64,7 @@ def _clocks(at: Circumstances) -> tuple[Effect, ...]:
         return (constant,)
     if np.nanstd(seconds) < CHANGED * np.sqrt(np.nanmean(seconds**2)):
         return (constant,)
-    share = Coefficient("share_of_ut1_utc", "", 15 * ARCSEC, expected=1.0)
+    share = Coefficient("share_of_ut1_utc", "", SIDEREAL, expected=1.0)
     return constant, _clock(_omitted_ut1, share, "UT1-UTC left out")
 
 

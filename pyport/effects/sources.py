@@ -20,7 +20,10 @@ MOST_SOURCES = 20
 
 #: Names under which observers record what is near enough to have a parallax.
 SOLAR_SYSTEM = frozenset(
-    "sun moon mercury venus mars jupiter saturn uranus neptune pluto ceres pallas vesta".split()
+    {
+        *("sun", "moon", "mercury", "venus", "mars", "jupiter", "saturn", "uranus", "neptune"),
+        *("pluto", "ceres", "pallas", "juno", "vesta"),
+    }
 )
 
 

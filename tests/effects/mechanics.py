@@ -1,0 +1,213 @@
+"""Cases of what is wrong with the mount, by rotations."""
+
+import numpy as np
+from effects.cases import AT, Case
+from effects.mount import encoders
+
+from pyport.angles import ARCSEC, DEG
+from pyport.effects import CATALOGUE
+
+
+def mounted(effect, amounts, make, **more):
+    """Return a case of a mount whose flaws are `make(amplitude)`."""
+    return Case(effect, amounts, lambda size: encoders(AT.az, AT.el, **make(size)), **more)
+
+
+def wave(size, k, sine, cosine):
+    """Return angle -> a harmonic of an amplitude in arcseconds."""
+    return lambda angle: size * ARCSEC * (sine * np.sin(k * angle) + cosine * np.cos(k * angle))
+
+
+def decentred(size):
+    """Return how much more a circle of radius one reads when its centre is 30", -20" off."""
+
+    def excess(angle):
+        mark = np.exp(1j * angle) - size * ARCSEC * (-20 + 30j)
+        return np.angle(mark * np.exp(-1j * angle))
+
+    return excess
+
+
+def leaning(size, toward):
+    """Return a lean of `size` toward an azimuth, row by row."""
+    return {"lean": (size * np.cos(toward), size * np.sin(toward))}
+
+
+MOUNT = [
+    mounted("azimuth_zero", (40.0,), lambda s: {"read_az": lambda _: s * 40 * ARCSEC}),
+    mounted("elevation_zero", (40.0,), lambda s: {"read_el": lambda _: s * 40 * ARCSEC}),
+    mounted("collimation", (40.0,), lambda s: {"beam_left": s * 40 * ARCSEC}),
+    mounted("skew", (40.0,), lambda s: {"right_end_up": s * 40 * ARCSEC}),
+    mounted("tilt", (30.0, -20.0), lambda s: {"lean": (s * 30 * ARCSEC, -s * 20 * ARCSEC)}),
+    mounted("sag_cosine", (60.0,), lambda s: {"droop": lambda el: s * 60 * ARCSEC * np.cos(el)}),
+    mounted("sag_sine", (60.0,), lambda s: {"droop": lambda el: s * 60 * ARCSEC * np.sin(el)}),
+    mounted("azimuth_eccentricity", (-20.0, -30.0), lambda s: {"read_az": decentred(s)}),
+    mounted(
+        "azimuth_harmonics",
+        (30.0, -20.0),
+        lambda s: {"read_az": wave(s, 3, 30, -20)},
+        variant="k = 3",
+    ),
+    mounted(
+        "elevation_harmonics",
+        (30.0, -20.0),
+        lambda s: {"pitch": wave(s, 4, 30, -20)},
+        variant="k = 4",
+    ),
+    mounted(
+        "elevation_encoder_harmonics",
+        (30.0, -20.0),
+        lambda s: {"read_el": wave(s, 5, 30, -20)},
+        variant="k = 5",
+    ),
+    mounted(
+        "azimuth_track",
+        (10.0, 20.0, -30.0, 10.0, 25.0, -15.0),
+        lambda s: {
+            "twist": wave(s, 3, 10, 20),
+            "roll": wave(s, 3, -30, 10),
+            "pitch": wave(s, 3, 25, -15),
+        },
+        variant="k = 3",
+    ),
+    mounted("azimuth_scale", (0.5,), lambda s: {"read_az": lambda a: s * 0.5 * ARCSEC / DEG * a}),
+    mounted("elevation_scale", (0.5,), lambda s: {"read_el": lambda e: s * 0.5 * ARCSEC / DEG * e}),
+]
+
+WIND = AT.columns["wind_speed_m_s"]
+ABOVE_MEAN_K = AT.columns["temperature_c"] - AT.columns["temperature_c"].mean()
+
+
+def warmed(size):
+    """Return an azimuth zero of 2" and a sag of -3" for each kelvin above the mean."""
+    kelvin = size * ARCSEC * ABOVE_MEAN_K
+    return {"read_az": lambda _: 2 * kelvin, "droop": lambda el: -3 * kelvin * np.cos(el)}
+
+
+WEATHER = [
+    mounted(
+        "thermal_tilt",
+        (25.0,),
+        lambda s: leaning(s * 25 * ARCSEC, AT.columns["sun_az"] + np.pi),
+    ),
+    mounted(
+        "thermal_tilt",
+        (25.0,),
+        lambda s: leaning(
+            s * 25 * ARCSEC * (AT.columns["sun_el"] > 0), AT.columns["sun_az"] - np.pi
+        ),
+        variant="while the Sun is up",
+    ),
+    mounted(
+        "wind_tilt",
+        (12.0,),
+        lambda s: leaning(s * 12 * ARCSEC * (WIND / 10) ** 2, AT.columns["wind_az"] + np.pi),
+    ),
+    mounted("temperature", (2.0, -3.0), warmed, variant="as cos E"),
+    mounted(
+        "temperature",
+        (2.0, -3.0),
+        lambda s: {
+            "beam_left": s * 2 * ARCSEC * ABOVE_MEAN_K,
+            "droop": lambda _: -s * 3 * ARCSEC * ABOVE_MEAN_K,
+        },
+    ),
+]
+
+
+def per_value(column, amounts):
+    """Return for each row the amount [rad] that its label has; none where it is not listed."""
+    labels = AT.columns[column]
+    return sum(np.where(labels == name, amount, 0.0) for name, amount in amounts.items()) * ARCSEC
+
+
+def rare(column):
+    """Return the label that stands in the fewest rows."""
+    values, count = np.unique(AT.columns[column], return_counts=True)
+    return values[np.argmin(count)]
+
+
+SESSIONS = sorted(set(AT.columns["session"]))[1:]
+NORTH, EAST = np.random.default_rng(3).normal(0, 20, (2, len(SESSIONS)))
+NORTHWARD, EASTWARD = (
+    per_value("session", dict(zip(SESSIONS, amount, strict=True))) for amount in (NORTH, EAST)
+)
+PAIRS = tuple(np.stack([NORTH, EAST], axis=1).ravel())
+
+#: The moment of one of the steps that are tried, and the edge of one of the jumps.
+STEP = CATALOGUE["epoch_offset"].variants(AT)[7]
+SINCE = AT.columns["time"] > STEP.parameter
+EDGES = CATALOGUE["subreflector_jump"].variants(AT)
+LOW, EASTERN = EDGES[2], EDGES[-2]
+
+
+def stepped(where):
+    """Return amplitude -> a beam that is off by 15" across and -25" along in some rows."""
+    return lambda s: {
+        "beam_left": s * 15 * ARCSEC * where,
+        "droop": lambda _: -s * 25 * ARCSEC * where,
+    }
+
+
+def drifted(size):
+    """Return a zero that runs away as a parabola between the first and the last recording."""
+    time = AT.columns["time"]
+    phase = (time - time[0]) / (time[-1] - time[0])
+    return {
+        "beam_left": size * 30 * ARCSEC * phase**2,
+        "read_el": lambda _: -size * 12 * ARCSEC * phase,
+    }
+
+
+LABELLED = [
+    mounted("receiver_offset", (15.0, -25.0), stepped(AT.columns["receiver"] == rare("receiver"))),
+    mounted(
+        "beam_squint",
+        (15.0, -25.0),
+        stepped(np.where(AT.columns["polarisation"] == "left", 1.0, -1.0)),
+    ),
+    mounted("epoch_offset", (15.0, -25.0), stepped(SINCE), variant=STEP.variant),
+    mounted(
+        "epoch_offset",
+        PAIRS,
+        lambda s: {"beam_left": s * NORTHWARD, "droop": lambda _: s * EASTWARD},
+    ),
+    mounted("epoch_tilt", PAIRS, lambda s: {"lean": (s * NORTHWARD, s * EASTWARD)}),
+    mounted("epoch_sag", tuple(NORTH), lambda s: {"droop": lambda el: s * NORTHWARD * np.cos(el)}),
+    # A parabola in a phase from 0 to 1 is 1/3, 1/2, 1/6 of Legendre's, whose constant is a zero.
+    mounted("drift", (15.0, 5.0, -6.0, 0.0), drifted, variant="order 2"),
+    mounted(
+        "subreflector_jump",
+        (-25.0,),
+        lambda s: {"droop": lambda _: -s * 25 * ARCSEC * (AT.el > LOW.parameter)},
+        variant=LOW.variant,
+    ),
+    mounted(
+        "subreflector_jump",
+        (-25.0,),
+        lambda s: {"droop": lambda _: -s * 25 * ARCSEC * (AT.az > EASTERN.parameter)},
+        variant=EASTERN.variant,
+    ),
+]
+
+
+def scanned(ahead_az, ahead_el):
+    """Return amplitude -> offsets of encoders that are ahead of the dish in scans along an axis."""
+    along_az = AT.columns["scan_axis"] == "az"
+
+    def offsets(size):
+        ahead = size * AT.columns["scan_direction"]
+        return ahead * ahead_az * along_az, ahead * ahead_el * ~along_az
+
+    return offsets
+
+
+RATE = AT.columns["scan_rate"]
+SCANS = [
+    Case("scan_direction", (20.0, 30.0), scanned(20 * ARCSEC, 30 * ARCSEC)),
+    # A tag that is late by 0.4 s finds the source where the axes stand 0.4 s after the peak.
+    Case("scan_timing", (0.4,), scanned(0.4 * RATE * np.cos(AT.el), 0.4 * RATE)),
+    Case("scan_timing", (0.4,), scanned(0.4 * RATE, 0.4 * RATE), variant="rate on the sky"),
+]
+
+CASES = [*MOUNT, *WEATHER, *LABELLED, *SCANS]

@@ -1,0 +1,146 @@
+"""What every effect of the catalogue must pass: sign, size, first order, units, missing columns."""
+
+import re
+
+import numpy as np
+import pytest
+from effects import heavens, mechanics
+from effects.cases import AT
+from effects.sky import INSIDE, without
+
+from pyport.angles import ARCSEC
+from pyport.effects import CATALOGUE, MissingColumn
+
+CASES = [*mechanics.CASES, *heavens.CASES]
+IDS = [str(case) for case in CASES]
+#: What sixteen digits leave of an offset between two directions [rad].
+ROUNDING = 1e-13
+PHYSICAL = {name: effect for name, effect in CATALOGUE.items() if effect.physical}
+
+
+def member(case):
+    """Return the member of the family that a case is about."""
+    variants = CATALOGUE[case.effect].variants(case.at)
+    return next(one for one in variants if case.variant in ("", one.variant))
+
+
+def predicted(case, size):
+    """Return the offsets that the catalogue gives for a case's amounts, in reported units."""
+    effect = member(case)
+    values = [a * c.scale for a, c in zip(case.amounts, effect.coefficients, strict=True)]
+    x, y = effect.columns(case.at)
+    return size * np.concatenate([x @ values, y @ values])
+
+
+def missed(case, size):
+    """Return by how much the catalogue misses the truth at some amplitude [rad], both axes."""
+    wrong = predicted(case, size) - np.concatenate(case.offsets(size))
+    if case.effect == "drift":  # what does not change is no drift but a zero
+        wrong -= np.repeat([wrong[: len(AT)].mean(), wrong[len(AT) :].mean()], len(AT))
+    return wrong
+
+
+def first_order(case):
+    """Return what of the miss is linear in the amplitude; all of it where nature fixes that."""
+    return 4 * missed(case, 0.5) - missed(case, 1.0) if case.scales else missed(case, 1.0)
+
+
+def largest(values):
+    """Return the size of the largest offset [rad]."""
+    return np.abs(values).max()
+
+
+@pytest.mark.parametrize("case", CASES, ids=IDS)
+def test_sign_and_size(case):
+    """Coefficients in reported units give the offsets of an independent calculation."""
+    true = largest(np.concatenate(case.offsets(1.0)))
+
+    assert true > 0.01 * ARCSEC
+    assert largest(first_order(case)) <= case.tolerance * true
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.scales], ids=str)
+def test_first_order(case):
+    """What is not linear is small, and falls with the square of the amplitude."""
+    linear = first_order(case)
+    half, whole = (largest(missed(case, size) - size * linear) for size in (0.5, 1.0))
+
+    assert whole <= 0.05 * largest(np.concatenate(case.offsets(1.0)))
+    assert half <= 0.26 * whole + ROUNDING
+
+
+@pytest.mark.parametrize("case", CASES, ids=IDS)
+def test_rows_stand_alone(case):
+    """A member that was made for some recordings says the same of a part of them."""
+    effect = member(case)
+    some = np.arange(len(case.at)) % 3 == 1
+    whole, part = effect.columns(case.at), effect.columns(case.at.take(some))
+
+    for axis in (0, 1):
+        np.testing.assert_allclose(part[axis], whole[axis][some], rtol=0, atol=1e-9)
+
+
+def test_every_physical_effect_has_a_case():
+    """No effect of the catalogue goes without an independent calculation."""
+    assert {case.effect for case in CASES} == set(PHYSICAL)
+
+
+@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=lambda effect: effect.id)
+def test_shape_of_the_basis(effect):
+    """Every member gives a finite column in both axes for each coefficient."""
+    at = next((case.at for case in CASES if case.effect == effect.id), AT)
+    for one in effect.variants(at):
+        x, y = one.columns(at)
+
+        assert x.shape == y.shape == (len(at), len(one.coefficients))
+        assert np.isfinite(x).all()
+        assert np.isfinite(y).all()
+        assert one.id == effect.id
+
+
+def alternatives(need):
+    """Return the columns of a need, those that can stand for each other apart."""
+    return [re.findall(r"\b[a-z][a-z_0-9]*\b", one) for one in need.split(" or ")]
+
+
+NEEDS = [(effect, need) for effect in CATALOGUE.values() for need in effect.needs]
+
+
+@pytest.mark.parametrize(("effect", "need"), NEEDS, ids=lambda one: getattr(one, "id", one))
+def test_missing_column_is_named(effect, need):
+    """Without what it needs an effect is not testable, and says for want of which column."""
+    at = next((case.at for case in CASES if case.effect == effect.id), AT)
+    wanted = alternatives(need)
+    for one in wanted:
+        at = without(at, one[0])
+
+    with pytest.raises(MissingColumn) as lack:
+        [one.columns(at) for one in effect.variants(at)]
+
+    assert lack.value.column in need
+    assert effect.missing(at) == lack.value.column
+
+
+def test_nothing_is_missing_from_a_full_campaign():
+    """With every column of the contract no effect but parallax lacks anything."""
+    lacking = {name for name, effect in CATALOGUE.items() if effect.missing(AT)}
+
+    assert lacking == {"parallax"}
+
+
+def test_needs_are_complete():
+    """An effect needs no column beside those that it says it needs."""
+    for effect in CATALOGUE.values():
+        needed = {
+            INSIDE.get(name, name)
+            for need in effect.needs
+            for one in alternatives(need)
+            for name in one
+        }
+        at = next((case.at for case in CASES if case.effect == effect.id), AT)
+        for name in set(at.columns) - needed:
+            if name == "source" and effect.id == "parallax":
+                continue
+            at = without(at, name)
+
+        assert effect.missing(at) is None, effect.id
