@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis.finding import Interval
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.fitting.stacking import Codes, Stack
 from pyport.recordings.schema import Recordings
@@ -20,6 +21,10 @@ class Candidate:
     columns: Codes
     #: Which of the effect's coefficients those columns are: constant zero ones are left out.
     coefficients: tuple[int, ...]
+    #: How many members of its family are tried: the price of picking the best of them.
+    choices: int = 1
+    #: The stretch of the recordings that it is confined to, if it is.
+    region: tuple[Interval, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,8 @@ def design(
                 continue
             blocks.append(basis[:, kept])
             places = np.arange(start, start + len(kept))
-            candidates.append(Candidate(variant, places, tuple(int(one) for one in kept)))
+            which = tuple(int(one) for one in kept)
+            candidates.append(Candidate(variant, places, which, len(variants)))
             start += len(kept)
     columns = np.concatenate(blocks, axis=1) if blocks else np.zeros((len(stack), 0))
     return columns, candidates, untestable

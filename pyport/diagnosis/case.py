@@ -14,7 +14,7 @@ from pyport.diagnosis import common_mode, noise_fit, shapes
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Blocks, Evidence
 from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
-from pyport.fitting.gram import Gram, Part
+from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack
 from pyport.recordings.schema import Recordings
@@ -164,17 +164,17 @@ def prepare(
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
     known = setup.expanded([*setup.base, *chosen])
-    candidates = setup.columns[:, sum(len(b.candidate.columns) for b in setup.base) :]
+    candidates = setup.columns[:, np.concatenate([c.columns for c in setup.candidates])]
     noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
     data = np.concatenate([setup.columns, setup.residual[:, None]], axis=1)
     white = whiten(data, weights, setup.parts, noises)
     block = np.concatenate([setup.block, setup.block])
-    gram = Gram.of(white, block, len(setup.blocks))
     one = whiten(np.ones((len(data), 1)), weights, setup.parts, noises)[len(data) :, 0]
     evidence = Evidence(
-        gram,
+        white,
+        block,
         setup.blocks,
-        common=_common_excess(setup, (*setup.base, *chosen), gram, white, one),
+        common=_common_excess(setup, (*setup.base, *chosen), white, one),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
         draws=DRAWS,
         dof=_dof(setup.parts, noises, setup.blocks),
@@ -194,15 +194,15 @@ def _scans(recordings: Recordings, data: Stack) -> Codes:
 
 
 def _common_excess(
-    setup: Setup, fitted: Sequence[Chosen], gram: Gram, white: Array, weight: Array
+    setup: Setup, fitted: Sequence[Chosen], white: Array, weight: Array
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
     if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
         return common_mode.Excess()
-    values = gram.solve([setup.part(one) for one in fitted]).values
-    means = white[len(setup.columns) :]
-    left = means[:, -1] - setup.expanded(fitted, of=white)[len(setup.columns) :] @ values
-    return common_mode.excess(left, weight, means[:, :-1], setup.scan)
+    columns = setup.expanded(fitted, of=white)
+    left = white[:, -1] - columns @ np.linalg.lstsq(columns, white[:, -1], rcond=1e-9)[0]
+    means = slice(len(setup.columns), None)
+    return common_mode.excess(left[means], weight, white[means, :-1], setup.scan)
 
 
 def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Setup, Weighed
+from pyport.diagnosis.identify import KNOWN_SHARE, KNOWN_SIGMAS
 from pyport.diagnosis.joint import Joint, contribution
 from pyport.diagnosis.noise import whiten
 from pyport.fitting.gram import Gram
@@ -16,8 +17,6 @@ from pyport.fitting.gram import Gram
 #: Halves whose strengths differ by more than this many sigmas and this share are not one effect.
 SIGMAS = 4.0
 SHARE = 0.5
-#: A known coefficient may be off by this many sigmas.
-KNOWN_SIGMAS = 4.0
 
 
 @dataclass(frozen=True)
@@ -78,9 +77,7 @@ def _halves(setup: Setup) -> dict[str, NDArray[np.bool_]]:
     return found
 
 
-def known(value: float, sigma: float, expected: float | None, what: str) -> Check | None:
-    """Compare a coefficient with the value that physics fixes, if it does."""
-    if expected is None:
-        return None
-    passed = abs(value - expected) <= KNOWN_SIGMAS * sigma
+def known(value: float, sigma: float, expected: float, what: str) -> Check:
+    """Compare a coefficient with the value that physics fixes."""
+    passed = abs(value - expected) <= KNOWN_SIGMAS * sigma + KNOWN_SHARE * expected
     return Check(passed, f"{what} = {value:.4g} +- {sigma:.2g}, physics says {expected:.4g}")

@@ -70,7 +70,8 @@ class Trial:
     dof
         Independent coefficients that it adds.
     delta_bic
-        `gain` less what that many coefficients must earn; above zero is worth having.
+        `gain` less what that many coefficients, and the choice among the members of a
+        family, must earn (Chen & Chen 2008); above zero is worth having.
     noise_dof
         Deviations from which the scale of its noise is known.
     values
@@ -97,7 +98,8 @@ class Evidence:
 
     def __init__(
         self,
-        gram: Gram,
+        white: Array,
+        block: Codes,
         blocks: Blocks,
         pointings: int,
         *,
@@ -106,33 +108,32 @@ class Evidence:
         dof: Array,
         rng: np.random.Generator,
     ):
-        self.gram = gram
+        self.gram = Gram.of(white, block, len(blocks))
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self.noise = self._draw(draws, dof, rng)
+        self.noise = self._draw(white, block, draws, rng)
         self.luck = np.ones(draws)
         if np.isfinite(common.dof):
             self.luck = common.dof / rng.chisquare(common.dof, draws)
 
-    def _draw(self, draws: int, dof: Array, rng: np.random.Generator) -> Array:
+    def _draw(self, white: Array, block: Codes, draws: int, rng: np.random.Generator) -> Array:
         """Return products of the columns with drawn noise, shape (blocks, K, draws).
 
-        The products of C with white noise have the covariance C'C, so no
-        recording needs to be simulated. The scale of each block's noise is
-        known from `dof` deviations only, which the draws repeat.
+        The scale of each block's noise is known from `dof` deviations only,
+        which the draws repeat.
         """
-        size = self.gram.matrices.shape[1] - 1
-        out = np.empty((len(self.blocks), size, draws))
-        for block, matrix in enumerate(self.gram.matrices[:, :-1, :-1]):
-            eigenvalues, vectors = np.linalg.eigh(matrix)
-            kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), 1e-300)
-            root = vectors[:, kept] * np.sqrt(eigenvalues[kept])
-            out[block] = root @ rng.standard_normal((int(kept.sum()), draws))
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
-        scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(dof, 1e6)])
-        return out * scale[antenna][:, None, :]
+        scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
+        out = np.empty((len(self.blocks), white.shape[1] - 1, draws))
+        for one in range(len(self.blocks)):
+            columns = white[block == one, :-1]
+            columns = columns[columns.any(axis=1)]
+            out[one] = columns.T @ (
+                rng.standard_normal((len(columns), draws)) * scale[antenna[one]]
+            )
+        return out
 
     def beside(self, model: Sequence[Part]) -> Beside:
         """Return what is left of everything when a model is refitted."""
@@ -238,7 +239,7 @@ class Beside:
             scope,
             gain,
             dof,
-            gain - dof * np.log(max(evidence.pointings, 3)),
+            gain - dof * np.log(max(evidence.pointings, 3)) - 2 * np.log(candidate.choices),
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,

@@ -96,17 +96,17 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
     seen = visible(setup, scene.weighed, curve)
     effect = chosen.candidate.effect
     parameters = _parameters(scene, choice)
-    called = identify.name(step)
+    called = identify.name(step.winner, step.trials, step.beside)
     checks = check.halves(setup, scene.weighed, scene.joint, choice)
     checks += [
-        one
+        check.known(p.value, p.sigma, p.expected, p.name)
         for p in parameters
-        if (one := check.known(p.value, p.sigma, p.expected, p.name)) is not None
+        if p.expected is not None
     ]
     heldout = _heldout(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
     named = effect.physical and all(one.passed for one in checks)
     verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
-    where = Where(_axes(setup, seen), _subset(scene, curve))
+    where = Where(_axes(setup, seen), _subset(scene, curve), chosen.candidate.region)
     return Finding(
         effect=effect.id if named else "unknown",
         members=called.members if named else ("unknown",),
@@ -160,7 +160,7 @@ def _own(
     column = setup.columns[:, chosen.candidate.columns[0]]
     curve = column * np.array([of_antenna.get(str(name), 0.0) for name in antennas])
     seen = visible(setup, scene.weighed, curve)
-    called = identify.name(step)
+    called = identify.name(step.winner, step.trials, step.beside)
     checks = check.halves(setup, scene.weighed, scene.joint, choice)
     return Finding(
         effect=effect.id,
@@ -209,7 +209,7 @@ def _shared(
         sentence=words.common(partner.effect, parameters, several=several),
         where=Where(_axes(setup, seen)),
         parameters=tuple(parameters),
-        evidence=_gain_of(step, common, identify.name(step)),
+        evidence=_gain_of(step, common, identify.name(step.winner, step.trials, step.beside)),
         visible_rms=_size(scene, seen, curve != 0),
         true_rms=_size(scene, curve, curve != 0),
         heldout=_heldout(scene, earlier, (*earlier, common), np.abs(curve) > 0),

@@ -15,6 +15,7 @@ from pyport.fitting.stacking import Codes
 #: Sessions from which on whole sessions are left out.
 ENOUGH_SESSIONS = 3
 FOLDS = 10
+BLOCKS = 5
 #: A prediction that is off by more than five sigmas counts as five: a coefficient may hang on
 #: one scan alone.
 CLIP = 25.0
@@ -33,23 +34,29 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
 
     Whole sessions where there are enough of them and nothing that is fitted
     belongs to a session; otherwise whole scans where they are known to be
-    scans, or blocks of time, or single pointings where there is no time.
+    scans, or blocks of time within the sessions, or single pointings where
+    there is no time.
     """
     sessions = np.unique(setup.blocks.session, return_inverse=True)[1][setup.block]
-    own = any("session" in one.scope for one in (*setup.base, *chosen))
-    per_session = any(one.candidate.effect.id.startswith("epoch") for one in chosen)
-    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not per_session:
+    choices = (*setup.base, *chosen)
+    own = any("session" in one.scope for one in choices)
+    epochs = any(one.candidate.effect.id.startswith("epoch") for one in choices)
+    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
         return Folds("leave one session out", sessions)
     rng = np.random.default_rng(seed)
     at = setup.recordings.at
     if "time" not in at or not np.all(np.isfinite(np.asarray(at.column("time"), float))):
         return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng))
     time = np.asarray(at.column("time"), float)[setup.stack.row]
-    if "scan_direction" in at:
+    if "scan_direction" in at and len(np.unique(setup.blocks.antenna)) > 1:
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
-    order = np.argsort(np.argsort(time, kind="stable"), kind="stable")
-    return Folds("leave blocks of time out, ten blocks", order * FOLDS // len(order))
+    fold = np.zeros(len(time), np.intp)
+    for session in np.unique(sessions):
+        rows = np.flatnonzero(sessions == session)
+        rank = np.unique(time[rows], return_inverse=True)[1]
+        fold[rows] = rank * BLOCKS // (rank.max() + 1)
+    return Folds("leave blocks of time out, five in each session", fold)
 
 
 def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
@@ -74,17 +81,18 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     return left
 
 
-def unseen_misfit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], seed: int = 0) -> float:
+def unseen_misfit(
+    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
+) -> float:
     """Return the whitened sum of squares of predictions of data left out, each at most `CLIP`.
 
     Noise and outliers weigh in it as they do in the fit, and what cannot be
-    predicted counts as far off. The folds are those
-    of `folds` for the base alone, so that two choices can be compared.
+    predicted counts as far off.
     """
     choices = (*setup.base, *chosen)
     columns = setup.expanded(choices, of=weighed.white)
     total = 0.0
-    for _, solution, rows in _without_each(setup, weighed, chosen, folds(setup, (), seed)):
+    for _, solution, rows in _without_each(setup, weighed, chosen, partition):
         left = weighed.white[rows, -1] - columns[rows] @ solution.values
         unknown = (columns[rows] != 0) @ ~solution.known
         total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())

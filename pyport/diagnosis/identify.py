@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pyport.diagnosis.evidence import Trial
-from pyport.diagnosis.search import Step
+import numpy as np
+
+from pyport.diagnosis.evidence import Beside, Trial
+from pyport.fitting.gram import inverted
 
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
 #: An effect that falls behind by less than this in BIC is not excluded.
 NOT_EXCLUDED = 6.0
+
+#: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
+KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
 
 _DECIDE: dict[frozenset[str], str] = {
     frozenset({"scan_direction", "scan_timing"}): (
@@ -54,12 +60,12 @@ class Name:
     runner_up: Trial | None
 
 
-def name(step: Step) -> Name:
+def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     """Return the class of the winner of a turn and the best effect outside it."""
-    winner = step.winner
     members = [winner.candidate.effect.id]
     rivals = sorted(
-        (t for t in step.trials if t.candidate.effect.physical), key=lambda t: -t.delta_bic
+        (t for t in trials if t.candidate.effect.physical and fits_physics(t)),
+        key=lambda t: -t.delta_bic,
     )
     outside: list[Trial] = []
     for rival in rivals:
@@ -67,13 +73,33 @@ def name(step: Step) -> Name:
         if effect in members:
             continue
         close = rival.delta_bic > winner.delta_bic - NOT_EXCLUDED
-        same = rival.scope == winner.scope and (step.beside.share(winner, rival) >= ALIKE)
+        # A rival with many more coefficients can draw any curve; that is no likeness.
+        same = (
+            rival.scope == winner.scope
+            and rival.dof <= 2 * winner.dof
+            and beside.share(winner, rival) >= ALIKE
+        )
         if close or same:
             members.append(effect)
         else:
             outside.append(rival)
     outside = [rival for rival in outside if rival.candidate.effect.id not in members]
     return Name(tuple(members), outside[0] if outside else None)
+
+
+def fits_physics(trial: Trial) -> bool:
+    """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
+    candidate = trial.candidate
+    sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
+    for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
+        which = candidate.coefficients[n % len(candidate.coefficients)]
+        coefficient = candidate.effect.coefficients[which]
+        if coefficient.expected is None:
+            continue
+        off = abs(value / coefficient.scale - coefficient.expected)
+        if off > KNOWN_SIGMAS * error / coefficient.scale + KNOWN_SHARE * coefficient.expected:
+            return False
+    return True
 
 
 def decide_by(members: tuple[str, ...]) -> str | None:

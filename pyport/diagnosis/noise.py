@@ -22,8 +22,9 @@ from pyport.recordings.schema import Recordings
 TUKEY = 6.0
 #: Fewer pointings than this in one antenna and axis tell nothing of a drift.
 ENOUGH_FOR_DRIFT = 80
-#: Twice the log-likelihood that a drift must gain before it is believed: two more parameters.
-DRIFT_GAIN = 11.0
+#: Twice the log-likelihood that a drift must gain before it is believed. Low on purpose: a drift
+#: that is overlooked looks like effects, one that is believed in vain costs next to nothing.
+DRIFT_GAIN = 3.0
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3
 FAR = 1e4

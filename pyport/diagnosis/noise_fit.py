@@ -27,6 +27,8 @@ POINTINGS_PER_SHAPE = 4
 MOST_SHAPES = 80
 #: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
 SLOW = 0.9
+#: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
+MOST_SLOW = 8
 #: A drift that remembers longer than this is no noise: it is an effect of time. [s]
 LONGEST_MEMORY = 86400.0
 #: The array's usual noise counts as this many deviations where an antenna has few of its own.
@@ -120,8 +122,8 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     new /= np.linalg.norm(new, axis=0)
     room = min(room, MOST_SHAPES)
     slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
-    first = _most_different(new[:, slow], room // 2)
-    rest = new - first @ (first.T @ new)
+    first = _most_different(new[:, slow], min(room // 2, MOST_SLOW))
+    rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
     second = _most_different(rest, room - first.shape[1])
     return np.concatenate([orthonormal, first, second], axis=1)
 
@@ -142,7 +144,7 @@ def _most_different(columns: Array, room: int) -> Array:
     """
     left = columns.copy()
     found = np.zeros((len(columns), 0))
-    for _ in range(room):
+    for _ in range(min(room, columns.shape[1])):
         length = (left**2).sum(axis=0)
         pick = int(np.argmax(length))
         if length[pick] < 0.05**2:

@@ -57,7 +57,7 @@ def own(
 
 
 def _inside(parameter: Parameter) -> str:
-    return parameter.name.partition("[")[2].rstrip("]")
+    return parameter.name.rpartition("[")[2].rstrip("]")
 
 
 def looks_like(effect: Effect, called: Name) -> str:

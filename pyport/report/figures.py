@@ -175,7 +175,7 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
         ecolor=GREY,
         capsize=2,
     )
-    inside = [p.name.partition("[")[2].rstrip("]") or p.name for p in parameters]
+    inside = [p.name.rpartition("[")[2].rstrip("]") or p.name for p in parameters]
     axes.set_xticks(places, inside, rotation=90 if len(parameters) > 8 else 0, fontsize=8)
     axes.set_ylabel(
         f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9
