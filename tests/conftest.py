@@ -2,7 +2,16 @@
 
 import pytest
 
+from pyport.parity import stored
 from pyport.parity.answers import find_oracle
+
+
+@pytest.fixture(scope="session")
+def same_library():
+    """Skip where the C library rounds otherwise than the one that the stored answers come from."""
+    made_with = stored.load("table").provenance["maths_library"]
+    if stored.maths_library() != made_with:
+        pytest.skip("this C library's sines differ in last bits from the stored answers' one")
 
 
 @pytest.fixture(scope="session")

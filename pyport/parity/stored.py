@@ -8,8 +8,10 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import platform
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -95,3 +97,13 @@ def maths_library() -> str:
     arcs = [[intrinsics.dasin(float(x) / 7) for x in arguments]]
     results = np.array([*double, *single, *arcs], dtype="<f8")
     return hashlib.sha256(results.tobytes()).hexdigest()[:16]
+
+
+def describe(oracle: ModuleType) -> dict[str, Any]:
+    """Return where the oracle's answers come from: sources, compiler, flags, C library."""
+    return {
+        **oracle.provenance(),
+        "libc": " ".join(platform.libc_ver()),
+        "machine": platform.machine(),
+        "maths_library": maths_library(),
+    }
