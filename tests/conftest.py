@@ -3,7 +3,14 @@
 import pytest
 
 from pyport.parity import stored
-from pyport.parity.answers import find_oracle
+from pyport.parity.answers import find_oracle, of_legacy
+from pyport.parity.points import table
+
+
+@pytest.fixture(scope="session")
+def table_answers():
+    """Return what the legacy port answers over the whole table, which takes it two seconds."""
+    return of_legacy(table())
 
 
 @pytest.fixture(scope="session")
