@@ -1,10 +1,15 @@
 """What tests of several packages share."""
 
 import pytest
+from hypothesis import settings
 
 from pyport.parity import stored
 from pyport.parity.answers import find_oracle, of_legacy
 from pyport.parity.points import table
+
+# how long an example takes says something about the machine's other work, nothing about the program
+settings.register_profile("pyport", deadline=None)
+settings.load_profile("pyport")
 
 
 @pytest.fixture(scope="session")

@@ -25,7 +25,7 @@ from pyport.parity.spread import spread
 def points_of(name: str, folder: Path) -> Points:
     """Return the points of a stored set; the random ones, once drawn, are those in the file."""
     if name == "table":
-        return points.table(points.TABLE_AZ_DEG[::15], points.TABLE_ZD_DEG[::6])
+        return points.table(every_az=15, every_zd=6)
     if name == "edges":
         return edges()
     if (folder / f"{name}.json").exists():

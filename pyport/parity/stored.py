@@ -18,7 +18,8 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.legacy import intrinsics
-from pyport.parity.points import TABLE_AZ_DEG, Points, Real4
+from pyport.parity.points import Points, Real4
+from pyport.steering.grid import RT32_GRID
 
 SCHEMA = "pyport.oracle/1"
 
@@ -79,7 +80,7 @@ def numbers(rows: list[list[str]]) -> Real4:
 
 def digests(answers: Real4) -> list[str]:
     """Return one digest an azimuth of the whole table's answers, shape (541 * 95, 5)."""
-    rows = answers.astype("<f4").reshape(len(TABLE_AZ_DEG), -1)
+    rows = answers.astype("<f4").reshape(len(RT32_GRID.az_deg), -1)
     return [hashlib.sha256(row.tobytes()).hexdigest()[:16] for row in rows]
 
 

@@ -67,7 +67,7 @@ def test_port_equals_oracle_at_edges(oracle):
 
 
 @pytest.mark.oracle
-@settings(deadline=None, max_examples=500)
+@settings(max_examples=500)
 @given(direction=directions, p=parameters)
 def test_port_equals_oracle(oracle, direction, p):
     """The port equals the compiled routines wherever Hypothesis looks."""
@@ -77,7 +77,7 @@ def test_port_equals_oracle(oracle, direction, p):
 
 
 @pytest.mark.oracle
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(az=any_real4, alt=any_real4, p=st.lists(any_real4, min_size=12, max_size=12))
 def test_port_equals_oracle_for_any_bits(oracle, az, alt, p):
     """Infinities, NaN, subnormals and overflow are answered as the compiled routines answer."""

@@ -40,7 +40,7 @@ def test_promise_at_stored_answers(name):
 
 
 @pytest.mark.oracle
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=300)
 @given(direction=directions, p=parameters)
 def test_promise_wherever_hypothesis_looks(oracle, direction, p):
     """The vectorised port keeps its promise at thresholds, their neighbours and anywhere else."""
