@@ -33,8 +33,8 @@ lint: $(BIN)/tox
 
 format: $(BIN)/tox
 	$(BIN)/python -m pip install --quiet 'ruff>=0.8'
-	$(BIN)/ruff check --fix pyport tests
-	$(BIN)/ruff format pyport tests
+	$(BIN)/ruff check --fix pyport tests legacy_fortran
+	$(BIN)/ruff format pyport tests legacy_fortran
 
 # The compiled Fortran, and what the long checks of parity need.
 $(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)

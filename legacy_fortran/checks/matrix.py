@@ -119,7 +119,7 @@ def main() -> None:
     matrix = {
         "schema": "pyport.parity-matrix/1",
         "points": len(at),
-        "provenance": golden.describe(oracle),
+        "provenance": stored.describe(oracle),
         "rows": rows,
     }
     print(show(matrix))  # noqa: T201

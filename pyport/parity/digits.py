@@ -18,6 +18,7 @@ from pyport.parity.answers import of_legacy
 from pyport.parity.points import points
 from pyport.pointing import PARAMETERS, exact_offsets, printed
 from pyport.pointing.parameters import PRINTED_ROUNDING
+from pyport.steering.as_written import wrapped_deg
 from pyport.steering.published import full_rows
 
 #: Distance of neighbouring REAL*4 between 256 and 512 deg.
@@ -53,7 +54,7 @@ class Hypothesis:
 def hypotheses() -> list[Hypothesis]:
     """Try the promoted program, and the converted one with azimuth as printed and reduced."""
     az_deg = full_rows()[0].az_deg
-    reduced_deg = az_deg - 360 * np.rint(az_deg / 360)
+    reduced_deg = np.array([wrapped_deg(one) for one in az_deg])
     return [
         _try("every REAL*4 promoted to REAL*8", az_deg, promoted=True),
         _try("arguments converted, azimuth as in the table", az_deg),

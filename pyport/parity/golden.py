@@ -7,7 +7,6 @@ first gave the numbers, and any build that gives them again is the same program.
 from __future__ import annotations
 
 import json
-import platform
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -23,20 +22,10 @@ from pyport.parity.points import Points
 from pyport.parity.spread import spread
 
 
-def describe(oracle: ModuleType) -> dict[str, Any]:
-    """Return where the oracle's answers come from: sources, compiler, flags, C library."""
-    return {
-        **oracle.provenance(),
-        "libc": " ".join(platform.libc_ver()),
-        "machine": platform.machine(),
-        "maths_library": stored.maths_library(),
-    }
-
-
 def points_of(name: str, folder: Path) -> Points:
     """Return the points of a stored set; the random ones, once drawn, are those in the file."""
     if name == "table":
-        return points.table(points.TABLE_AZ_DEG[::15], points.TABLE_ZD_DEG[::6])
+        return points.table(every_az=15, every_zd=6)
     if name == "edges":
         return edges()
     if (folder / f"{name}.json").exists():
@@ -55,7 +44,7 @@ def write(oracle: ModuleType, name: str, folder: Path = stored.FOLDER) -> bool:
     ]
     content = {
         "schema": stored.SCHEMA,
-        "provenance": describe(oracle),
+        "provenance": stored.describe(oracle),
         "units": "az, alt in rad, azimuth from south through west; parameters and answers in deg",
         "columns": ["which parameters", "az", "alt", *columns],
         "digests": stored.digests(of_oracle(oracle, points.table())) if name == "table" else [],

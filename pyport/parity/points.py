@@ -10,14 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG
 from pyport.pointing import PARAMETERS, jump_altitude
+from pyport.steering.grid import RT32_GRID
 
 Real4 = NDArray[np.float32]
 
 #: Model3 as printed, p1 to p12 [deg].
 MODEL3_DEG = np.array([one.printed_deg for one in PARAMETERS], dtype=float).astype(np.float32)
-
-TABLE_AZ_DEG = np.arange(-270, 271)
-TABLE_ZD_DEG = np.arange(-5, 90)
 
 
 @dataclass(frozen=True)
@@ -72,10 +70,10 @@ def joined(parts: list[Points]) -> Points:
     )
 
 
-def table(az_deg: ArrayLike = TABLE_AZ_DEG, zd_deg: ArrayLike = TABLE_ZD_DEG) -> Points:
-    """Return the steering table's grid with Model3, zenith distance running fastest."""
-    az, zd = np.meshgrid(az_deg, zd_deg, indexing="ij")
-    return points(az.ravel() * DEG, (90 - zd.ravel()) * DEG, MODEL3_DEG)
+def table(every_az: int = 1, every_zd: int = 1) -> Points:
+    """Return the steering table's grid with Model3, or some of it; zenith distance runs fastest."""
+    az_deg, zd_deg = (part[::every_az, ::every_zd].ravel() for part in RT32_GRID.points_deg())
+    return points(az_deg * DEG, (90 - zd_deg) * DEG, MODEL3_DEG)
 
 
 def random(n: int, seed: int | list[int]) -> Points:

@@ -10,11 +10,13 @@ from functools import reduce
 from operator import add
 from typing import Any
 
+import numpy as np
+
 from pyport.parity import points, promise, stored
 from pyport.parity.answers import find_oracle, of_legacy, of_oracle, of_pointing
 from pyport.parity.compare import Comparison, compare
 from pyport.parity.edges import edges
-from pyport.parity.golden import describe
+from pyport.parity.ledger import explained
 from pyport.parity.points import Points, Real4
 from pyport.parity.spread import spread
 from pyport.progress import track
@@ -33,25 +35,33 @@ class Held:
         The statement-by-statement port, which is to be equal bit for bit.
     pointing
         The vectorised port, where it promises anything.
+    sky
+        The same without the points that the ledger explains: how far off on the sky.
     beyond
-        The same, counting only what goes beyond the oracle's own spread and is not in the ledger.
+        The same, counting only what goes beyond the oracle's own spread as well.
     explained
         Entry of the ledger -> number of answers beyond the promise that it explains.
     """
 
     legacy: list[Comparison]
     pointing: list[Comparison]
+    sky: list[Comparison]
     beyond: list[Comparison]
     explained: Counter[str]
 
     def __add__(self, other: Held) -> Held:
         """Return the same over both sets of points."""
         return Held(
-            [add(*pair) for pair in zip(self.legacy, other.legacy, strict=True)],
-            [add(*pair) for pair in zip(self.pointing, other.pointing, strict=True)],
-            [add(*pair) for pair in zip(self.beyond, other.beyond, strict=True)],
+            _sum(self.legacy, other.legacy),
+            _sum(self.pointing, other.pointing),
+            _sum(self.sky, other.sky),
+            _sum(self.beyond, other.beyond),
             Counter({k: self.explained[k] + other.explained[k] for k in self.explained}),
         )
+
+
+def _sum(one: list[Comparison], other: list[Comparison]) -> list[Comparison]:
+    return [add(*pair) for pair in zip(one, other, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -69,7 +79,8 @@ class Parity:
     held
         Both ports over all of them.
     table_azimuths_differing
-        Azimuths of the whole table at which the legacy port leaves the stored answers.
+        Azimuths of the whole table at which the legacy port leaves the stored digests; 0 when the
+        compiled routines were asked, which is at each of its points.
     """
 
     source: str
@@ -95,15 +106,16 @@ def hold(at: Points, expected: Real4, own_spread: Real4, legacy: Real4, pointing
     """Compare both ports' answers with the oracle's, all of shape (n, 5)."""
     inside = promise.promised(at)
     there = at.part(inside)
-    apart = promise.distances(expected[inside], pointing[inside])
-    left, explained = promise.beyond(
-        expected[inside], pointing[inside], own_spread[:, inside], there
-    )
+    true, port = expected[inside], pointing[inside]
+    apart = promise.distances(true, port)
+    outside = ~np.any(list(explained(there, true).values()), axis=0)
+    left, numbers = promise.beyond(true, port, own_spread[:, inside], there)
     return Held(
         compare(expected, legacy, at),
-        compare(expected[inside], pointing[inside], there, apart),
-        compare(expected[inside], pointing[inside], there, left),
-        Counter(explained),
+        compare(true, port, there, apart),
+        compare(true, port, there, apart * outside),
+        compare(true, port, there, left),
+        Counter(numbers),
     )
 
 
@@ -135,7 +147,7 @@ def run(
     with ProcessPoolExecutor(jobs or os.cpu_count()) as pool:
         parts = track(pool.map(_hold_chunk, chunks), "Comparing", total=len(chunks))
         held = reduce(add, parts)
-    return Parity("live", describe(oracle), sizes, held, _azimuths_differing())
+    return Parity("live", stored.describe(oracle), sizes, held, 0)
 
 
 def _run_stored() -> Parity:

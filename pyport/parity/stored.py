@@ -8,15 +8,18 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import platform
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from pyport.errors import BadInput
 from pyport.legacy import intrinsics
-from pyport.parity.points import TABLE_AZ_DEG, Points, Real4
+from pyport.parity.points import Points, Real4
+from pyport.steering.grid import RT32_GRID
 
 SCHEMA = "pyport.oracle/1"
 
@@ -77,7 +80,7 @@ def numbers(rows: list[list[str]]) -> Real4:
 
 def digests(answers: Real4) -> list[str]:
     """Return one digest an azimuth of the whole table's answers, shape (541 * 95, 5)."""
-    rows = answers.astype("<f4").reshape(len(TABLE_AZ_DEG), -1)
+    rows = answers.astype("<f4").reshape(len(RT32_GRID.az_deg), -1)
     return [hashlib.sha256(row.tobytes()).hexdigest()[:16] for row in rows]
 
 
@@ -95,3 +98,13 @@ def maths_library() -> str:
     arcs = [[intrinsics.dasin(float(x) / 7) for x in arguments]]
     results = np.array([*double, *single, *arcs], dtype="<f8")
     return hashlib.sha256(results.tobytes()).hexdigest()[:16]
+
+
+def describe(oracle: ModuleType) -> dict[str, Any]:
+    """Return where the oracle's answers come from: sources, compiler, flags, C library."""
+    return {
+        **oracle.provenance(),
+        "libc": " ".join(platform.libc_ver()),
+        "machine": platform.machine(),
+        "maths_library": maths_library(),
+    }

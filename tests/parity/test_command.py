@@ -26,8 +26,9 @@ def test_live_run_covers_table_edges_and_random_points(oracle):
     assert content["promise_kept"]
 
 
+@pytest.mark.usefixtures("same_library")
 def test_without_the_oracle_stored_answers_serve(monkeypatch, tmp_path):
-    """Without a compiler the stored answers hold the port; the report repeats what is printed."""
+    """Without a compiler the stored answers hold the port; the report is a page of Markdown."""
     monkeypatch.setattr(run, "find_oracle", lambda: None)
     path = tmp_path / "parity.md"
 
@@ -35,7 +36,7 @@ def test_without_the_oracle_stored_answers_serve(monkeypatch, tmp_path):
 
     assert "Against the oracle's stored answers" in result.output
     assert "equals the published program bit for bit" in result.output
-    assert path.read_text() == result.output
+    assert path.read_text().startswith("# Is the port the program that was published?")
 
 
 def test_missing_oracle_is_an_error_where_it_is_required(monkeypatch):

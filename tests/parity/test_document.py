@@ -16,6 +16,7 @@ def page():
     return document(run(live=False))
 
 
+@pytest.mark.usefixtures("same_library")
 def test_page_is_not_stale(page):
     """The page in the tree is what `make parity-report` writes."""
     assert PAGE.read_text(encoding="utf-8") == page, "docs/parity.md is stale: make parity-report"

@@ -9,6 +9,7 @@ from pyport.parity.points import table
 
 
 @pytest.mark.oracle
+@pytest.mark.usefixtures("same_library")
 @pytest.mark.parametrize("name", stored.SETS)
 def test_rewriting_changes_nothing(oracle, name, tmp_path):
     """The installed oracle gives the stored numbers, and a file that holds them is left alone."""
@@ -19,6 +20,7 @@ def test_rewriting_changes_nothing(oracle, name, tmp_path):
 
 
 @pytest.mark.oracle
+@pytest.mark.usefixtures("same_library")
 def test_changed_number_is_rewritten(oracle, tmp_path):
     """A stored file with one digit changed is put right."""
     true = (stored.FOLDER / "edges.json").read_text()
