@@ -142,7 +142,7 @@ def _most_different(columns: Array, room: int) -> Array:
     """
     left = columns.copy()
     found = np.zeros((len(columns), 0))
-    for _ in range(room):
+    for _ in range(min(room, columns.shape[1])):
         length = (left**2).sum(axis=0)
         pick = int(np.argmax(length))
         if length[pick] < 0.05**2:
