@@ -110,8 +110,10 @@ def _splits(at: Circumstances, *columns: str) -> list[tuple[str, list[str]]]:
     for column in there:
         values = _values(at, column)
         if len(values) > 1:
-            same = np.unique(_labels(at, column), return_inverse=True)[1]
-            splits.setdefault(same.tobytes(), (column, values))
+            labels = _labels(at, column)
+            same = np.unique(labels, return_index=True, return_inverse=True)[1:]
+            first_row_alike = same[0][same[1]]
+            splits.setdefault(first_row_alike.tobytes(), (column, values))
     if not splits:
         raise MissingColumn(f"a second {there[0].removesuffix('_mhz')}")
     return list(splits.values())
