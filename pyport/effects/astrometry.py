@@ -24,7 +24,7 @@ from pyport.effects.celestial import (
 from pyport.effects.orientation import pole
 
 _SUPPLEMENT = "Urban & Seidelmann 2013, Explanatory Supplement to the Astronomical Almanac"
-_LEW = "Lew 2018, improving the RT32's pointing precision"
+_LEW = "Lew 2018, Experimental Astronomy 45, 81: what the RT32's steering left out"
 _WHERE_AND_WHEN = ("time_utc", "latitude_deg", "longitude_deg")
 
 #: Constant of aberration [arcsec], and of diurnal aberration: the equator's speed over light's.

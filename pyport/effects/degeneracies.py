@@ -40,7 +40,7 @@ WHERE = {
     "one year": "in sessions over a year",
     "azimuth only": "where azimuth alone was measured",
     "elevation only": "where elevation alone was measured",
-    "south": "with sources that all cross the meridian south of the zenith",
+    "south": "with sources that all culminate on the equator's side of the zenith",
     "steady air": "in air that hardly changes",
     "one frequency": "at one frequency",
     "one rate": "with scans at one rate",

@@ -9,7 +9,7 @@ from types import ModuleType
 
 from pyport.effects import CATALOGUE, FAMILIES, Effect
 from pyport.effects.base import Coefficient
-from pyport.effects.degeneracies import WHERE, Alike, alike
+from pyport.effects.degeneracies import USUAL, WHERE, Alike, alike
 from pyport.errors import BadInput
 
 _SHARED = {
@@ -28,6 +28,9 @@ A is the azimuth from north through east, E the elevation, phi the latitude, q t
 angle, H the hour angle, positive west. x is the offset across, dA cos E, and y the offset along
 elevation; both are encoder minus true: what must be added to the true position to get where the
 telescope must be driven. Coefficients are told in arcseconds unless another unit is given.
+
+What looks like an effect is told with the circumstances under which it does; the usual terms are
+those of the model `altaz`. Both are held to the curves themselves by tests.
 """
 
 
@@ -60,11 +63,12 @@ def _facts(effect: Effect) -> list[tuple[str, str]]:
     """Return what there is to say of an effect, with a word for each."""
     facts = [(axis, formula) for axis, formula in zip("xy", effect.formula, strict=True) if formula]
     facts.append(("needs", ", ".join(effect.needs) or "nothing but the position"))
-    if effect.coefficients:
-        facts.append(("coefficients", ", ".join(map(_coefficient, effect.coefficients))))
+    coefficients = ", ".join(map(_coefficient, effect.coefficients))
+    facts.append(("coefficients", coefficients or "as many as the recordings call for"))
     facts.append(("shared", _SHARED[effect.common]))
     if effect.profile is not None:
-        facts.append(("family", f"several members are tried, such as {effect.variant}"))
+        example = f", such as {effect.variant}" if effect.variant else ""
+        facts.append(("family", f"several members are tried{example}"))
     if not effect.physical:
         facts.append(("use", "a term of models; never named by a diagnosis"))
     facts += [
@@ -81,7 +85,8 @@ def _coefficient(one: Coefficient) -> str:
 
 
 def _likeness(other: str, how: Alike) -> str:
-    beside = f", {', '.join(how.beside)} fitted too" if how.beside else ""
+    terms = "the usual terms" if how.beside == USUAL else " and ".join(how.beside)
+    beside = f", with {terms} fitted too" if how.beside else ""
     return f"{other}, {WHERE[how.where]}{beside}; to decide, {how.decide}"
 
 

@@ -15,7 +15,7 @@ from pyport.effects.base import (
     stack,
 )
 
-_BAARS = "Baars 2007, The Paraboloidal Reflector Antenna, sections 4.5 and 5: feeds off the axis"
+_BAARS = "Baars 2007, The Paraboloidal Reflector Antenna: feeds off the axis"
 
 #: Frequencies further apart than this ratio belong to two bands.
 NEXT_BAND = 1.25
