@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.receiver import bands
+from pyport.effects.receiver import band_of, bands
 
 AT = campaign()
 MOST = 24
@@ -124,7 +124,7 @@ def test_parallax_is_of_the_solar_system():
 def test_bands_hold_neighbours_together(frequencies):
     """Frequencies within a quarter of each other share a band; an octave never does."""
     frequency = np.array(frequencies)
-    name = bands(frequency)
+    name = band_of(frequency, bands(frequency))
 
     assert np.all((name == "") == np.isnan(frequency))
     for one, a in zip(name, frequency, strict=True):
@@ -141,6 +141,15 @@ def test_receivers_that_are_bands_are_tried_once():
 
     assert variants("receiver_offset", replaced(AT, frequency_mhz=frequency)) == ["by receiver"]
     assert variants("receiver_offset") == ["by receiver", "by frequency band"]
+
+
+def test_bands_stay_where_the_recordings_put_them():
+    """A part of the recordings is split at the frequencies that the whole was split at."""
+    by_band = CATALOGUE["receiver_offset"].variants(AT)[1]
+    high = AT.columns["frequency_mhz"] > 1500
+    whole, part = by_band.columns(AT), by_band.columns(AT.take(high))
+
+    np.testing.assert_array_equal(part, [axis[high] for axis in whole])
 
 
 def test_a_single_receiver_or_channel_shows_nothing():
