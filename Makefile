@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small golden clean
+.PHONY: demo test lint format proof proof-small docs golden clean
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -35,6 +35,9 @@ format: $(BIN)/tox
 	$(BIN)/python -m pip install --quiet 'ruff>=0.8'
 	$(BIN)/ruff check --fix pyport tests legacy_fortran
 	$(BIN)/ruff format pyport tests legacy_fortran
+
+docs: $(BIN)/pyport
+	$(BIN)/pyport effects --markdown -o docs/physics.md
 
 # The compiled Fortran, and what the long checks of parity need.
 $(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)

@@ -15,6 +15,7 @@ from pyport.errors import BadInput
 COMMANDS = {
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
+    "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",

@@ -24,14 +24,12 @@ from pyport.effects.celestial import (
 from pyport.effects.orientation import pole
 
 _SUPPLEMENT = "Urban & Seidelmann 2013, Explanatory Supplement to the Astronomical Almanac"
-_LEW = "Lew 2018, improving the RT32's pointing precision"
+_LEW = "Lew 2018, Experimental Astronomy 45, 81: what the RT32's steering left out"
 _WHERE_AND_WHEN = ("time_utc", "latitude_deg", "longitude_deg")
 
 #: Constant of aberration [arcsec], and of diurnal aberration: the equator's speed over light's.
 KAPPA_ARCSEC = 20.49551
 DIURNAL_ARCSEC = 0.3200
-#: Epochs whose equinox coordinates are kept for, as Julian dates (TT).
-EPOCHS_JD = {"J2000": 2451545.0, "B1950": 2433282.42345905}
 
 
 def annual_aberration(at: Circumstances) -> tuple[Array, Array]:
@@ -81,7 +79,7 @@ def _nutation(variant: str, *, apparent_time: bool) -> Effect:
         variant=variant,
         profile=lambda _: NUTATIONS,
         needs=_WHERE_AND_WHEN,
-        formula=("shift of the pole and equinox,", "by ERFA (IAU 2000B)"),
+        formula=("the sky nodded by ERFA (IAU 2000B), across", "the same, along elevation"),
     )
 
 
@@ -92,30 +90,15 @@ NUTATIONS = (
 )
 
 
-def _precession(epoch: str) -> Effect:
-    """Return precession left out: coordinates of an epoch taken for those of date."""
+def precession(at: Circumstances) -> tuple[Array, Array]:
+    """Return the shift of a source whose coordinates of J2000 were taken for those of date."""
+    import erfa
 
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        import erfa
-
-        utc = days(at)
-        date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
-        since = erfa.bp06(*date)[1] @ erfa.bp06(EPOCHS_JD[epoch], 0.0)[1].T
-        turn = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
-        return stack(at, turned(at, _spin(turn) @ since @ _spin(-turn)))
-
-    return Effect(
-        "precession",
-        "precession was left out: coordinates of another epoch were taken for those of date",
-        _SUPPLEMENT,
-        (Coefficient("precession", "", 1.0, expected=1.0),),
-        basis,
-        common="array",
-        variant=f"from {epoch}",
-        profile=lambda _: tuple(map(_precession, EPOCHS_JD)),
-        needs=_WHERE_AND_WHEN,
-        formula=("turn of the pole and equinox since J2000,", "by ERFA (IAU 2006)"),
-    )
+    utc = days(at)
+    date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
+    since_j2000 = erfa.bp06(*date)[1]
+    turn = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
+    return stack(at, turned(at, _spin(turn) @ since_j2000 @ _spin(-turn)))
 
 
 def _spin(angle: Array) -> Array:
@@ -165,7 +148,10 @@ EFFECTS = (
         polar_motion,
         Coefficient("polar_motion", "", 1.0, expected=1.0),
         _WHERE_AND_WHEN,
-        ("x_p, y_p of the IERS turned to the site,", "by ERFA"),
+        (
+            "the Earth turned under its pole by x_p, y_p of the IERS, across",
+            "the same, along elevation",
+        ),
     ),
     _fixed(
         "annual_aberration",
@@ -173,7 +159,7 @@ EFFECTS = (
         annual_aberration,
         Coefficient("kappa", expected=KAPPA_ARCSEC),
         _WHERE_AND_WHEN,
-        ("kappa (V / V0) . e_A", "kappa (V / V0) . e_E, V the Earth's velocity by ERFA"),
+        ("kappa V . e_A / V0, V the Earth's velocity by ERFA", "kappa V . e_E / V0"),
     ),
     _fixed(
         "diurnal_aberration",
@@ -184,5 +170,15 @@ EFFECTS = (
         ("k cos phi cos A", "-k cos phi sin A sin E"),
     ),
     NUTATIONS[0],
-    _precession("J2000"),
+    _fixed(
+        "precession",
+        "precession was left out: coordinates of J2000 were taken for those of date",
+        precession,
+        Coefficient("precession", "", 1.0, expected=1.0),
+        _WHERE_AND_WHEN,
+        (
+            "the sky turned from J2000 to date by ERFA (IAU 2006), across",
+            "the same, along elevation",
+        ),
+    ),
 )

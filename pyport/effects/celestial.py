@@ -8,10 +8,12 @@ unless they are the effect.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.effects.base import Circumstances
+from pyport.effects.base import Circumstances, MissingColumn
 
 #: The Unix epoch as a Julian date, and TT - UTC since 1999 to 5 s.
 UNIX_EPOCH_JD = 2440587.5
@@ -24,9 +26,22 @@ SIDEREAL = 15.041067 * ARCSEC
 LIGHT_AU_PER_DAY = 173.1446326847
 
 
+#: Years that ERFA's ephemeris is good for, in days since the Unix epoch.
+CENTURIES = -25567.0, 47482.0
+
+
 def days(at: Circumstances, later_s: float = 0.0) -> Array:
-    """Return UTC [days since the Unix epoch], NaN where unknown."""
-    return (at.numbers("time") + later_s) / 86400
+    """Return UTC [days since the Unix epoch], the mean of all where unknown: see `timed`."""
+    utc = (at.numbers("time") + later_s) / 86400
+    if np.nanmin(utc) < CENTURIES[0] or np.nanmax(utc) > CENTURIES[1]:
+        raise MissingColumn("dates between 1900 and 2100")
+    return np.where(np.isfinite(utc), utc, np.nanmean(utc))
+
+
+def timed(at: Circumstances, *values: Array) -> tuple[Array, ...]:
+    """Return values, shape (n,), with NaN where no time is known."""
+    known = np.isfinite(at.numbers("time"))
+    return tuple(np.where(known, one, np.nan) for one in values)
 
 
 def axes(at: Circumstances) -> tuple[Array, Array, Array]:
@@ -38,9 +53,10 @@ def axes(at: Circumstances) -> tuple[Array, Array, Array]:
 
 
 def project(at: Circumstances, shift: Array) -> tuple[Array, Array]:
-    """Return (x, y) of a small displacement on the ground, shape (n, 3), of what is pointed at."""
+    """Return (x, y) of a small displacement on the ground, shape (n, 3), at the rows' times."""
     across, along, _ = axes(at)
-    return np.sum(across * shift, axis=1), np.sum(along * shift, axis=1)
+    x, y = timed(at, np.sum(across * shift, axis=1), np.sum(along * shift, axis=1))
+    return x, y
 
 
 def turned(at: Circumstances, matrix: Array) -> tuple[Array, Array]:
@@ -76,9 +92,7 @@ def earth_velocity(at: Circumstances) -> Array:
     """Return the Earth's barycentric velocity over that of light, celestial axes, shape (n, 3)."""
     import erfa
 
-    utc, row = np.unique(days(at), return_inverse=True)
-    _, barycentric = erfa.epv00(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS)
-    return (barycentric["v"] / LIGHT_AU_PER_DAY)[row]
+    return _day_by_day(lambda *tt: erfa.epv00(*tt)[1]["v"], days(at)) / LIGHT_AU_PER_DAY
 
 
 def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
@@ -88,10 +102,23 @@ def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
     """
     import erfa
 
-    utc, row = np.unique(days(at, -lag_s), return_inverse=True)
-    heliocentric = erfa.plan94(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS, 3)["p"]
-    north, east, up = from_sky(at, -heliocentric[row], -lag_s).T
-    return np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
+    earth = _day_by_day(lambda *tt: erfa.plan94(*tt, 3)["p"], days(at, -lag_s))
+    north, east, up = from_sky(at, -earth, -lag_s).T
+    azimuth, elevation = timed(at, np.arctan2(east, north), np.arctan2(up, np.hypot(north, east)))
+    return azimuth, elevation
+
+
+def _day_by_day(vector: Callable[[float, Array], Array], utc: Array) -> Array:
+    """Return a vector of the Earth's orbit, shape (n, 3), interpolated between midnights.
+
+    The orbit bends by 1 deg a day, so that a chord misses it by 4e-5 of itself at most.
+    """
+    midnight, row = np.unique(np.floor(utc), return_inverse=True)
+    before, after = (
+        vector(UNIX_EPOCH_JD, midnight + day + TT_MINUS_UTC_DAYS)[row] for day in (0, 1)
+    )
+    phase = (utc - midnight[row])[:, None]
+    return before + phase * (after - before)
 
 
 def hour_angle_shift(at: Circumstances) -> tuple[Array, Array]:

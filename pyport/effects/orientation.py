@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import Circumstances, MissingColumn
-from pyport.effects.celestial import days
+from pyport.effects.celestial import days, timed
 
 #: The Unix epoch as a modified Julian date.
 _UNIX_EPOCH_MJD = 40587.0
@@ -29,7 +29,7 @@ def ut1_minus_utc(at: Circumstances) -> Array:
     smooth = np.unwrap(series[:, 3], period=1.0)
     value = np.interp(time, series[:, 0], smooth)
     day = np.searchsorted(series[:, 0], time, side="right") - 1
-    return (value - smooth[day] + series[day, 3])[row]
+    return timed(at, (value - smooth[day] + series[day, 3])[row])[0]
 
 
 def _around(at: Circumstances) -> tuple[Array, NDArray[np.intp], Array]:
@@ -42,10 +42,9 @@ def _around(at: Circumstances) -> tuple[Array, NDArray[np.intp], Array]:
     """
     time, row = np.unique(days(at) + _UNIX_EPOCH_MJD, return_inverse=True)
     series = _series()
-    known = time[np.isfinite(time)]
-    if known[0] < series[0, 0] or known[-1] >= series[-1, 0]:
+    if time[0] < series[0, 0] or time[-1] >= series[-1, 0]:
         raise MissingColumn("Earth orientation at these dates")
-    first, last = np.searchsorted(series[:, 0], [known[0], known[-1]])
+    first, last = np.searchsorted(series[:, 0], time[[0, -1]])
     return time, row, series[max(first - 1, 0) : last + 2]
 
 

@@ -29,7 +29,7 @@ def azimuth_track(k: int) -> Effect:
     return Effect(
         "azimuth_track",
         "the azimuth rail is not level or not round: the mount rocks as it goes round",
-        "Lew 2018, improving the RT32's pointing precision (rail irregularities)",
+        "Lew 2018, Experimental Astronomy 45, 81: the rail of the RT32",
         tuple(
             Coefficient(f"track_{motion}_{phase}")
             for motion in ("twist", "roll", "pitch")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,36 +18,71 @@ from pyport.effects.base import (
     stack,
 )
 
-_BAARS = "Baars 2007, The Paraboloidal Reflector Antenna, sections 4.5 and 5: feeds off the axis"
+_BAARS = "Baars 2007, The Paraboloidal Reflector Antenna: feeds off the axis"
 
 #: Frequencies further apart than this ratio belong to two bands.
 NEXT_BAND = 1.25
 
 
-def bands(frequency_mhz: Array) -> NDArray[np.str_]:
-    """Return the band of each frequency by name, "" where it is unknown.
+@dataclass(frozen=True)
+class Split:
+    """A label that splits recordings: its name, its values, and what tells it for each row."""
+
+    name: str
+    values: list[str]
+    label: Callable[[Circumstances], NDArray[np.str_]]
+
+
+def bands(frequency_mhz: Array) -> Array:
+    """Return where frequency bands start, rising [MHz].
 
     A band ends where the next frequency is higher by more than `NEXT_BAND`.
     """
     known = np.unique(frequency_mhz[np.isfinite(frequency_mhz)])
-    starts = known[np.concatenate([[True], known[1:] > NEXT_BAND * known[:-1]])]
-    at = np.searchsorted(starts, frequency_mhz, side="right") - 1
-    names = np.array([f"from {start:g} MHz" for start in starts])
-    return np.where(np.isfinite(frequency_mhz), names[np.clip(at, 0, None)], "")
+    return known[np.concatenate([[True], known[1:] > NEXT_BAND * known[:-1]])]
 
 
-def _labels(at: Circumstances, column: str) -> NDArray[np.str_]:
-    """Return the labels that split these pointings."""
-    if column == "frequency_mhz":
-        return bands(at.numbers(column))
-    return at.column(column).astype(str)
+def band_of(frequency_mhz: Array, starts: Array) -> NDArray[np.str_]:
+    """Return the band of each frequency by name, "" where there is none."""
+    names = np.array(["", *(f"from {start:g} MHz" for start in starts)])
+    known = np.isfinite(frequency_mhz)
+    return names[np.where(known, np.searchsorted(starts, frequency_mhz, side="right"), 0)]
 
 
-def _values(at: Circumstances, column: str) -> list[str]:
-    """Return the distinct values of a label, the most frequent first."""
-    values, count = np.unique(_labels(at, column), return_counts=True)
-    ranked = values[np.argsort(-count, kind="stable")]
-    return [str(value) for value in ranked if value != ""]
+def _label(at: Circumstances, column: str) -> Callable[[Circumstances], NDArray[np.str_]]:
+    """Return what gives each row its label; the bands are those of these recordings."""
+    if column != "frequency_mhz":
+        return lambda at: at.column(column).astype(str)
+    starts = bands(at.numbers(column))
+    return lambda at: band_of(at.numbers(column), starts)
+
+
+def _splits(at: Circumstances, names: dict[str, str]) -> list[Split]:
+    """Return the labels that split these pointings in two or more, each way of splitting once.
+
+    `names` has the columns and what a split by each of them is called. The
+    values of a label are in the order of how many rows have them.
+
+    Raises
+    ------
+    MissingColumn
+        None of the columns is there, or they have one value each.
+    """
+    there = [column for column in names if column in at]
+    if not there:
+        raise MissingColumn(" or ".join(names))
+    splits: dict[bytes, Split] = {}
+    for column in there:
+        label = _label(at, column)
+        values, first, number, count = np.unique(
+            label(at), return_index=True, return_inverse=True, return_counts=True
+        )
+        ranked = [str(one) for one in values[np.argsort(-count, kind="stable")] if one != ""]
+        if len(ranked) > 1:
+            splits.setdefault(first[number].tobytes(), Split(names[column], ranked, label))
+    if not splits:
+        raise MissingColumn(f"a second {there[0].removesuffix('_mhz')}")
+    return list(splits.values())
 
 
 def _columns(names: list[str]) -> tuple[Coefficient, ...]:
@@ -57,14 +95,15 @@ def _in_both_axes(at: Circumstances, steps: list[Array]) -> tuple[Array, Array]:
     return stack(at, *[(step, 0) for step in steps], *[(0, step) for step in steps])
 
 
-def _offset(column: str, values: list[str]) -> Effect:
+def _offset(split: Split) -> Effect:
     """Return a constant for every receiver but the one used most."""
+    others = split.values[1:]
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        label = _labels(at, column)
-        return _in_both_axes(at, [np.where(label == value, 1.0, 0.0) for value in values[1:]])
+        label = split.label(at)
+        return _in_both_axes(at, [np.where(label == value, 1.0, 0.0) for value in others])
 
-    return _receiver_offset(basis, _columns(values[1:]), _BY[column])
+    return _receiver_offset(basis, _columns(others), split.name)
 
 
 def _receiver_offset(
@@ -83,51 +122,21 @@ def _receiver_offset(
     )
 
 
-_BY = {
-    "receiver": "by receiver",
-    "frequency_mhz": "by frequency band",
-    "polarisation": "by polarisation",
-    "channel": "by channel",
-}
-
-
 def _receiver_offsets(at: Circumstances) -> tuple[Effect, ...]:
-    return tuple(_offset(*split) for split in _splits(at, "receiver", "frequency_mhz"))
+    names = {"receiver": "by receiver", "frequency_mhz": "by frequency band"}
+    return tuple(map(_offset, _splits(at, names)))
 
 
-def _splits(at: Circumstances, *columns: str) -> list[tuple[str, list[str]]]:
-    """Return the columns that split these pointings in two or more, each split once.
-
-    Raises
-    ------
-    MissingColumn
-        None of the columns is there, or they have one value each.
-    """
-    there = [column for column in columns if column in at]
-    if not there:
-        raise MissingColumn(" or ".join(columns))
-    splits: dict[bytes, tuple[str, list[str]]] = {}
-    for column in there:
-        values = _values(at, column)
-        if len(values) > 1:
-            same = np.unique(_labels(at, column), return_inverse=True)[1]
-            splits.setdefault(same.tobytes(), (column, values))
-    if not splits:
-        raise MissingColumn(f"a second {there[0].removesuffix('_mhz')}")
-    return list(splits.values())
-
-
-def _squint(column: str, values: list[str]) -> Effect:
+def _squint(split: Split) -> Effect:
     """Return offsets that cancel over the values of a label: + for each one, - for the last."""
+    *others, last = sorted(split.values)
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        label = _labels(at, column)
-        last = np.where(label == values[-1], 1.0, 0.0)
-        return _in_both_axes(
-            at, [np.where(label == value, 1.0, 0.0) - last for value in values[:-1]]
-        )
+        label = split.label(at)
+        minus = np.where(label == last, 1.0, 0.0)
+        return _in_both_axes(at, [np.where(label == one, 1.0, 0.0) - minus for one in others])
 
-    return _beam_squint(basis, _columns(values[:-1]), _BY[column])
+    return _beam_squint(basis, _columns(others), split.name)
 
 
 def _beam_squint(
@@ -147,8 +156,8 @@ def _beam_squint(
 
 
 def _beam_squints(at: Circumstances) -> tuple[Effect, ...]:
-    splits = _splits(at, "polarisation", "channel")
-    return tuple(_squint(column, sorted(values)) for column, values in splits)
+    names = {"polarisation": "by polarisation", "channel": "by channel"}
+    return tuple(map(_squint, _splits(at, names)))
 
 
 EFFECTS = (

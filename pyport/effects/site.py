@@ -10,8 +10,8 @@ from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 from pyport.effects.orientation import ut1_minus_utc
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
-#: UT1-UTC is told from a constant clock error where it changed by this share of itself.
-CHANGED = 0.1
+#: UT1-UTC is told from a constant error where it scatters by this share of itself.
+CHANGED = 0.3
 
 
 def site_latitude(at: Circumstances) -> tuple[Array, Array]:

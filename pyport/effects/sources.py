@@ -40,7 +40,7 @@ def _source_position(
         variant=variant,
         profile=_source_positions,
         needs=("source", "latitude_deg"),
-        formula=("-da cos q + dd sin q,", "da sin q + dd cos q: q the parallactic angle"),
+        formula=("-e cos q + n sin q, shifted by e eastward, n northward", "e sin q + n cos q"),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.celestial import sun
+from pyport.effects.geometry import tilt
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
 _WIND = "Mangum et al. 2006, PASP 118, 1257: wind on antennas in the open"
@@ -21,8 +22,9 @@ REFERENCE_WIND_M_S = 10.0
 
 def lean(at: Circumstances, toward: Array, size: Array | float = 1.0) -> tuple[Array, Array]:
     """Return (x, y) of an azimuth axis that leans by `size` toward an azimuth [rad]."""
-    relative = at.az - toward
-    return size * np.sin(at.el) * np.sin(relative), size * np.cos(relative)
+    north, east = size * np.cos(toward), size * np.sin(toward)
+    x, y = tilt(at)
+    return x[:, 0] * north + x[:, 1] * east, y[:, 0] * north + y[:, 1] * east
 
 
 def _sun(at: Circumstances, lag_h: int) -> tuple[Array, Array | None]:
@@ -122,6 +124,6 @@ EFFECTS = (
         (Coefficient("wind_tilt_at_10_m_s"),),
         wind_tilt,
         needs=("wind_speed_m_s", "wind_az_deg"),
-        formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 = A_wind + 180 deg"),
+        formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 away from where the wind blows"),
     ),
 )

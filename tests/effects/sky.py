@@ -21,10 +21,10 @@ def julian(time_s):
     return 2440587.5, time_s / 86400
 
 
-def stars(number=400, seed=1):
+def stars(number=400, seed=1, start_s=START_S, nights=NIGHTS):
     """Return times [s], right ascensions and declinations [rad] of what stands well up."""
     rng = np.random.default_rng(seed)
-    time = START_S + (rng.integers(0, NIGHTS, 4 * number) * 30.4 + rng.random(4 * number)) * 86400
+    time = start_s + (rng.integers(0, nights, 4 * number) * 30.4 + rng.random(4 * number)) * 86400
     source = rng.integers(0, 8, 4 * number)
     ra, dec = np.linspace(0.4, 6.0, 8)[source], np.linspace(-10, 80, 8)[source] * DEG
     hour_angle = erfa.gmst06(*julian(time), *julian(time)) + SITE.longitude - ra
@@ -34,9 +34,9 @@ def stars(number=400, seed=1):
     return time[up], ra[up], dec[up], source[up]
 
 
-def campaign(number=400, seed=1):
+def campaign(number=400, seed=1, start_s=START_S, nights=NIGHTS):
     """Return the circumstances of a campaign with every column of the contract."""
-    time, ra, dec, source = stars(number, seed)
+    time, ra, dec, source = stars(number, seed, start_s, nights)
     rng = np.random.default_rng(seed)
     n = len(time)
     hour_angle = erfa.gmst06(*julian(time), *julian(time)) + SITE.longitude - ra
@@ -49,7 +49,7 @@ def campaign(number=400, seed=1):
         "source": np.char.add("S", source.astype(str)),
         "antenna": np.full(n, "RT32"),
         "session": np.char.add(
-            "night ", ((time - START_S) // (30.4 * 86400)).astype(int).astype(str)
+            "night ", ((time - start_s) // (30.4 * 86400)).astype(int).astype(str)
         ),
         "receiver": rng.choice(["C", "L"], n),
         "channel": rng.choice(["1", "2", "3"], n),

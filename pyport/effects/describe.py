@@ -1,0 +1,109 @@
+"""The catalogue in words: for the terminal, and as the document on its physics."""
+
+from __future__ import annotations
+
+import difflib
+import textwrap
+from collections.abc import Sequence
+from types import ModuleType
+
+from pyport.effects import CATALOGUE, FAMILIES, Effect
+from pyport.effects.base import Coefficient
+from pyport.effects.degeneracies import USUAL, WHERE, Alike, alike
+from pyport.errors import BadInput
+
+_SHARED = {
+    "array": "the same for all antennas",
+    "session": "the same for all antennas within a session",
+    "antenna": "each antenna has its own",
+}
+
+_PREFACE = """\
+# Physics: the catalogue of effects
+
+An effect is one physical cause of a pointing offset. It adds an offset to every recorded position
+that is linear in a few coefficients. Models are lists of effects, and a diagnosis searches them.
+
+A is the azimuth from north through east, E the elevation, phi the latitude, q the parallactic
+angle, H the hour angle, positive west. x is the offset across, dA cos E, and y the offset along
+elevation; both are encoder minus true: what must be added to the true position to get where the
+telescope must be driven. Coefficients are told in arcseconds unless another unit is given.
+
+What looks like an effect is told with the circumstances under which it does; the usual terms are
+those of the model `altaz`. Both are held to the curves themselves by tests.
+"""
+
+
+def listing(names: Sequence[str] = ()) -> str:
+    """Return some effects, by default all, as text for a terminal.
+
+    Raises
+    ------
+    BadInput
+        There is no effect of such a name.
+    """
+    for name in names:
+        if name not in CATALOGUE:
+            near = difflib.get_close_matches(name, CATALOGUE)
+            meant = f"; did you mean {' or '.join(near)}?" if near else ""
+            raise BadInput(f"no effect is called {name!r}{meant}")
+    return "\n".join(_paragraph(CATALOGUE[name]) for name in names or CATALOGUE)
+
+
+def _paragraph(effect: Effect) -> str:
+    lines = [
+        f"{effect.id}: {effect.sentence}",
+        *(f"{name}: {text}" for name, text in _facts(effect)),
+    ]
+    wrapped = [textwrap.fill(line, 92, subsequent_indent="    ") for line in lines]
+    return wrapped[0] + "\n" + textwrap.indent("\n".join(wrapped[1:]), "  ") + "\n"
+
+
+def _facts(effect: Effect) -> list[tuple[str, str]]:
+    """Return what there is to say of an effect, with a word for each."""
+    facts = [(axis, formula) for axis, formula in zip("xy", effect.formula, strict=True) if formula]
+    facts.append(("needs", ", ".join(effect.needs) or "nothing but the position"))
+    coefficients = ", ".join(map(_coefficient, effect.coefficients))
+    facts.append(("coefficients", coefficients or "as many as the recordings call for"))
+    facts.append(("shared", _SHARED[effect.common]))
+    if effect.profile is not None:
+        example = f", such as {effect.variant}" if effect.variant else ""
+        facts.append(("family", f"several members are tried{example}"))
+    if not effect.physical:
+        facts.append(("use", "a term of models; never named by a diagnosis"))
+    facts += [
+        ("looks exactly like" if how.exact else "looks nearly like", _likeness(other, how))
+        for other, how in alike(effect.id)
+    ]
+    facts.append(("source", effect.citation))
+    return facts
+
+
+def _coefficient(one: Coefficient) -> str:
+    name = one.name if one.unit == "arcsec" else f"{one.name} [{one.unit or 'share'}]"
+    return name if one.expected is None else f"{name}, expected {one.expected:g}"
+
+
+def _likeness(other: str, how: Alike) -> str:
+    terms = "the usual terms" if how.beside == USUAL else " and ".join(how.beside)
+    beside = f", with {terms} fitted too" if how.beside else ""
+    return f"{other}, {WHERE[how.where]}{beside}; to decide, {how.decide}"
+
+
+def markdown() -> str:
+    """Return the document on the physics: the catalogue family by family."""
+    return "\n".join([_PREFACE, *(_section(family) for family in FAMILIES)])
+
+
+def _section(family: ModuleType) -> str:
+    title = (family.__doc__ or "").strip().splitlines()[0].rstrip(".")
+    return "\n".join([f"## {title}\n", *(_entry(effect) for effect in family.EFFECTS)])
+
+
+def _entry(effect: Effect) -> str:
+    sentence = effect.sentence[0].upper() + effect.sentence[1:]
+    lines = [f"### `{effect.id}`\n", f"{sentence}.\n"]
+    for name, text in _facts(effect):
+        shown = f"`{text}`" if name in ("x", "y") else text
+        lines.append(textwrap.fill(f"- {name}: {shown}", 100, subsequent_indent="  "))
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,222 @@
+"""Families with a choice: the members worth trying are read from the recordings."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from effects.sky import campaign, replaced, without
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pyport.angles import DEG
+from pyport.effects import CATALOGUE, Circumstances, MissingColumn
+from pyport.effects.receiver import band_of, bands
+
+AT = campaign()
+MOST = 24
+
+
+def variants(effect, at=AT):
+    """Return the names of the members worth trying."""
+    return [one.variant for one in CATALOGUE[effect].variants(at)]
+
+
+@pytest.mark.parametrize("effect", sorted(set(CATALOGUE) - {"parallax"}))
+def test_members_are_few_and_told_apart(effect):
+    """No family has more members than a search can bear, and each has a name of its own."""
+    names = variants(effect)
+
+    assert 0 < len(names) <= MOST
+    assert len(set(names)) == len(names)
+
+
+def test_harmonics_need_half_of_the_circle():
+    """Azimuths over less than half a circle tell no harmonic from another curve."""
+    at = AT.take((AT.az > 90 * DEG) & (AT.az < 250 * DEG))
+
+    for effect in ("azimuth_harmonics", "elevation_harmonics", "azimuth_track"):
+        with pytest.raises(MissingColumn, match="azimuths over half of the circle"):
+            variants(effect, at)
+    assert variants("azimuth_harmonics") == [f"k = {k}" for k in range(2, 9)]
+
+
+@given(st.sets(st.integers(0, 400), min_size=2, max_size=60))
+def test_steps_fall_between_recordings(moments):
+    """A step is tried between two recordings that follow each other, never at or outside them."""
+    time = np.array(sorted(moments), float) * 3600
+    at = Circumstances(np.zeros(len(time)), np.ones(len(time)), columns={"time": time})
+    steps = CATALOGUE["epoch_offset"].variants(at)
+
+    assert 0 < len(steps) <= MOST
+    for step in steps:
+        x, _ = step.columns(at)
+        after = x[:, 0] == 1
+        assert time[~after].max() < step.parameter < time[after].min()
+        assert np.all(np.diff(after.astype(int)) >= 0)
+
+
+def test_longest_gap_is_among_the_steps():
+    """Things are moved while nobody observes: the longest gap in time is always tried."""
+    time = np.concatenate([np.arange(500) * 60.0, 1e6 + np.arange(37) * 60.0])
+    at = Circumstances(np.zeros(537), np.ones(537), columns={"time": time})
+    since = [one.parameter for one in CATALOGUE["epoch_offset"].variants(at)]
+
+    assert any(499 * 60 < moment < 1e6 for moment in since)
+
+
+def test_name_of_a_step_is_its_time():
+    """A step names its moment as ISO 8601, UTC."""
+    at = Circumstances(np.zeros(2), np.ones(2), columns={"time": np.array([0.0, 7200.0])})
+
+    assert variants("epoch_offset", at) == ["step, since 1970-01-01T01:00:00Z"]
+
+
+def test_one_moment_has_no_epochs():
+    """Recordings of one session at one moment cannot show that something was moved."""
+    at = Circumstances(np.zeros(3), np.ones(3), columns={"time": np.zeros(3)})
+
+    with pytest.raises(MissingColumn, match="a second moment"):
+        variants("epoch_offset", at)
+    for effect in ("epoch_tilt", "epoch_sag"):
+        with pytest.raises(MissingColumn, match="a second session"):
+            variants(effect, replaced(AT, session=np.full(len(AT), "one")))
+
+
+def test_sources_must_move_over_the_sky():
+    """A source takes part when it was seen at three hour angles, and no source can alone."""
+    source = np.where(np.arange(len(AT)) < 2, "rare", AT.columns["source"])
+    one = AT.columns["source"] == "S3"
+
+    assert "rare" not in variants("source_position", replaced(AT, source=source))
+    assert variants("source_position")[0] == "every source"
+    with pytest.raises(MissingColumn, match="a second source"):
+        variants("source_position", AT.take(one))
+    with pytest.raises(MissingColumn, match="a source at three hour angles"):
+        variants("source_position", AT.take(np.array([0, 1, 2])))
+
+
+def test_many_sources_are_tried_one_by_one():
+    """With more sources than can be fitted at once, those observed most are tried alone."""
+    source = np.char.add("Q", (np.arange(len(AT)) % 60).astype(str))
+    names = variants("source_position", replaced(AT, source=source))
+
+    assert "every source" not in names
+    assert len(names) == 20
+
+
+def test_parallax_is_of_the_solar_system():
+    """Named stars have no parallax; the Moon has; where no target is named all may have."""
+    moon = replaced(AT, source=np.where(np.arange(len(AT)) % 2, "MOON", "3C84"))
+    effect = CATALOGUE["parallax"]
+
+    with pytest.raises(MissingColumn, match="a solar-system target"):
+        effect.columns(AT)
+    np.testing.assert_array_equal(effect.columns(moon)[1][::2], 0)
+    assert np.all(effect.columns(moon)[1][1::2] < 0)
+    assert np.all(effect.columns(without(AT, "source"))[1] < 0)
+
+
+@given(
+    st.lists(
+        st.sampled_from([1.4e3, 1.42e3, 1.67e3, 5e3, 6.7e3, 2.2e4, np.nan]), min_size=1
+    ).filter(lambda all_: np.isfinite(all_).any())
+)
+def test_bands_hold_neighbours_together(frequencies):
+    """Frequencies within a quarter of each other share a band; an octave never does."""
+    frequency = np.array(frequencies)
+    name = band_of(frequency, bands(frequency))
+
+    assert np.all((name == "") == np.isnan(frequency))
+    for one, a in zip(name, frequency, strict=True):
+        for other, b in zip(name, frequency, strict=True):
+            if a <= b <= 1.25 * a:
+                assert one == other
+            if b > 2 * a:
+                assert one != other
+
+
+def test_receivers_that_are_bands_are_tried_once():
+    """A split that receivers and frequencies draw alike is one member, not two."""
+    frequency = np.where(AT.columns["receiver"] == "C", 5000.0, 1420.0)
+
+    assert variants("receiver_offset", replaced(AT, frequency_mhz=frequency)) == ["by receiver"]
+    assert variants("receiver_offset") == ["by receiver", "by frequency band"]
+
+
+def test_bands_stay_where_the_recordings_put_them():
+    """A part of the recordings is split at the frequencies that the whole was split at."""
+    by_band = CATALOGUE["receiver_offset"].variants(AT)[1]
+    high = AT.columns["frequency_mhz"] > 1500
+    whole, part = by_band.columns(AT), by_band.columns(AT.take(high))
+
+    np.testing.assert_array_equal(part, [axis[high] for axis in whole])
+
+
+def test_a_single_receiver_or_channel_shows_nothing():
+    """One receiver, one band, one polarisation: nothing to compare."""
+    rows = len(AT)
+    same = replaced(AT, receiver=np.full(rows, "C"), frequency_mhz=np.full(rows, 5000.0))
+    with pytest.raises(MissingColumn, match="a second receiver"):
+        variants("receiver_offset", same)
+    with pytest.raises(MissingColumn, match="a second polarisation"):
+        variants(
+            "beam_squint", without(replaced(AT, polarisation=np.full(rows, "left")), "channel")
+        )
+
+
+def test_squint_cancels_over_the_beams():
+    """The offsets of all beams of a label add up to nothing."""
+    for member in CATALOGUE["beam_squint"].variants(AT):
+        label = AT.columns[member.variant.removeprefix("by ")]
+        x, _ = member.columns(AT)
+        each = [x[label == value][0] for value in np.unique(label)]
+
+        np.testing.assert_array_equal(np.sum(each, axis=0), 0)
+
+
+def test_azimuth_is_cut_only_where_it_was_wrapped():
+    """Azimuth recorded from 0 to 360 deg may be cut elsewhere; where no cut shows none is tried."""
+    half = AT.take((AT.az > 0.1) & (AT.az < 3.0))
+
+    assert variants("azimuth_scale") == ["azimuth as recorded", "azimuth cut in the south"]
+    assert variants("azimuth_scale", half) == ["azimuth as recorded"]
+
+
+def test_sun_is_tried_late_only_where_it_can_be_computed():
+    """Earlier places of the Sun need the time and the site; its elevation tells day from night."""
+    azimuth_only = without(without(AT, "time_utc"), "sun_el_deg")
+    polar_day = replaced(AT, sun_el=np.full(len(AT), 0.5))
+
+    assert variants("thermal_tilt", azimuth_only) == ["day and night"]
+    assert variants("thermal_tilt", without(AT, "time_utc")) == [
+        "day and night",
+        "while the Sun is up",
+    ]
+    assert "while the Sun is up" not in variants("thermal_tilt", polar_day)
+    assert variants("thermal_tilt")[-1] == "while the Sun is up, 3 h late"
+
+
+def test_clock_tries_ut1_only_where_it_changed():
+    """Over one year UT1-UTC is like a constant; over three it is not."""
+    assert variants("clock") == ["constant"]
+    assert variants("clock", campaign(nights=36)) == ["constant", "UT1-UTC left out"]
+    assert variants("clock", without(AT, "time_utc")) == ["constant"]
+
+
+def test_scans_of_elevation_alone_have_one_timing():
+    """Where azimuth was never scanned the two meanings of a scan's rate are one."""
+    elevation = replaced(AT, scan_axis=np.full(len(AT), "el"))
+
+    assert variants("scan_timing", elevation) == ["rate of the axis"]
+    assert len(variants("scan_timing")) == 2
+
+
+def test_edges_lie_inside_the_sky_that_was_observed():
+    """Each edge of a jump has recordings on both sides."""
+    for member in CATALOGUE["subreflector_jump"].variants(AT):
+        _, y = member.columns(AT)
+
+        assert 0 < y.sum() < len(AT)
+    one = dataclasses.replace(AT, az=np.ones(len(AT)), el=np.ones(len(AT)))
+    with pytest.raises(MissingColumn, match="a second direction"):
+        variants("subreflector_jump", one)
