@@ -19,6 +19,7 @@ COMMANDS = {
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
+    "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
     "trials": "Hide causes in simulated recordings, and find out whether they are found.",
