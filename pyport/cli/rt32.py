@@ -43,6 +43,11 @@ def command(recordings: str | None, seed: int, box_step: str, out: Path | None) 
         ("Other methods, sigmas by sessions [arcsec]", table.compared(fits, honest)),
     ):
         click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
+    if out is not None:
+        from pyport.report.rt32_sky import write_figures
+
+        for path in write_figures(fits[0], out):
+            click.echo(str(path))
 
 
 def _simulated(seed: int, out: Path | None) -> Recordings:

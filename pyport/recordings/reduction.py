@@ -15,6 +15,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+from pyport.effects.astrometry import NUTATIONS
 from pyport.effects.celestial import hour_angle_shift
 from pyport.effects.orientation import ut1_minus_utc
 from pyport.errors import BadInput
@@ -74,10 +75,12 @@ def weather_refraction(at: Circumstances) -> tuple[Array, Array]:
     return np.zeros(len(at)), lift
 
 
-#: Every step by its name.
+#: Every step by its name. Nutation left out of the positions alone shows whole where the sidereal
+#: time was the apparent one, and about half where it was the mean one.
 STEPS: dict[str, Shift] = {
     "precession": of_nature(CATALOGUE["precession"]),
-    "nutation": of_nature(CATALOGUE["nutation"]),
+    "nutation": of_nature(NUTATIONS[0]),
+    "nutation_apparent_time": of_nature(NUTATIONS[1]),
     "annual_aberration": of_nature(CATALOGUE["annual_aberration"]),
     "diurnal_aberration": of_nature(CATALOGUE["diurnal_aberration"]),
     "ut1": ut1,

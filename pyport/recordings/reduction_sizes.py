@@ -167,9 +167,9 @@ def _range(values: Array) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def refraction_at_45() -> float:
-    """Return the refraction at 45 deg in spring air [arcsec]."""
-    air = {name: np.array([value]) for name, value in AIR.items()}
+def refraction_at_45(**other: float) -> float:
+    """Return the refraction at 45 deg [arcsec] in spring air, or in `other` than that."""
+    air = {name: np.array([value]) for name, value in {**AIR, **other}.items()}
     at = Circumstances(np.zeros(1), np.array([45 * DEG]), RT32, air)
     return float(STEPS["weather_refraction"](at)[1][0]) / ARCSEC
 
@@ -186,14 +186,14 @@ def text() -> str:
     for one in orientations():
         lines += ["", *_orientation(one)]
     agreement = against_astropy()
+    spring, dry = refraction_at_45(), refraction_at_45(humidity_pct=0.0)
     return "\n".join(
         [
             *lines,
             "",
             *_EXPLAINED,
-            f"- refraction: in spring air ERFA gives radio waves {refraction_at_45():.1f} arcsec at"
-            " 45 deg,",
-            "  5 of them by water vapour; near the horizon it grows more slowly than 1/tan H.",
+            f"- refraction: in spring air ERFA gives radio waves {spring:.1f} arcsec at 45 deg,",
+            f"  {spring - dry:.1f} of them by water vapour; near the horizon it grows more slowly than 1/tan H.",
             "",
             "All steps but precession and refraction together, against astropy's AltAz:",
             f"median {agreement.median:.3f}, at most {agreement.away_from_sun:.3f} arcsec more than"
@@ -219,6 +219,7 @@ def _orientation(one: Orientation) -> list[str]:
 #: The document's figures.
 _PRINTED = {
     "nutation": '17"',
+    "nutation_apparent_time": '17"',
     "annual_aberration": '20" (with the diurnal)',
     "ut1": '13"',
     "polar_motion": "17 m",
@@ -227,8 +228,9 @@ _PRINTED = {
 
 _EXPLAINED = (
     "- precession: the document's positions had it already; from J2000 it would be this much.",
-    "- nutation: 17 arcsec is its amplitude in longitude, which 2003 comes close to. Where the",
-    "  sidereal time is a mean one, as here, most of it moves sky and clock alike: half is left.",
+    "- nutation: 17 arcsec is its amplitude in longitude, which 2003 comes close to. It shows",
+    "  whole where sidereal time is the apparent one; with the mean one sky and clock move alike",
+    "  and half is left. The document does not tell which time its positions were turned by.",
     "- aberration: as the document has it; the Earth's spin adds 0.2.",
     "- UT1: 13 arcsec would be 0.87 s, near the 0.9 s at which a leap second is due. It is a bound:",
     "  in these campaigns it was half of that or less.",
