@@ -11,24 +11,73 @@ import click
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
 @click.argument("recordings")
 @click.option("--model", required=True, help="A built-in model or a file.")
+@click.option(
+    "--method",
+    help="For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.",
+)
+@click.option(
+    "--box-step",
+    default="known",
+    show_default=True,
+    help="With --method: the box offset before 2004 less that after; known, fit or degrees.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(recordings: str, model: str, out: Path | None, *, as_json: bool) -> None:
+def command(
+    recordings: str,
+    model: str,
+    method: str | None,
+    box_step: str,
+    out: Path | None,
+    *,
+    as_json: bool,
+) -> None:
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
-    from pyport.files import write_whole
+    if method is not None:
+        _fit_as_in_the_document(recordings, model, method, box_step, out, as_json=as_json)
+        return
     from pyport.fitting import table, waves
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
     from pyport.recordings import read, resolve
 
     done = fit(read(resolve(recordings)), load(model))
-    report = json.dumps(table.as_json(done), indent=1)
+    _show(table.as_json(done), table.text(done), out, as_json=as_json)
+    if not as_json and model == "gmrt-paper" and (found := waves.beside_table_18(done)):
+        click.echo("\n" + waves.text(found))
+
+
+def _fit_as_in_the_document(
+    recordings: str, model: str, method: str, choice: str, out: Path | None, *, as_json: bool
+) -> None:
+    """Fit p1..p12 from nothing and print the RT32's table."""
+    from pyport.fitting.rt32 import box_step, fit_rt32, table
+    from pyport.fitting.rt32.bootstrap import honest_sigmas
+    from pyport.recordings import read, resolve
+
+    if model not in {"rt32-exact", "rt32-approximate"}:
+        raise click.UsageError(
+            f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
+        )
+    measured = read(resolve(recordings))
+    done = fit_rt32(
+        measured, exact=model == "rt32-exact", method=method, box=box_step(measured, choice)
+    )
+    honest = honest_sigmas(done)
+    _show(
+        table.as_json(done, honest),
+        f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}",
+        out,
+        as_json=as_json,
+    )
+
+
+def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:
+    """Print a fit as text or JSON, and leave the JSON in a folder where one is asked for."""
+    from pyport.files import write_whole
+
+    whole = json.dumps(report, indent=1)
     if out is not None:
         with write_whole(out / "fit.json") as file:
-            file.write(report + "\n")
-    if as_json:
-        click.echo(report)
-        return
-    click.echo(table.text(done))
-    if model == "gmrt-paper" and (found := waves.beside_table_18(done)):
-        click.echo("\n" + waves.text(found))
+            file.write(whole + "\n")
+    click.echo(whole if as_json else text)

@@ -11,6 +11,7 @@ from pyport.trials.case import Case, Streams, finish, hide
 from pyport.trials.earth import SITES
 from pyport.trials.faults import CATALOGUED, STRANGERS, SWALLOWED, TOO_SMALL, Draw
 from pyport.trials.mount import Mount
+from pyport.trials.rt32_campaign import rt32_campaign
 from pyport.trials.sky import STEPS
 from pyport.trials.world import World
 
@@ -27,6 +28,7 @@ KINDS = {
     "degenerate": "a cause that the plan makes the twin of another",
     "ablation": "steps of the reduction that the RT32's steering left out",
     "rt32": "p8 to p12 of the RT32's published model, the jump among them",
+    "rt32-campaign": "nothing: all of the RT32's published model, its bad rows, its moved beam",
     "gmrt": "site, scan timing and play of an array whose steering knows one place",
 }
 
@@ -70,6 +72,8 @@ def make_case(
     some = {} if rows is None else {"rows": rows}
     if kind == "rt32":
         return observatories.rt32(seed, **some)
+    if kind == "rt32-campaign":
+        return rt32_campaign(seed, **some)
     if kind == "gmrt":
         return observatories.gmrt(seed)
     if kind == "ablation":

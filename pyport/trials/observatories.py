@@ -65,7 +65,7 @@ def rt32_plan(rng: np.random.Generator, rows: int, span_weeks: float | None = No
     return replace(plan, labels={**plan.labels, "scan_axis": scan_axis}, cable_middle=np.pi)
 
 
-def _rt32_mount() -> Mount:
+def rt32_mount() -> Mount:
     """Return the RT32 as its published table has it, p1 to p7; its azimuth counts from south."""
     return Mount(
         azimuth_zero=-177.4 * ARCSEC,
@@ -123,7 +123,7 @@ def _rt32_faults(world: World) -> list[Fault]:
 def rt32(seed: int, rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS) -> Case:
     """Make the campaigns that the RT32's published model was fitted to, its p8 to p12 hidden."""
     streams = Streams.of(seed)
-    world = World(rt32_plan(streams.plan, rows), mount=_rt32_mount())
+    world = World(rt32_plan(streams.plan, rows), mount=rt32_mount())
     hidden = hide(world, _rt32_faults(world), None, _rt32_noise())
     return finish(hidden, streams, {"kind": "rt32", "seed": seed}, azimuth_zero="south")
 
@@ -150,7 +150,7 @@ def ablation(
     streams = Streams.of(seed)
     layered = "refraction" in omitted
     plan = rt32_plan(streams.plan, rows, span_weeks)
-    world = World(plan, mount=_rt32_mount(), layered=layered)
+    world = World(plan, mount=rt32_mount(), layered=layered)
     faults = [left_out(step, world) for step in omitted]
     sigma = 12.8 * ARCSEC
     noise = Noise(sigma, sigma, drift_share=0.1, memory_s=5400.0, step=3.6 * ARCSEC)

@@ -155,7 +155,12 @@ def rt32_edge(az: Array) -> Array:
 
     Borkowski 2004, routine Hjump, whose azimuth counts from south through west.
     """
-    from_south = np.degrees(wrap(az - np.pi))
+    return rt32_edge_on_the_cable(wrap(az - np.pi))
+
+
+def rt32_edge_on_the_cable(az_south: Array) -> Array:
+    """Return the same for azimuth from south through west [rad], unwrapped as the cable is."""
+    from_south = np.degrees(az_south)
     west = 55 + ((from_south - 95) / 90) ** 2 * 15
     east = 65 + 7 * np.cos(from_south * DEG / 2)
     return np.where(from_south <= 0, east, west) * DEG

@@ -1,0 +1,182 @@
+"""The document's fit: both axes as one list, votes weighed anew until they settle.
+
+Azimuth offsets count times cos H, which makes them offsets on the sky, and both
+axes share the tilts (and, in the exact form, skew and box offset too).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.errors import BadInput
+from pyport.fitting.gram import inverted
+from pyport.fitting.rt32.campaigns import BoxStep
+from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
+from pyport.fitting.stacking import Stack, stack
+from pyport.pointing import PARAMETERS, Rt32Model
+from pyport.recordings.schema import Recordings
+
+#: Linearisations: from zero the third one changes nothing that is measured.
+_LINEARISATIONS = 4
+#: Most rounds of weighing; votes within this of each other have settled.
+_ROUNDS = 60
+_SETTLED = 1e-5
+
+
+@dataclass(frozen=True)
+class Rt32Fit:
+    """The fitted parameters of the RT32, and what they leave.
+
+    Attributes
+    ----------
+    recordings, stack
+        What was fitted.
+    method, level, exact
+        How: a name out of `METHODS`, the document's level [rad], the form of the model.
+    step
+        Box offset of the earlier campaign that was subtracted [rad], NaN where it was fitted,
+        zero where there is one campaign only.
+    values, covariance
+        p1..p12 [rad] and, where it was fitted, the step of the box offset last; sigmas are
+        formal: errors independent, no vote in doubt.
+    columns
+        Offsets of one radian of each, shape (m, P).
+    residual, weight
+        What is left [rad] and its vote, shape (m,).
+    tuned
+        The loss with its scale.
+    rounds
+        How often votes were weighed before they settled.
+    condition
+        Condition number of the weighted columns, scaled to unit length.
+    """
+
+    recordings: Recordings
+    stack: Stack
+    method: str
+    level: float
+    exact: bool
+    step: float
+    values: Array
+    covariance: Array
+    columns: Array
+    residual: Array
+    weight: Array
+    tuned: Tuned
+    rounds: int
+    condition: float
+
+    @property
+    def sigmas(self) -> Array:
+        """Return the formal standard errors [rad], NaN where the data leave a parameter open."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """Return the correlations of the parameters."""
+        return self.covariance / np.outer(self.sigmas, self.sigmas)
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Return which residuals lie within the level."""
+        return np.abs(self.residual) <= self.level
+
+    @property
+    def rms(self) -> float:
+        """Return the rms of the residuals within the level [rad]."""
+        return float(np.sqrt(np.mean(self.residual[self.inside] ** 2)))
+
+
+def fit_rt32(
+    recordings: Recordings,
+    *,
+    exact: bool = True,
+    method: str = "document",
+    level: float = LEVEL,
+    box: BoxStep | None = None,
+) -> Rt32Fit:
+    """Fit p1..p12 to recordings of one telescope.
+
+    Parameters
+    ----------
+    recordings
+        Offsets on either or both axes.
+    exact
+        Which form of the model.
+    method
+        One of `METHODS`.
+    level
+        Beyond which the document's method takes the vote from a residual [rad].
+    box
+        The step of the box offset between campaigns; None where there is none.
+
+    Raises
+    ------
+    BadInput
+        There is no such method, or there are fewer offsets than parameters.
+    """
+    if method not in METHODS:
+        raise BadInput(f"no method is called {method!r}, expected one of {', '.join(METHODS)}")
+    data = stack(recordings)
+    none = np.zeros(len(recordings))
+    stepped = data.spread(none if box is None else box.earlier.astype(float), none)
+    step = box.step if box is not None and stepped.any() else 0.0
+    size = len(PARAMETERS) + (step is None)
+    if len(data) < size:
+        raise BadInput(
+            f"{len(data)} measured offsets cannot determine {size} parameters", recordings.file
+        )
+    tune = METHODS[method](level)
+    p = np.zeros(size)
+    for _ in range(_LINEARISATIONS):
+        model = Rt32Model(p[: len(PARAMETERS)], exact)
+        columns = data.spread(*model.columns(recordings.at))
+        left = data.value - data.spread(*model.offsets(recordings.at))
+        left = left - (p[-1] if step is None else step) * stepped
+        if step is None:
+            columns = np.column_stack([columns, stepped])
+        change, tuned, rounds = settle(columns, left, tune)
+        p = p + change
+    residual = left - columns @ change
+    weight = tuned.weight(residual)
+    inverse, _, condition, known = inverted((columns * weight[:, None]).T @ columns)
+    open_or_not = np.where(known, 1.0, np.nan)
+    return Rt32Fit(
+        recordings, data, method, level, exact, np.nan if step is None else step,
+        p * open_or_not,
+        inverse * variance(residual, tuned) * np.outer(open_or_not, open_or_not),
+        columns, residual, weight, tuned, rounds, condition,
+    )  # fmt: skip
+
+
+def settle(
+    columns: Array, value: Array, tune: Tune, times: Array | None = None
+) -> tuple[Array, Tuned, int]:
+    """Return the coefficients at which votes and residuals agree, the loss, and the rounds it took.
+
+    Parameters
+    ----------
+    columns, value
+        The design (m, P) and the data (m,).
+    tune
+        What sets the votes by the residuals; all are equal at first.
+    times
+        How often each datum counts, shape (m,); once where None.
+    """
+    counts = np.ones(len(value)) if times is None else times
+    weight = np.ones(len(value))
+    for rounds in range(1, _ROUNDS + 1):
+        weighted = columns * (weight * counts)[:, None]
+        inverse, _, _, _ = inverted(weighted.T @ columns)
+        solution = inverse @ (weighted.T @ value)
+        residual = value - columns @ solution
+        tuned = tune(residual)
+        new = tuned.weight(residual)
+        if np.max(np.abs(new - weight)) < _SETTLED:
+            break
+        weight = new
+    return solution, tuned, rounds
