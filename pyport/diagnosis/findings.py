@@ -106,7 +106,12 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
     heldout = _heldout(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
     named = effect.physical and all(one.passed for one in checks)
     verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
-    where = Where(_axes(setup, seen), _subset(scene, curve), chosen.candidate.region)
+    where = Where(
+        _axes(setup, seen),
+        _subset(scene, curve),
+        chosen.candidate.region,
+        since=words.since(effect),
+    )
     return Finding(
         effect=effect.id if named else "unknown",
         members=called.members if named else ("unknown",),

@@ -8,40 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.diagnosis.evidence import Beside, Trial
+from pyport.effects import degeneracies
 from pyport.fitting.gram import inverted
 
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
 #: An effect that falls behind by less than this in BIC is not excluded.
-NOT_EXCLUDED = 6.0
+NOT_EXCLUDED = 10.0
+#: One that gains less than its coefficients cost by more than this explains nothing.
+WORTHLESS = -2.0
 
 #: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
 KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
-
-_DECIDE: dict[frozenset[str], str] = {
-    frozenset({"scan_direction", "scan_timing"}): (
-        "scan once more at half the rate: a time tag shifts the peak half as far, "
-        "mechanical play by the same amount; or compare days, which only a time tag tells apart"
-    ),
-    frozenset({"site_latitude", "tilt"}): (
-        "read an inclinometer on the azimuth axis, or compare with surveyed coordinates: "
-        "over an array a site error grows with the distance from the reference, a tilt does not"
-    ),
-    frozenset({"site_longitude", "tilt"}): (
-        "measure the azimuth offset too (a longitude error also turns the azimuth zero), "
-        "or read an inclinometer on the azimuth axis"
-    ),
-    frozenset({"site_longitude", "clock"}): (
-        "compare antennas: a clock error is one for all, a longitude error is each one's own"
-    ),
-    frozenset({"sag_cosine", "refraction"}): "observe below 15 deg elevation, where cot E turns up",
-    frozenset({"sag_sine", "refraction"}): "observe below 15 deg elevation, where cot E turns up",
-    frozenset({"sag_cosine", "elevation_zero"}): "observe over a wider range of elevation",
-    frozenset(
-        {"epoch_offset", "drift"}
-    ): "observe in between: a step stays a step, a drift fills in",
-    frozenset({"refraction", "refraction_curvature"}): "observe between 3 and 15 deg elevation",
-}
 
 
 @dataclass(frozen=True)
@@ -72,7 +50,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
         effect = rival.candidate.effect.id
         if effect in members:
             continue
-        close = rival.delta_bic > winner.delta_bic - NOT_EXCLUDED
+        close = rival.delta_bic > max(winner.delta_bic - NOT_EXCLUDED, WORTHLESS)
         # A rival with many more coefficients can draw any curve; that is no likeness.
         same = (
             rival.scope == winner.scope
@@ -102,11 +80,11 @@ def fits_physics(trial: Trial) -> bool:
     return True
 
 
-def decide_by(members: tuple[str, ...]) -> str | None:
+def decide_by(members: Sequence[str]) -> str | None:
     """Name the observation that would tell the members of a class apart."""
     if len(members) < 2:
         return None
-    found = [text for pair, text in _DECIDE.items() if pair <= set(members)]
+    found = degeneracies.decisions(members)
     if found:
         return "; ".join(found)
     return "observe where " + " and ".join(members) + " differ: other directions, other sessions"

@@ -20,6 +20,13 @@ _AXES = {"xel": "cross-elevation", "el": "elevation"}
 _SHOWN = 6
 
 
+def since(effect: Effect) -> str | None:
+    """Return when a step happened, as ISO 8601 UTC; None for an effect that is no step in time."""
+    if not (effect.id.startswith("epoch") and effect.parameter is not None):
+        return None
+    return f"{np.datetime64(round(effect.parameter), 's')}Z"
+
+
 def number(parameter: Parameter) -> str:
     """Return a value with its error, the digits that the error allows, in a handy unit."""
     value, sigma, unit = parameter.value, parameter.sigma, parameter.unit

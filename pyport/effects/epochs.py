@@ -59,16 +59,18 @@ def _by_session(effect: Effect, at: Circumstances) -> Effect:
     )
 
 
-def epoch_step(since_s: float) -> Effect:
-    """Return `epoch_offset` as a step at one time [s, UTC since 1970]."""
+def epoch_step(since_s: float, effect: Effect | None = None) -> Effect:
+    """Return an effect of epochs, by default `epoch_offset`, as a step at one time.
+
+    `since_s` is in seconds UTC since 1970.
+    """
     when = f"since {np.datetime64(round(since_s), 's')}Z"
-    step = _within(
-        _OFFSET, lambda at: (at.numbers("time") >= since_s)[:, None], [when], f"step, {when}"
-    )
+    inside = lambda at: (at.numbers("time") >= since_s)[:, None]  # noqa: E731 - as short as it says
+    step = _within(effect or _OFFSET, inside, [when], f"step, {when}")
     return replace(step, parameter=since_s)
 
 
-def _steps(at: Circumstances) -> list[Effect]:
+def _steps(at: Circumstances, effect: Effect) -> list[Effect]:
     """Return a step at each of some moments between recordings."""
     times = np.unique(at.numbers("time"))
     times = times[np.isfinite(times)]
@@ -79,18 +81,28 @@ def _steps(at: Circumstances) -> list[Effect]:
         longest = np.argsort(-gap, kind="stable")[: MOST_STEPS // 2]
         spread = np.linspace(0, len(gap) - 1, MOST_STEPS // 2 + 2)[1:-1].round().astype(int)
         chosen = np.union1d(longest, spread)
-    return [epoch_step(float(times[k] + gap[k] / 2)) for k in chosen]
+    return [epoch_step(float(times[k] + gap[k] / 2), effect) for k in chosen]
 
 
 def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant per session, where there are some, and steps between recordings."""
     if "time" not in at:
         return (_by_session(_OFFSET, at),)
-    members = _steps(at)
+    members = _steps(at, _OFFSET)
     if "session" in at and len(np.unique(at.column("session"))) > 1:
         members.insert(0, _by_session(_OFFSET, at))
     if not members:
         raise MissingColumn("a second moment")
+    return tuple(members)
+
+
+def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
+    """Return an effect with coefficients per session, and as a step between any two of them."""
+    members = [_by_session(effect, at)]
+    if "time" in at:
+        session, time = at.column("session"), at.numbers("time")
+        starts = sorted(float(np.nanmin(time[session == name])) for name in np.unique(session))
+        members += [epoch_step(start - 1.0, effect) for start in starts[1:]]
     return tuple(members)
 
 
@@ -146,7 +158,7 @@ _TILT: Effect = Effect(
     (Coefficient("tilt_north"), Coefficient("tilt_east")),
     lambda at: _by_session(_TILT, at).basis(at),
     variant="constant per session",
-    profile=lambda at: (_by_session(_TILT, at),),
+    profile=lambda at: _from_session_on(_TILT, at),
     needs=("session",),
     formula=("tilt in each session", "tilt in each session"),
 )
@@ -157,7 +169,7 @@ _SAG: Effect = Effect(
     (Coefficient("sag_cosine"),),
     lambda at: _by_session(_SAG, at).basis(at),
     variant="constant per session",
-    profile=lambda at: (_by_session(_SAG, at),),
+    profile=lambda at: _from_session_on(_SAG, at),
     needs=("session",),
     formula=("", "g cos E in each session"),
 )
