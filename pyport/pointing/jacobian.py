@@ -80,9 +80,7 @@ def skew_slopes(altitude: Array, sigma: float, beta: float) -> tuple[tuple[Array
     )
 
 
-def exact_slopes(
-    az_south: Array, altitude: Array, p: Array
-) -> dict[int, tuple[Array, Array]]:
+def exact_slopes(az_south: Array, altitude: Array, p: Array) -> dict[int, tuple[Array, Array]]:
     """Return d(d_az, d_alt)/dp for the parameters that the exact form is not linear in.
 
     Parameters
@@ -100,6 +98,8 @@ def exact_slopes(
     _, read = tilted(az_south, altitude, p[4], p[5])
     by_skew, by_box, by_altitude = skew_slopes(read, p[2], p[3])
     slopes = {2: by_skew, 3: by_box}
-    for index, (turn, rise) in zip((4, 5), tilt_slopes(az_south, altitude, p[4], p[5]), strict=True):
+    for index, (turn, rise) in zip(
+        (4, 5), tilt_slopes(az_south, altitude, p[4], p[5]), strict=True
+    ):
         slopes[index] = turn + by_altitude[0] * rise, by_altitude[1] * rise
     return slopes

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, HOUR, Array, wrap
+from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.effects import Circumstances, Site
 from pyport.effects.celestial import TT_MINUS_UTC_DAYS, UNIX_EPOCH_JD, axes, days, sun
 from pyport.effects.orientation import pole, ut1_minus_utc
@@ -103,7 +103,7 @@ def against_astropy(site: Site = RT32, count: int = 400) -> Agreement:
         place = EarthLocation.from_geodetic(
             at.longitude() * units.rad, at.latitude() * units.rad, site.height_m * units.m
         )
-        with iers.conf.set_temp("auto_download", False):
+        with iers.conf.set_temp("auto_download", value=False):
             times = Time(at.column("time"), format="unix")
             seen = SkyCoord(ra * units.rad, dec * units.rad).transform_to(
                 AltAz(obstime=times, location=place)
@@ -187,20 +187,17 @@ def text() -> str:
         lines += ["", *_orientation(one)]
     agreement = against_astropy()
     spring, dry = refraction_at_45(), refraction_at_45(humidity_pct=0.0)
-    return "\n".join(
-        [
-            *lines,
-            "",
-            *_EXPLAINED,
-            f"- refraction: in spring air ERFA gives radio waves {spring:.1f} arcsec at 45 deg,",
-            f"  {spring - dry:.1f} of them by water vapour; near the horizon it grows more slowly than 1/tan H.",
-            "",
-            "All steps but precession and refraction together, against astropy's AltAz:",
-            f"median {agreement.median:.3f}, at most {agreement.away_from_sun:.3f} arcsec more than"
-            " 30 deg from the Sun",
-            f"({agreement.largest:.3f} near it, where its gravity bends light).",
-        ]
-    )
+    lines += [
+        "",
+        *_EXPLAINED,
+        f"- refraction: in spring air ERFA gives radio waves {spring:.1f} arcsec at 45 deg,",
+        f"  {spring - dry:.1f} of them by water vapour; it grows more slowly than 1/tan H.",
+        "",
+        "All steps but precession and refraction together, against astropy's AltAz [arcsec]:",
+        f"median {agreement.median:.3f}, at most {agreement.away_from_sun:.3f};",
+        f"within 30 deg of the Sun {agreement.largest:.3f}, where its gravity bends light",
+    ]
+    return "\n".join(lines)
 
 
 def _orientation(one: Orientation) -> list[str]:
@@ -208,11 +205,10 @@ def _orientation(one: Orientation) -> list[str]:
     turn = max(map(abs, one.ut1_utc_s)) * ARCSEC_PER_SECOND
     psi, epsilon, ut1, out = one.in_longitude, one.in_obliquity, one.ut1_utc_s, one.pole
     return [
-        f"{one.campaign}: nutation {psi[0]:.1f} to {psi[1]:.1f} arcsec in longitude,"
-        f" {epsilon[0]:.1f} to {epsilon[1]:.1f} in obliquity",
+        f"{one.campaign}: nutation in longitude {psi[0]:.1f} to {psi[1]:.1f} arcsec,",
+        f"      in obliquity {epsilon[0]:.1f} to {epsilon[1]:.1f}",
         f"      UT1-UTC {ut1[0]:.3f} to {ut1[1]:.3f} s, at most {turn:.1f} arcsec of hour angle",
-        f"      pole {out[0]:.2f} to {out[1]:.2f} arcsec from its origin,"
-        f" at most {metres:.0f} m on the ground",
+        f"      pole {out[0]:.2f} to {out[1]:.2f} arcsec from its origin, at most {metres:.0f} m",
     ]
 
 
@@ -232,7 +228,7 @@ _EXPLAINED = (
     "  whole where sidereal time is the apparent one; with the mean one sky and clock move alike",
     "  and half is left. The document does not tell which time its positions were turned by.",
     "- aberration: as the document has it; the Earth's spin adds 0.2.",
-    "- UT1: 13 arcsec would be 0.87 s, near the 0.9 s at which a leap second is due. It is a bound:",
-    "  in these campaigns it was half of that or less.",
+    "- UT1: 13 arcsec would be 0.87 s, near the 0.9 s at which a leap second is due. It is a",
+    "  bound: in these campaigns it was half of that or less.",
     "- polar motion: 17 m is what the pole did in 2003; on the sky it is half an arcsecond.",
 )

@@ -55,9 +55,7 @@ def residuals(fit: Rt32Fit) -> tuple[Residuals, Residuals]:
     """Return the residuals of azimuth (times cos H) and of altitude."""
     at, is_y = fit.recordings.at, fit.stack.is_y
     az, alt = at.az[fit.stack.row] - np.pi, at.el[fit.stack.row]
-    across, along = (
-        Residuals(az[rows], alt[rows], fit.residual[rows]) for rows in (~is_y, is_y)
-    )
+    across, along = (Residuals(az[rows], alt[rows], fit.residual[rows]) for rows in (~is_y, is_y))
     return across, along
 
 
@@ -120,7 +118,7 @@ def smooth(fit: Rt32Fit) -> Figure:
     """Draw figure 4: averages on a grid, upright for altitude, level for azimuth."""
     figure, (axes,) = _page(fit, "Figure 4: smoothed residuals", (11, 5.8), rows=1)
     across, along = residuals(fit)
-    grid_az, grid_alt = np.meshgrid(np.arange(-270, 271, 10), np.arange(5, 90, 4))
+    grid_az, grid_alt = np.meshgrid(np.arange(-270.0, 271.0, 10.0), np.arange(5.0, 90.0, 4.0))
     az, alt = grid_az.ravel() * DEG, grid_alt.ravel() * DEG
     for left, horizontal, colour in ((across, True, BLUE), (along, False, ORANGE)):
         scale = (_BAR_AZ_DEG if horizontal else _BAR_ALT_DEG) / (2 * _SMOOTH_BAR_DEG * DEG)
@@ -143,7 +141,9 @@ def distributions(fit: Rt32Fit) -> Figure:
     figure = Figure(figsize=(11, 7.5), layout="constrained")
     panels = figure.subplots(2, 2, sharex="col", sharey=True)
     figure.suptitle(_title(fit, "Figure 5: distribution of residuals"), fontsize=12)
-    for row, left, name in zip(panels, residuals(fit), ("azimuth x cos H", "altitude"), strict=True):
+    for row, left, name in zip(
+        panels, residuals(fit), ("azimuth x cos H", "altitude"), strict=True
+    ):
         beyond = int((np.abs(left.value) > _REACH_DEG * DEG).sum())
         for axes, where in zip(row, (left.az_south, left.altitude), strict=True):
             axes.axhline(0, color=GREY, lw=0.8)
@@ -192,7 +192,7 @@ def _bars(
     foot = np.column_stack([az_south, altitude]) / DEG
     tip = foot + np.outer(length, [1.0, 0.0] if horizontal else [0.0, 1.0])
     axes.add_collection(
-        LineCollection(np.stack([foot, tip], axis=1), colors=colour, linewidths=width)
+        LineCollection(list(np.stack([foot, tip], axis=1)), colors=colour, linewidths=width)
     )
     axes.plot(*foot.T, ".", ms=1.5 * width + 1, mew=0, color=colour)
 

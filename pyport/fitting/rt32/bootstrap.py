@@ -39,10 +39,10 @@ def bootstrap(fit: Rt32Fit, draws: int = 300, seed: int = 0) -> Array:
     return drawn
 
 
-def honest_sigmas(fit: Rt32Fit) -> Array | None:
-    """Return how far drawn parameters scatter [rad], shape (P,); None with one session only."""
+def honest_sigmas(fit: Rt32Fit) -> Array:
+    """Return how far drawn parameters scatter [rad], shape (P,); NaN with one session only."""
     if sessions(fit.recordings).max() == 0:
-        return None
+        return np.full(len(fit.values), np.nan)
     return bootstrap(fit).std(axis=0, ddof=1)
 
 

@@ -24,7 +24,7 @@ from pyport.recordings.schema import Recordings
 _LINEARISATIONS = 4
 #: Most rounds of weighing; votes within this of each other have settled.
 _ROUNDS = 60
-_SETTLED = 1e-5
+_SETTLED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -177,6 +177,6 @@ def settle(
         tuned = tune(residual)
         new = tuned.weight(residual)
         if np.max(np.abs(new - weight)) < _SETTLED:
-            break
+            return solution, tuned, rounds
         weight = new
-    return solution, tuned, rounds
+    return solution, tuned, _ROUNDS

@@ -22,7 +22,7 @@ _NAMES = (
 )  # fmt: skip
 
 
-def text(fit: Rt32Fit, honest: Array | None = None) -> str:
+def text(fit: Rt32Fit, honest: Array) -> str:
     """Return the document's table, and beside it what sessions drawn anew say.
 
     Parameters
@@ -30,14 +30,14 @@ def text(fit: Rt32Fit, honest: Array | None = None) -> str:
     fit
         A fit by any method.
     honest
-        Standard errors by bootstrap [rad], shape (P,).
+        Standard errors by bootstrap [rad], shape (P,); NaN where there are none.
     """
     lines = [*_head(fit), ""]
-    beside = "" if honest is None else "     by sessions   ratio"
+    beside = "     by sessions   ratio" if np.isfinite(honest).any() else ""
     lines.append(f" p Parameter       (deriv.)                   Value{'':35s}{beside}".rstrip())
     for k, value in enumerate(fit.values):
         line = f"{k + 1:2d} {_name(k)} {_value(value, fit.sigmas[k])}"
-        if honest is not None and np.isfinite(value):
+        if np.isfinite(value) and np.isfinite(honest[k]):
             line += f'  +/-{honest[k] / ARCSEC:6.1f}"  {honest[k] / fit.sigmas[k]:6.2f}'
         lines.append(line)
     lines += ["", f"condition number {fit.condition:.1f}"]
@@ -54,20 +54,19 @@ def _head(fit: Rt32Fit) -> list[str]:
     """Return what was fitted, how, and how well."""
     simulated = fit.recordings.meta.get("simulated")
     form = "exact" if fit.exact else "approximate"
-    altitudes = int(fit.stack.is_y.sum())
     lines = [f"RT32 parameters (without refraction): {form} form, method {fit.method}"]
     if simulated:
         lines.insert(0, f"SIMULATED: {simulated}")
+    is_y, inside = fit.stack.is_y, fit.inside.sum()
+    voted = "fitted" if fit.method == "document" else f"within {fit.level / DEG:.4f} deg"
+    rms = f'RMS of {fit.rms / ARCSEC:.1f}" = {fit.rms / DEG:.6f} deg'
     lines += [
-        f"{len(fit.stack)} offsets ({altitudes} of altitude, {len(fit.stack) - altitudes} of"
-        " azimuth) were analysed",
-        f"and {fit.inside.sum()} points"
-        f" {'fitted' if fit.method == 'document' else f'within {fit.level / DEG:.4f} deg'}"
-        f' with RMS of {fit.rms / ARCSEC:.1f}" = {fit.rms / DEG:.6f} deg',
+        f"{len(is_y)} offsets ({is_y.sum()} of altitude, {(~is_y).sum()} of azimuth) were analysed",
+        f"and {inside} points {voted} with {rms}",
         f"({fit.tuned.text}; {fit.rounds} rounds)",
     ]
     if fit.step:
-        done = "fitted" if np.isnan(fit.step) else f"of {fit.step / DEG:.4f} deg subtracted"
+        done = "fitted" if np.isnan(fit.step) else f"{fit.step / DEG:.4f} deg, subtracted"
         lines.append(f"step of the box offset between the campaigns: {done}")
     return lines
 
@@ -116,13 +115,13 @@ def compared(fits: Sequence[Rt32Fit], honest: Sequence[Array]) -> str:
     return "\n".join(lines)
 
 
-def as_json(fit: Rt32Fit, honest: Array | None = None) -> dict[str, object]:
+def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:
     """Return the fit for other programs, angles in arcseconds."""
     return {
         "model": "rt32-exact" if fit.exact else "rt32-approximate",
         "method": fit.method,
         "simulated": "simulated" in fit.recordings.meta,
-        "points": int(len(fit.stack)),
+        "points": len(fit.stack),
         "within_level": int(fit.inside.sum()),
         "level_deg": fit.level / DEG,
         "rms_arcsec": fit.rms / ARCSEC,
@@ -131,7 +130,7 @@ def as_json(fit: Rt32Fit, honest: Array | None = None) -> dict[str, object]:
                 "name": f"p{k + 1}" if k < len(PARAMETERS) else "box_step",
                 "value": _number(value / ARCSEC),
                 "sigma": _number(fit.sigmas[k] / ARCSEC),
-                "sigma_by_sessions": None if honest is None else _number(honest[k] / ARCSEC),
+                "sigma_by_sessions": _number(honest[k] / ARCSEC),
                 "unit": "arcsec",
             }
             for k, value in enumerate(fit.values)
