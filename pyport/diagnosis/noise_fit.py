@@ -184,7 +184,7 @@ def _fit_series(
 
 
 def _with_drift(likelihood: _Likelihood, time: Array) -> tuple[float, float, float]:
-    """Return the least lack of likelihood with a drift, its ratio to the white part and its time."""
+    """Return the least lack of likelihood with a drift, its share of the noise and its time."""
     from scipy.optimize import minimize
 
     gaps = np.diff(time)
