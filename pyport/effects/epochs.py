@@ -70,40 +70,65 @@ def epoch_step(since_s: float, effect: Effect | None = None) -> Effect:
     return replace(step, parameter=since_s)
 
 
-def _steps(at: Circumstances, effect: Effect) -> list[Effect]:
-    """Return a step at each of some moments between recordings."""
-    times = np.unique(at.numbers("time"))
-    times = times[np.isfinite(times)]
+def _moments(time: Array) -> Array:
+    """Return some moments between recordings."""
+    times = np.unique(time[np.isfinite(time)])
     gap = np.diff(times)
-    if len(gap) <= MOST_STEPS:
-        chosen = np.arange(len(gap))
-    else:
+    chosen = np.arange(len(gap))
+    if len(gap) > MOST_STEPS:
         longest = np.argsort(-gap, kind="stable")[: MOST_STEPS // 2]
         spread = np.linspace(0, len(gap) - 1, MOST_STEPS // 2 + 2)[1:-1].round().astype(int)
         chosen = np.union1d(longest, spread)
-    return [epoch_step(float(times[k] + gap[k] / 2), effect) for k in chosen]
+    return times[chosen] + gap[chosen] / 2
+
+
+def _starts(at: Circumstances) -> Array:
+    """Return when sessions began, but for the first one: a second before, and not too many."""
+    time, session = at.numbers("time"), at.column("session").astype(str)
+    known = np.isfinite(time)
+    names, number = np.unique(session[known], return_inverse=True)
+    first = np.full(len(names), np.inf)
+    np.minimum.at(first, number, time[known])
+    later = np.unique(first)[1:] - 1.0
+    few = np.linspace(0, len(later) - 1, min(len(later), MOST_STEPS)).round().astype(int)
+    return later[few]
+
+
+def _members(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, ...]:
+    """Return an effect of epochs per session and as steps; one of them where both say the same."""
+    steps = tuple(epoch_step(float(moment), effect) for moment in moments)
+    if "session" not in at or len(np.unique(at.column("session"))) < 2:
+        return steps
+    by_session = _by_session(effect, at)
+    if any(_splits_alike(by_session, step, at) for step in steps):
+        return steps
+    return by_session, *steps
+
+
+def _splits_alike(by_session: Effect, step: Effect, at: Circumstances) -> bool:
+    """Tell whether two sessions follow each other, so that a step says when the second began."""
+    if len(by_session.coefficients) != len(step.coefficients):
+        return False
+    return np.array_equal(by_session.columns(at), step.columns(at))
 
 
 def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant per session, where there are some, and steps between recordings."""
     if "time" not in at:
         return (_by_session(_OFFSET, at),)
-    members = _steps(at, _OFFSET)
-    if "session" in at and len(np.unique(at.column("session"))) > 1:
-        members.insert(0, _by_session(_OFFSET, at))
+    members = _members(_OFFSET, at, _moments(at.numbers("time")))
     if not members:
         raise MissingColumn("a second moment")
-    return tuple(members)
+    return members
 
 
 def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     """Return an effect with coefficients per session, and as a step between any two of them."""
-    members = [_by_session(effect, at)]
-    if "time" in at:
-        session, time = at.column("session"), at.numbers("time")
-        starts = sorted(float(np.nanmin(time[session == name])) for name in np.unique(session))
-        members += [epoch_step(start - 1.0, effect) for start in starts[1:]]
-    return tuple(members)
+    if "time" not in at:
+        return (_by_session(effect, at),)
+    if len(np.unique(at.column("session"))) < 2:
+        raise MissingColumn("a second session")
+    return _members(effect, at, _starts(at))
 
 
 def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
@@ -160,7 +185,7 @@ _TILT: Effect = Effect(
     variant="constant per session",
     profile=lambda at: _from_session_on(_TILT, at),
     needs=("session",),
-    formula=("tilt in each session", "tilt in each session"),
+    formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
 )
 _SAG: Effect = Effect(
     "epoch_sag",
@@ -171,7 +196,7 @@ _SAG: Effect = Effect(
     variant="constant per session",
     profile=lambda at: _from_session_on(_SAG, at),
     needs=("session",),
-    formula=("", "g cos E in each session"),
+    formula=("", "g cos E in each session, or since one"),
 )
 #: What each of them does inside an epoch.
 _SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}

@@ -82,6 +82,46 @@ def test_one_moment_has_no_epochs():
             variants(effect, replaced(AT, session=np.full(len(AT), "one")))
 
 
+@given(st.lists(st.sampled_from("abcdef"), min_size=2, max_size=40))
+def test_tilt_and_sag_may_set_in_with_a_session(labels):
+    """A step of the tilt or the sag is tried where a session begins, and nowhere else."""
+    session, time = np.array(labels), np.arange(len(labels)) * 3600.0
+    first = {labels.index(name) for name in labels} - {0}
+    at = Circumstances(
+        np.ones(len(time)), np.ones(len(time)), columns={"time": time, "session": session}
+    )
+
+    for effect in ("epoch_tilt", "epoch_sag"):
+        if not first:
+            assert CATALOGUE[effect].missing(at) == "a second session"
+            continue
+        steps = [one for one in CATALOGUE[effect].variants(at) if one.parameter is not None]
+        begin = {int(np.argmax(np.any(step.columns(at), axis=(0, 2)))) for step in steps}
+        assert begin == first
+
+
+def test_many_sessions_are_not_all_tried():
+    """With more sessions than a search can bear, steps are tried at some of their beginnings."""
+    time = np.arange(90) * 3600.0
+    columns = {"time": time, "session": np.arange(90).astype(str)}
+    at = Circumstances(np.ones(90), np.ones(90), columns=columns)
+
+    assert len(variants("epoch_sag", at)) == 21
+
+
+def test_one_change_of_session_is_one_step():
+    """Two sessions one after the other are told by when the second began; mixed ones by name."""
+    time = np.arange(6) * 3600.0
+    at = Circumstances(np.ones(6), np.ones(6), columns={"time": time})
+    apart, mixed = (replaced(at, session=np.array(list(names))) for names in ("aaabbb", "ababab"))
+
+    assert variants("epoch_tilt", apart) == ["step, since 1970-01-01T02:59:59Z"]
+    assert "constant per session" not in variants("epoch_offset", apart)
+    assert "constant per session" in variants("epoch_tilt", mixed)
+    assert "constant per session" in variants("epoch_offset", mixed)
+    assert variants("epoch_tilt", without(apart, "time_utc")) == ["constant per session"]
+
+
 def test_sources_must_move_over_the_sky():
     """A source takes part when it was seen at three hour angles, and no source can alone."""
     source = np.where(np.arange(len(AT)) < 2, "rare", AT.columns["source"])
