@@ -246,7 +246,7 @@ DECIDE_BY: dict[frozenset[str], str] = {frozenset(one.ids): one.decide for one i
 
 def decisions(members: Collection[str]) -> list[str]:
     """Return the observations that would tell the members of a class apart, each once."""
-    found = [one.decide for one in ALIKE if set(one.ids) <= set(members)]
+    found = [decide for pair, decide in DECIDE_BY.items() if pair <= set(members)]
     return list(dict.fromkeys(found))
 
 

@@ -6,7 +6,7 @@ from effects.sky import SITE, START_S, campaign, replaced
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE
-from pyport.effects.degeneracies import ALIKE, DECIDE_BY, WHERE, alike
+from pyport.effects.degeneracies import ALIKE, DECIDE_BY, WHERE, alike, decisions
 
 #: Cosine from which two curves are one, and from which they are nearly.
 SAME, NEARLY = 1 - 1e-6, 0.9
@@ -138,6 +138,13 @@ def test_decisions_are_found_by_pair():
     """No pair stands twice in the table, and each has an observation that decides."""
     assert len(DECIDE_BY) == len(ALIKE)
     assert all(DECIDE_BY.values())
+
+
+def test_a_class_is_told_each_observation_once():
+    """A class of several effects gets what decides between any two of them, nothing twice."""
+    assert decisions(["tilt"]) == []
+    assert decisions(["clock", "skew", "tilt"]) == [DECIDE_BY[frozenset({"clock", "tilt"})]]
+    assert len(decisions(["annual_aberration", "nutation", "precession", "source_position"])) == 1
 
 
 def test_ids_are_effects():
