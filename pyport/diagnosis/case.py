@@ -22,6 +22,8 @@ from pyport.recordings.schema import Recordings
 #: Readings of less weight than this are outliers: kept in the list, left out of the rms.
 OUTLIER_WEIGHT = 0.05
 DRAWS = 300
+#: Sessions of a single antenna up to which an effect of the sky may differ between them.
+MOST_SESSIONS = 12
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class Setup:
         All their columns, shape (m, K).
     blocks, block
         The blocks, and the one (antenna in a session) of each reading, shape (m,).
+    session
+        Number of the session of each reading, shape (m,).
     pointing
         Number of the pointing of each reading, shape (m,).
     scan
@@ -70,6 +74,7 @@ class Setup:
     columns: Array
     blocks: Blocks
     block: Codes
+    session: Codes
     pointing: Codes
     scan: Codes
     parts: tuple[Series, ...]
@@ -141,7 +146,8 @@ def prepare(
     found, candidates, untestable = listing.design(recordings, data)
     generic, others = shapes.design(recordings, data)
     first = base_columns.shape[1]
-    block_of_row, names = group(recordings, ("antenna", "session"))
+    sessions, session_names = group(recordings, ("session",))
+    block_of_row, names = group(recordings, _block_labels(recordings, terms, len(session_names)))
     return Setup(
         recordings=recordings,
         model=model,
@@ -152,13 +158,30 @@ def prepare(
         shapes=_shifted(others, first + found.shape[1]),
         untestable=tuple(untestable),
         columns=np.concatenate([base_columns, found, generic], axis=1),
-        blocks=Blocks(np.array([n[0] for n in names]), np.array([n[1] for n in names])),
+        blocks=Blocks(
+            np.array([n[0] for n in names]),
+            np.array([n[1] if len(n) > 1 else "" for n in names]),
+        ),
         block=block_of_row[data.row],
+        session=sessions[data.row],
         pointing=pointings(recordings)[data.row],
         scan=_scans(recordings, data),
         parts=tuple(series(recordings, data)),
         seed=seed,
     )
+
+
+def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) -> tuple[str, ...]:
+    """Return the labels whose values part the blocks.
+
+    One antenna's many sessions are one block unless the model has terms for
+    each: what differs between them has effects of its own, and the products
+    need not be kept session by session.
+    """
+    antennas = len(np.unique(recordings.label("antenna").astype(str)))
+    own = any("session" in term.per for term in terms)
+    whole = antennas == 1 and sessions > MOST_SESSIONS and not own
+    return ("antenna",) if whole else ("antenna", "session")
 
 
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:

@@ -108,7 +108,7 @@ def diagnose(
     setup = prepare(recordings, model, refit, seed)
     _enough(setup)
     outcome = search(setup, tell)
-    weighed = outcome.weighed
+    setup, weighed = outcome.setup, outcome.weighed
     before = joint.fit(setup, weighed, ())
     after = joint.fit(setup, weighed, outcome.chosen)
     scene = reading.scene(setup, outcome, after, seed)

@@ -15,6 +15,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.finding import Evidence, Finding, HeldOut, Parameter, Where
 from pyport.diagnosis.joint import Joint, contribution, rms, sigmas, visible
+from pyport.diagnosis.refine import curve_points
 from pyport.diagnosis.search import Outcome, Step
 from pyport.effects.base import Coefficient
 
@@ -75,11 +76,7 @@ def collect(scene: Scene) -> list[Finding]:
     found: list[Finding] = []
     first = len(scene.setup.base)
     for n, chosen in enumerate(scene.outcome.chosen):
-        step = next(
-            step
-            for step in reversed(scene.outcome.steps)
-            if step.winner.candidate is chosen.candidate and step.winner.scope == chosen.scope
-        )
+        step = next(one for one in reversed(scene.outcome.steps) if one.chosen is chosen)
         earlier = scene.outcome.chosen[:n]
         parts = _split(scene, first + n)
         if parts is None:
@@ -110,6 +107,7 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         _axes(setup, seen),
         _subset(scene, curve),
         chosen.candidate.region,
+        curve=curve_points(chosen.candidate),
         since=words.since(effect),
     )
     return Finding(

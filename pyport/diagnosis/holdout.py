@@ -15,6 +15,7 @@ from pyport.fitting.stacking import Codes
 #: Sessions from which on whole sessions are left out.
 ENOUGH_SESSIONS = 3
 FOLDS = 10
+MOST_FOLDS = 20
 BLOCKS = 5
 #: A prediction that is off by more than five sigmas counts as five: a coefficient may hang on
 #: one scan alone.
@@ -37,12 +38,15 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
     scans, or blocks of time within the sessions, or single pointings where
     there is no time.
     """
-    sessions = np.unique(setup.blocks.session, return_inverse=True)[1][setup.block]
+    sessions = setup.session
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
     epochs = any(one.candidate.effect.id.startswith("epoch") for one in choices)
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
-        return Folds("leave one session out", sessions)
+        count = len(np.unique(sessions))
+        if count <= MOST_FOLDS:
+            return Folds("leave one session out", sessions)
+        return Folds("leave whole sessions out, twenty folds", sessions * MOST_FOLDS // count)
     rng = np.random.default_rng(seed)
     at = setup.recordings.at
     if "time" not in at or not np.all(np.isfinite(np.asarray(at.column("time"), float))):

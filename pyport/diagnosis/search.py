@@ -12,6 +12,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
 from pyport.diagnosis.evidence import Beside, Blocks, Trial, family_p_value
 from pyport.diagnosis.holdout import folds, unseen_misfit
+from pyport.diagnosis.refine import refine
 
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
 #: are promised because no noise is quite as it was fitted.
@@ -34,8 +35,8 @@ class Step:
 
     Attributes
     ----------
-    winner
-        What was added.
+    winner, chosen
+        The trial that won, and what was added: the winner with its moment or edge refined.
     trials
         Everything that was tried beside the model of that turn.
     before
@@ -47,6 +48,7 @@ class Step:
     """
 
     winner: Trial
+    chosen: Chosen
     trials: tuple[Trial, ...]
     before: tuple[Chosen, ...]
     beside: Beside
@@ -57,10 +59,12 @@ class Step:
 class Outcome:
     """The end of a search: what was chosen in which turn, and the evidence weighed with all of it.
 
+    `setup` is the case with the columns of what was refined added to it.
     `p_value` is that of the first turn: is there any mismatch at all?
     `last` holds the trials of the turn that found nothing more.
     """
 
+    setup: Setup
     chosen: tuple[Chosen, ...]
     steps: tuple[Step, ...]
     weighed: Weighed
@@ -95,10 +99,11 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
             strongest = max((step.winner.gain for step in steps), default=0.0)
             winner = _winner(setup, weighed, chosen, trials, IMPERFECTION * strongest)
         if winner is None:
-            return Outcome(chosen, tuple(steps), weighed, first, tuple(trials))
+            return Outcome(setup, chosen, tuple(steps), weighed, first, tuple(trials))
         tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
-        steps.append(Step(winner, tuple(trials), chosen, beside, p_value))
-        chosen = _with(setup, chosen, Chosen(winner.candidate, winner.scope))
+        setup, new = refine(setup, weighed, chosen, winner)
+        steps.append(Step(winner, new, tuple(trials), chosen, beside, p_value))
+        chosen = _with(setup, chosen, new)
         weighed = weigh(setup, chosen)
 
 

@@ -166,6 +166,8 @@ class Effect:
         The offset across and along elevation as text, for a reader.
     parameter
         The nonlinear parameter of a member, in internal units: k, seconds, radians.
+    edge
+        For a step across a curve in the sky: azimuth -> the curve's elevation [rad].
     """
 
     id: str
@@ -180,6 +182,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     formula: tuple[str, str] = ("", "")
     parameter: float | None = None
+    edge: Callable[[Array], Array] | None = None
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

@@ -13,6 +13,8 @@ Edge = Callable[[Array], Array]
 
 #: So many straight edges are tried in elevation, and in azimuth: a first guess of the curve.
 MOST_EDGES = 9
+#: How far the leaning edges that are tried rise and fall with azimuth. [rad]
+LEAN = 10 * DEG
 
 
 def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> Effect:
@@ -41,7 +43,28 @@ def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> 
         profile=_straight_edges,
         formula=("", "j above a curve in the sky"),
         parameter=parameter,
+        edge=edge,
     )
+
+
+def curved_jump(shape: tuple[float, ...]) -> Effect:
+    """Return a step above a curve that waves once and twice with azimuth.
+
+    `shape` holds the curve's height and its cosine and sine once and twice
+    around [rad].
+    """
+
+    def edge(az: Array) -> Array:
+        waves = (np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az))
+        return np.asarray(sum(one * wave for one, wave in zip(shape, waves, strict=True)))
+
+    low, high = _range(edge)
+    return subreflector_jump(edge, f"above a curve between {low:.0f} and {high:.0f} deg")
+
+
+def _range(edge: Edge) -> tuple[float, float]:
+    el = edge(np.radians(np.arange(360.0))) / DEG
+    return float(el.min()), float(el.max())
 
 
 def _above(el: float) -> Effect:
@@ -54,10 +77,22 @@ def _beyond(az: float) -> Effect:
     return subreflector_jump(lambda there: np.where(there >= az, -np.inf, np.inf), name, az)
 
 
+def _tilted_edges(el: Array) -> list[Effect]:
+    """Return steps above circles that lean: a first guess of a curve that waves with azimuth."""
+    leans = [LEAN * np.array([np.cos(a), np.sin(a)]) for a in np.radians(np.arange(0, 360, 60))]
+    heights = np.unique(np.quantile(el, (0.25, 0.4, 0.55, 0.7, 0.85)))
+    return [
+        curved_jump((float(height), float(lean[0]), float(lean[1]), 0.0, 0.0))
+        for height in heights
+        for lean in leans
+    ]
+
+
 def _straight_edges(at: Circumstances) -> tuple[Effect, ...]:
     """Return steps at straight edges, with a tenth of the rows between one and the next."""
     shares = np.arange(1, MOST_EDGES + 1) / (MOST_EDGES + 1)
-    found = [
+    found = _tilted_edges(at.el)
+    found += [
         make(float(value))
         for make, where in ((_above, at.el), (_beyond, at.az))
         for value in np.unique(np.quantile(where, shares))

@@ -1,0 +1,172 @@
+"""Refining: the moment of a step and the curve of an edge, from the grid to where they fit best."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.evidence import Trial
+from pyport.effects import CATALOGUE, Effect
+from pyport.effects.epochs import epoch_step
+from pyport.effects.structure import curved_jump
+
+#: Fewer readings than this on either side of a step or an edge decide nothing.
+FEWEST = 8
+#: First steps of the search for an edge: its height, and how it waves with azimuth. [rad]
+_FIRST = np.array([4, 4, 4, 2, 2]) * DEG
+_ROUNDS = 6
+
+
+@dataclass(frozen=True)
+class _View:
+    """Weighted readings with a model projected out.
+
+    Attributes
+    ----------
+    rows
+        The readings that count, shape (n,).
+    root
+        Root of their weights, shape (n,).
+    basis
+        Orthonormal columns that span the model, shape (n, p).
+    left
+        What the model leaves of the data, weighted, shape (n,).
+    """
+
+    rows: Array
+    root: Array
+    basis: Array
+    left: Array
+
+
+def refine(
+    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], winner: Trial
+) -> tuple[Setup, Chosen]:
+    """Move a winner's moment or edge to where it fits best, beside the rest of the model.
+
+    Returns the case with the columns of the refined effect added, and the
+    choice; both as they were where there is nothing to move.
+    """
+    effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
+    if winner.scope != "all":
+        return setup, plain
+    view = _view(setup, weighed, chosen)
+    if effect.id.startswith("epoch") and effect.parameter is not None:
+        better = _moment(setup, view, effect)
+    elif effect.id == "subreflector_jump" and effect.edge is not None:
+        better = _edge(setup, view, effect)
+    else:
+        return setup, plain
+    columns = setup.stack.columns(better, setup.recordings.at)[:, winner.candidate.coefficients]
+    start = setup.columns.shape[1]
+    candidate = replace(
+        winner.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
+    )
+    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    return wider, Chosen(candidate, winner.scope)
+
+
+def _view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> _View:
+    scatter = np.ones(len(setup.residual))
+    for part, noise in zip(setup.parts, weighed.noises, strict=True):
+        scatter[part.rows] = noise.floor
+    rows = np.flatnonzero(weighed.used)
+    root = np.sqrt(weighed.weights[rows]) / scatter[rows]
+    model = setup.expanded((*setup.base, *chosen))[rows] * root[:, None]
+    model = model / np.maximum(np.linalg.norm(model, axis=0), 1e-300)
+    basis, strength, _ = np.linalg.svd(model, full_matrices=False)
+    basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
+    data = setup.residual[rows] * root
+    return _View(rows, root, basis, data - basis @ (basis.T @ data))
+
+
+def _moment(setup: Setup, view: _View, effect: Effect) -> Effect:
+    """Return the step at the moment between two recordings that fits best."""
+    at = setup.recordings.at
+    # With every row after the step its columns are those of the effect everywhere.
+    always = epoch_step(0.0, CATALOGUE[effect.id])
+    long_ago = replace(at, columns={**at.columns, "time": np.ones(len(at))})
+    columns = setup.stack.columns(always, long_ago)[view.rows] * view.root[:, None]
+    time = at.numbers("time")[setup.stack.row][view.rows]
+    order = np.argsort(time, kind="stable")
+    time, columns = time[order], columns[order]
+    since = _from_the_end(columns[:, :, None] * columns[:, None, :])
+    crossed = _from_the_end(view.basis[order][:, :, None] * columns[:, None, :])
+    seen = _from_the_end(columns * view.left[order][:, None])
+    information = since - crossed.transpose(0, 2, 1) @ crossed
+    there = np.flatnonzero(np.diff(time, prepend=time[0]) > 0)
+    there = there[(there >= FEWEST) & (there <= len(time) - FEWEST)]
+    if len(there) == 0:
+        return effect
+    values = (np.linalg.pinv(information[there], hermitian=True) @ seen[there][:, :, None])[:, :, 0]
+    best = int(there[np.argmax((values * seen[there]).sum(axis=1))])
+    return epoch_step(float(time[best - 1] + time[best]) / 2, CATALOGUE[effect.id])
+
+
+def _from_the_end(values: Array) -> Array:
+    """Return sums from each row to the last."""
+    return np.asarray(values[::-1].cumsum(axis=0)[::-1])
+
+
+def _edge(setup: Setup, view: _View, effect: Effect) -> Effect:
+    """Return the step across the curve in the sky that fits best.
+
+    The curve waves once and twice with azimuth; its five numbers are moved one
+    after the other by steps that halve, since the gain is no smooth function of them.
+    """
+    at, row = setup.recordings.at, setup.stack.row[view.rows]
+    az, el = at.az[row], at.el[row]
+    is_y = setup.stack.is_y[view.rows]
+    wave = np.stack([np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az)])
+
+    def gain(shape: Array) -> float:
+        above = is_y & (el >= shape @ wave)
+        if min(above.sum(), (is_y & ~above).sum()) < FEWEST:
+            return 0.0
+        column = above * view.root
+        length = column @ column - ((view.basis.T @ column) ** 2).sum()
+        return float((column @ view.left) ** 2 / max(length, 1e-12))
+
+    best = _start(effect, wave)
+    if best is None:
+        return effect
+    most, step = gain(best), _FIRST.copy()
+    for _ in range(_ROUNDS):
+        moved = True
+        while moved:
+            moved = False
+            for n in range(len(best)):
+                for sign in (1, -1):
+                    trial = best.copy()
+                    trial[n] += sign * step[n]
+                    if (score := gain(trial)) > most:
+                        best, most, moved = trial, score, True
+        step /= 2
+    return curved_jump(tuple(map(float, best)))
+
+
+def _start(effect: Effect, wave: Array) -> Array | None:
+    """Return the wave that is nearest to an edge; None for one that is no function of azimuth."""
+    if effect.edge is None:
+        return None
+    curve = effect.edge(np.arctan2(wave[2], wave[1]))
+    if not np.isfinite(curve).all():
+        return None
+    return np.asarray(np.linalg.lstsq(wave.T, curve, rcond=1e-9)[0])
+
+
+def curve_points(candidate: Candidate) -> tuple[tuple[float, float], ...] | None:
+    """Return points (azimuth, elevation) [deg] along the edge of a jump; None without one."""
+    edge = candidate.effect.edge
+    if edge is None:
+        return None
+    az = np.arange(0.0, 360.0, 5.0)
+    el = edge(az * DEG) / DEG
+    if not np.isfinite(el).all():
+        return None
+    return tuple((float(a), float(e)) for a, e in zip(az, el, strict=True))
