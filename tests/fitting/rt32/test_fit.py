@@ -1,6 +1,7 @@
 """The document's fit recovers the document's model from a campaign like the document's."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ def without_noise(seed=0, n=600, **more):
     nothing = np.full(n, np.nan)
     return Recordings(
         at, np.where(one_axis, x, np.nan), np.where(one_axis, np.nan, y),
-        nothing, nothing, np.arange(n), "made.csv",
+        nothing, nothing, np.arange(n), Path("made.csv"),
     )  # fmt: skip
 
 
