@@ -49,7 +49,7 @@ def size(recordings):
 
 @pytest.mark.parametrize("step", SKY)
 def test_each_step_removes_what_its_want_put_in(tmp_path, step):
-    """What a simulation leaves out the reduction takes out, to 0.02 arcsec and two percent.
+    """What a simulation leaves out the reduction takes out, to 0.04 arcsec and two percent.
 
     The two percent are refraction's: it squeezes the lowest shifts that it is applied after.
     """
@@ -57,8 +57,8 @@ def test_each_step_removes_what_its_want_put_in(tmp_path, step):
     removed = size(recordings) - size(reduced(recordings, (step,)))
 
     high = recordings.at.el > 20 * DEG
-    np.testing.assert_allclose(removed, hidden, rtol=0.02, atol=0.02 * ARCSEC)
-    np.testing.assert_allclose(removed[high], hidden[high], rtol=0.003, atol=0.02 * ARCSEC)
+    np.testing.assert_allclose(removed, hidden, rtol=0.02, atol=0.04 * ARCSEC)
+    np.testing.assert_allclose(removed[high], hidden[high], rtol=0.003, atol=0.04 * ARCSEC)
     assert np.sqrt(np.mean(hidden**2)) > 0.1 * ARCSEC
 
 
