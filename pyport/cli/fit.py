@@ -21,6 +21,14 @@ import click
     show_default=True,
     help="With --method: the box offset before 2004 less that after; known, fit or degrees.",
 )
+@click.option(
+    "--level",
+    "level_deg",
+    type=click.FloatRange(min=0, min_open=True),
+    default=0.007,
+    show_default=True,
+    help="With --method document: residuals beyond so many degrees lose their vote.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
@@ -28,13 +36,20 @@ def command(
     model: str,
     method: str | None,
     box_step: str,
+    level_deg: float,
     out: Path | None,
     *,
     as_json: bool,
 ) -> None:
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
     if method is not None:
-        _fit_as_in_the_document(recordings, model, method, box_step, out, as_json=as_json)
+        if model not in {"rt32-exact", "rt32-approximate"}:
+            raise click.UsageError(
+                f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
+            )
+        exact = model == "rt32-exact"
+        report, text = _fit_rt32(recordings, method, box_step, level_deg, exact=exact)
+        _show(report, text, out, as_json=as_json)
         return
     from pyport.fitting import table, waves
     from pyport.fitting.fit import fit
@@ -47,29 +62,21 @@ def command(
         click.echo("\n" + waves.text(found))
 
 
-def _fit_as_in_the_document(
-    recordings: str, model: str, method: str, choice: str, out: Path | None, *, as_json: bool
-) -> None:
-    """Fit p1..p12 from nothing and print the RT32's table."""
+def _fit_rt32(
+    recordings: str, method: str, choice: str, level_deg: float, *, exact: bool
+) -> tuple[dict[str, object], str]:
+    """Fit p1..p12 from nothing; return the fit for programs and the RT32's table."""
+    from pyport.angles import DEG
     from pyport.fitting.rt32 import box_step, fit_rt32, table
     from pyport.fitting.rt32.bootstrap import honest_sigmas
     from pyport.recordings import read, resolve
 
-    if model not in {"rt32-exact", "rt32-approximate"}:
-        raise click.UsageError(
-            f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
-        )
     measured = read(resolve(recordings))
-    done = fit_rt32(
-        measured, exact=model == "rt32-exact", method=method, box=box_step(measured, choice)
-    )
+    box = box_step(measured, choice)
+    done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
     honest = honest_sigmas(done)
-    _show(
-        table.as_json(done, honest),
-        f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}",
-        out,
-        as_json=as_json,
-    )
+    text = f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}"
+    return table.as_json(done, honest), text
 
 
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import DEG, Array
 from pyport.errors import BadInput
 from pyport.fitting.gram import inverted
 from pyport.fitting.rt32.campaigns import BoxStep
@@ -117,10 +117,14 @@ def fit_rt32(
     Raises
     ------
     BadInput
-        There is no such method, or there are fewer offsets than parameters.
+        There is no such method, there are fewer offsets (or, by the document's method, fewer
+        within the level) than parameters, or more antennas than one.
     """
     if method not in METHODS:
         raise BadInput(f"no method is called {method!r}, expected one of {', '.join(METHODS)}")
+    antennas = len(np.unique(recordings.label("antenna")))
+    if antennas > 1:
+        raise BadInput(f"{antennas} antennas, expected one telescope's offsets", recordings.file)
     data = stack(recordings)
     none = np.zeros(len(recordings))
     stepped = data.spread(none if box is None else box.earlier.astype(float), none)
@@ -142,6 +146,13 @@ def fit_rt32(
         change, tuned, rounds = settle(columns, left, tune)
         p = p + change
     residual = left - columns @ change
+    inside = int((np.abs(residual) <= level).sum())
+    if method == "document" and inside < size:
+        raise BadInput(
+            f"{inside} offsets within {level / DEG:g} deg of the fit cannot determine {size}"
+            " parameters, expected a larger level",
+            recordings.file,
+        )
     weight = tuned.weight(residual)
     inverse, _, condition, known = inverted((columns * weight[:, None]).T @ columns)
     open_or_not = np.where(known, 1.0, np.nan)

@@ -16,10 +16,6 @@ _DERIVATIVES = (
     "(1)", "(1)", "(tg Alt)", "(1/cos Alt)", "Az,Alt", "Az,Alt",
     "(cos Alt)", "(sin Alt)", "(sin 2Az)", "(cos 2Az)", "(sin 2Az)", "(1)",
 )  # fmt: skip
-_NAMES = (
-    "Zero Az", "Zero Alt=pi/2-z", "Skew Az", "Box Az", "Tilt South", "Tilt West",
-    "Sag Alt", "Ad hoc Alt", "Ad hoc Az", "Ad hoc Az", "Ad hoc Alt", "Alt jump",
-)  # fmt: skip
 
 
 def text(fit: Rt32Fit, honest: Array) -> str:
@@ -43,8 +39,9 @@ def text(fit: Rt32Fit, honest: Array) -> str:
     lines += ["", f"condition number {fit.condition:.1f}"]
     if fit.method == "document":
         factor = cut_factor(fit.residual, fit.level)
+        by = f"by {factor:.2f}" if np.isfinite(factor) else "by any factor"
         lines.append(
-            f"formal sigmas are too small by {factor:.2f} through the cut alone: "
+            f"formal sigmas are too small {by} through the cut alone: "
             "the fit decides itself which points vote"
         )
     return "\n".join(lines)
@@ -74,7 +71,7 @@ def _head(fit: Rt32Fit) -> list[str]:
 def _name(k: int) -> str:
     if k >= len(PARAMETERS):
         return f"{'Box step':15s} {'(1/cos Alt)':11s}"
-    return f"{_NAMES[k]:15s} {_DERIVATIVES[k]:11s}"
+    return f"{PARAMETERS[k].name.partition(' (')[0]:15s} {_DERIVATIVES[k]:11s}"
 
 
 def _value(value: float, sigma: float) -> str:
@@ -91,28 +88,40 @@ def correlations(fit: Rt32Fit) -> str:
     size = len(fit.values)
     lines = ["     " + "".join(f"{f'p{k + 1}':>6s}" for k in range(size))]
     for k, row in enumerate(fit.correlation):
-        lines.append(f"{f'p{k + 1}':>4s} " + "".join(f"{one:6.2f}" for one in row[: k + 1]))
+        lines.append(f"{f'p{k + 1}':>4s} " + "".join(map(_share, row[: k + 1])))
     return "\n".join(lines)
 
 
 def compared(fits: Sequence[Rt32Fit], honest: Sequence[Array]) -> str:
     """Return the methods side by side: values and honest sigmas [arcsec]."""
-    lines = [f"{'':15s} {'published':>10s}" + "".join(f"{fit.method:>17s}" for fit in fits)]
+    lines = [f"{'':20s} {'published':>10s}" + "".join(f"{fit.method:>17s}" for fit in fits)]
     published = printed()
     for k in range(len(PARAMETERS)):
-        line = f"{_NAMES[k]:15s} {published[k] / ARCSEC:10.1f}"
+        line = f"{PARAMETERS[k].name:20s} {published[k] / ARCSEC:10.1f}"
         for fit, sigma in zip(fits, honest, strict=True):
-            line += f"{fit.values[k] / ARCSEC:9.1f} +-{sigma[k] / ARCSEC:5.1f}"
+            line += f"{fit.values[k] / ARCSEC:9.1f} +-{sigma[k] / ARCSEC:5.1f}".replace(
+                "nan", "  -"
+            )
         lines.append(line)
     rows = {
-        "formal/honest": [np.nanmedian(f.sigmas / s) for f, s in zip(fits, honest, strict=True)],
+        "formal/honest": [_middle(f.sigmas / s) for f, s in zip(fits, honest, strict=True)],
         "within level": [f.inside.sum() for f in fits],
         "rms of them": [f.rms / ARCSEC for f in fits],
     }
     for name, values in rows.items():
         shown = (f"{v:17d}" if isinstance(v, np.integer) else f"{v:17.2f}" for v in values)
-        lines.append(f"{name:15s} {'':10s}" + "".join(shown))
+        lines.append(f"{name:20s} {'':10s}" + "".join(shown).replace("nan", "  -"))
     return "\n".join(lines)
+
+
+def _middle(ratios: Array) -> float:
+    """Return the median of what is known, NaN where nothing is."""
+    known = ratios[np.isfinite(ratios)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
+def _share(correlation: float) -> str:
+    return f"{correlation:6.2f}".replace("nan", "  -")
 
 
 def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:

@@ -1,6 +1,7 @@
 """The document's fit recovers the document's model from a campaign like the document's."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ def without_noise(seed=0, n=600, **more):
     nothing = np.full(n, np.nan)
     return Recordings(
         at, np.where(one_axis, x, np.nan), np.where(one_axis, np.nan, y),
-        nothing, nothing, np.arange(n), "made.csv",
+        nothing, nothing, np.arange(n), Path("made.csv"),
     )  # fmt: skip
 
 
@@ -160,6 +161,7 @@ def test_what_the_recordings_leave_open_is_not_made_up():
     ("call", "message"),
     [
         (lambda r: fit_rt32(r, method="l2"), "no method is called 'l2'"),
+        (lambda r: fit_rt32(r, level=1e-20), r"\d offsets within .* a larger level"),
         (lambda r: fit_rt32(r.take(slice(5))), "5 measured offsets cannot determine 12"),
         (lambda r: box_step(r, "a lot"), "expected known, fit or degrees"),
     ],
@@ -168,6 +170,14 @@ def test_what_cannot_be_done_is_said(call, message):
     """One line says what is wrong and what was expected."""
     with pytest.raises(BadInput, match=message):
         call(without_noise())
+
+
+def test_several_antennas_are_no_telescope():
+    """Offsets of two antennas are not fitted as if one had made them."""
+    two = without_noise(antenna=np.repeat(["E02", "W01"], 300))
+
+    with pytest.raises(BadInput, match="2 antennas, expected one"):
+        fit_rt32(two)
 
 
 def test_recordings_of_one_campaign_have_no_step():

@@ -36,6 +36,9 @@ def test_an_open_parameter_has_no_number(campaign):
     text = table.text(fit, honest_sigmas(fit))
 
     assert text.count("not determined by these recordings") == 5
+    assert "nan" not in text + table.correlations(fit) + table.compared(
+        [fit], [fit.sigmas * np.nan]
+    )
 
 
 def test_json_holds_what_the_table_prints(campaign):
