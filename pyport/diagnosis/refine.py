@@ -14,6 +14,7 @@ from pyport.diagnosis.evidence import Trial
 from pyport.effects import CATALOGUE, Effect
 from pyport.effects.epochs import epoch_step
 from pyport.effects.structure import curved_jump
+from pyport.fitting.stacking import Codes
 
 #: Fewer readings than this on either side of a step or an edge decide nothing.
 FEWEST = 8
@@ -38,7 +39,7 @@ class _View:
         What the model leaves of the data, weighted, shape (n,).
     """
 
-    rows: Array
+    rows: Codes
     root: Array
     basis: Array
     left: Array
@@ -46,29 +47,47 @@ class _View:
 
 def refine(
     setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], winner: Trial
-) -> tuple[Setup, Chosen]:
+) -> tuple[Setup, Chosen, float]:
     """Move a winner's moment or edge to where it fits best, beside the rest of the model.
 
-    Returns the case with the columns of the refined effect added, and the
-    choice; both as they were where there is nothing to move.
+    Returns
+    -------
+    setup, chosen
+        The case with the columns of the refined effect added, and the choice;
+        both as they were where there is nothing to move.
+    more
+        By what factor the gain has grown.
     """
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
-        return setup, plain
+        return setup, plain, 1.0
     view = _view(setup, weighed, chosen)
     if effect.id.startswith("epoch") and effect.parameter is not None:
         better = _moment(setup, view, effect)
     elif effect.id == "subreflector_jump" and effect.edge is not None:
         better = _edge(setup, view, effect)
     else:
-        return setup, plain
+        return setup, plain, 1.0
     columns = setup.stack.columns(better, setup.recordings.at)[:, winner.candidate.coefficients]
     start = setup.columns.shape[1]
     candidate = replace(
         winner.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
     )
+    old = setup.columns[:, winner.candidate.columns]
+    more = _gain(view, columns) / max(_gain(view, old), 1e-300)
+    if more <= 1:
+        return setup, plain, 1.0
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
-    return wider, Chosen(candidate, winner.scope)
+    return wider, Chosen(candidate, winner.scope), more
+
+
+def _gain(view: _View, columns: Array) -> float:
+    """Return what columns (m, k) gain beside the model."""
+    own = columns[view.rows] * view.root[:, None]
+    own -= view.basis @ (view.basis.T @ own)
+    return float(
+        view.left @ own @ np.linalg.pinv(own.T @ own, hermitian=True) @ (own.T @ view.left)
+    )
 
 
 def _view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> _View:

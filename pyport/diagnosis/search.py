@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,7 +76,8 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
     """Add effects to the model, the best first, while noise alone would not look like that.
 
     An effect is added only when it also predicts what the fit had not seen;
-    the next best takes its turn when it does not.
+    the next best takes its turn when it does not. One that a later effect
+    made idle is dropped again.
 
     Parameters
     ----------
@@ -100,11 +101,14 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
             winner = _winner(setup, weighed, chosen, trials, IMPERFECTION * strongest)
         if winner is None:
             return Outcome(setup, chosen, tuple(steps), weighed, first, tuple(trials))
-        tell(f"{winner.candidate.effect.id} ({winner.scope}): p = {p_value:.2g}")
-        setup, new = refine(setup, weighed, chosen, winner)
-        steps.append(Step(winner, new, tuple(trials), chosen, beside, p_value))
+        trial, setup, new = winner
+        tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
+        steps.append(Step(trial, new, tuple(trials), chosen, beside, p_value))
         chosen = _with(setup, chosen, new)
         weighed = weigh(setup, chosen)
+        chosen, before = _without_idle(setup, weighed, chosen), chosen
+        if len(chosen) < len(before):
+            weighed = weigh(setup, chosen)
 
 
 def _trials(setup: Setup, beside: Beside) -> list[Trial]:
@@ -142,23 +146,60 @@ def _winner(
     chosen: tuple[Chosen, ...],
     trials: Sequence[Trial],
     least: float,
-) -> Trial | None:
+) -> tuple[Trial, Setup, Chosen] | None:
     """Return the trial most worth its coefficients that also predicts unseen data better.
 
     A shape wins only by a clear margin over every effect with a name; nothing
-    wins that gains no more than `least`.
+    wins that gains no more than `least`. Steps and edges compete with their
+    moment and curve refined. With the trial comes the case that holds the
+    columns of what is to be added, and the choice itself.
     """
     worth = [t for t in trials if t.delta_bic > least and identify.fits_physics(t)]
-    handicap = {id(t): 0.0 if t.candidate.effect.physical else SHAPE_MARGIN for t in worth}
-    ranked = sorted(worth, key=lambda t: handicap[id(t)] - t.delta_bic)
-    for trial in ranked[:MOST_TRIED]:
-        new = _with(setup, chosen, Chosen(trial.candidate, trial.scope))
-        partition = folds(setup, new, setup.seed)
-        before, after = (unseen_misfit(setup, weighed, one, partition) for one in (chosen, new))
+    worth.sort(key=lambda trial: -trial.delta_bic)
+    ranked = []
+    refined: set[str] = set()
+    for trial in worth:
+        effect = trial.candidate.effect
+        score = trial.delta_bic - (0.0 if effect.physical else SHAPE_MARGIN)
+        wider, new = setup, Chosen(trial.candidate, trial.scope)
+        if effect.id not in refined:
+            refined.add(effect.id)
+            wider, new, more = refine(setup, weighed, chosen, trial)
+            added = trial.gain * (more - 1)
+            score += added
+            trial = replace(  # noqa: PLW2901 - the same trial, its moment or edge moved
+                trial, gain=trial.gain + added, delta_bic=trial.delta_bic + added
+            )
+        ranked.append((score, trial, wider, new))
+    ranked.sort(key=lambda one: -one[0])
+    for _, trial, wider, new in ranked[:MOST_TRIED]:
+        after = _with(wider, chosen, new)
+        seen = weighed if wider is setup else weigh(wider, chosen)
+        partition = folds(wider, after, setup.seed)
+        was, now = (unseen_misfit(wider, seen, one, partition) for one in (chosen, after))
         # Predictions count only so far off: no effect can gain more there than all there was.
-        if before - after > UNSEEN_SHARE * min(trial.gain, before):
-            return trial
+        if was - now > UNSEEN_SHARE * min(trial.gain, was):
+            return trial, wider, new
     return None
+
+
+def _without_idle(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> tuple[Chosen, ...]:
+    """Drop choices that the others have made idle, the idlest first."""
+    evidence = weighed.evidence
+    price = np.log(max(evidence.pointings, 3))
+    while len(chosen) > 1:
+        whole = evidence.gram.solve([setup.part(one) for one in (*setup.base, *chosen)])
+        worths = []
+        for one in chosen:
+            others = [setup.part(o) for o in (*setup.base, *chosen) if o is not one]
+            less = evidence.gram.solve(others)
+            gain = (less.residual - whole.residual) / evidence.common.factor
+            worths.append(gain - price * (whole.rank - less.rank))
+        if min(worths) > 0:
+            break
+        idle = int(np.argmin(worths))
+        chosen = chosen[:idle] + chosen[idle + 1 :]
+    return chosen
 
 
 def _with(setup: Setup, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
