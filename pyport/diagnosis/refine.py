@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,7 +56,7 @@ def refine(
         The case with the columns of the refined effect added, and the choice;
         both as they were where there is nothing to move.
     more
-        By what factor the gain has grown.
+        By what factor the gain has grown, less what the numbers of a curve must earn.
     """
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
@@ -151,22 +151,35 @@ def _edge(setup: Setup, view: _View, effect: Effect) -> Effect:
         length = column @ column - ((view.basis.T @ column) ** 2).sum()
         return float((column @ view.left) ** 2 / max(length, 1e-12))
 
-    best = _start(effect, wave)
-    if best is None:
+    start = _start(effect, wave)
+    if start is None:
         return effect
-    most, step = gain(best), _FIRST.copy()
+    # Each further wave must earn its two numbers, as any coefficient must.
+    price = 2 * np.log(max(len(view.rows), 3))
+    straight = np.where(np.arange(len(start)) == 0, start, 0.0)
+    best = _climbed(gain, straight, 1)
+    for waves, first in ((3, start), (5, None)):
+        wavier = _climbed(gain, best if first is None else first, waves)
+        if gain(wavier) > gain(best) + price:
+            best = wavier
+    return curved_jump(tuple(map(float, best)))
+
+
+def _climbed(gain: Callable[[Array], float], start: Array, numbers: int) -> Array:
+    """Return where the gain is highest, moving the first `numbers` by steps that halve."""
+    best, most, step = start, gain(start), _FIRST.copy()
     for _ in range(_ROUNDS):
         moved = True
         while moved:
             moved = False
-            for n in range(len(best)):
+            for n in range(numbers):
                 for sign in (1, -1):
                     trial = best.copy()
                     trial[n] += sign * step[n]
                     if (score := gain(trial)) > most:
                         best, most, moved = trial, score, True
         step /= 2
-    return curved_jump(tuple(map(float, best)))
+    return best
 
 
 def _start(effect: Effect, wave: Array) -> Array | None:

@@ -16,7 +16,7 @@ from pyport.diagnosis.refine import refine
 
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
 #: are promised because no noise is quite as it was fitted.
-FAMILY_ERROR = 0.02
+FAMILY_ERROR = 0.01
 #: A nameless shape must beat every named effect by this much in BIC to be preferred.
 SHAPE_MARGIN = 10.0
 MOST_FINDINGS = 8

@@ -31,7 +31,7 @@ def test_a_step_is_dated_to_within_two_recordings():
 
 @pytest.mark.parametrize("lean_deg", [0.0, 8.0])
 def test_an_edge_is_found_along_its_length(lean_deg):
-    """A jump above a curve in the sky comes back with it, two degrees off at most nearly everywhere."""
+    """A jump above a curve in the sky comes back with it, to two degrees nearly everywhere."""
 
     def edge(az):
         return np.radians(45 + lean_deg * np.cos(az - 1.0))
