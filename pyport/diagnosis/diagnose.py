@@ -10,12 +10,13 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import findings as reading
 from pyport.diagnosis import holdout, joint
+from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
-from pyport.diagnosis.evidence import gain_needed, threshold
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import FAMILY_ERROR, Outcome, search
+from pyport.diagnosis.significance import gain_needed, threshold
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
@@ -111,7 +112,7 @@ def diagnose(
     setup, weighed = outcome.setup, outcome.weighed
     before = joint.fit(setup, weighed, ())
     after = joint.fit(setup, weighed, outcome.chosen)
-    scene = reading.scene(setup, outcome, after, seed)
+    scene = scenes.scene(setup, outcome, after, seed)
     tell("holding data out")
     partition = holdout.folds(setup, outcome.chosen, seed)
     unseen = (
@@ -129,7 +130,7 @@ def diagnose(
         before=before,
         after=after,
         share=scene.share,
-        wild=tuple(reading.wild_antennas(setup, scene.floor)),
+        wild=tuple(scenes.wild_antennas(setup, scene.floor)),
         heldout=HeldOut(
             partition.scheme,
             rms(unseen[0][both], scene.share[both]),

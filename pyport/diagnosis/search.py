@@ -10,9 +10,10 @@ import numpy as np
 from pyport.diagnosis import identify
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
-from pyport.diagnosis.evidence import Beside, Blocks, Trial, family_p_value
+from pyport.diagnosis.evidence import Beside, Blocks, Trial
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
+from pyport.diagnosis.significance import family_p_value
 
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
 #: are promised because no noise is quite as it was fitted.

@@ -1,0 +1,154 @@
+"""What findings are read from, and their numbers: size, axes, evidence, held-out gain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.diagnosis import holdout, identify
+from pyport.diagnosis.array import ENOUGH_ANTENNAS
+from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
+from pyport.diagnosis.joint import Joint, rms, sigmas
+from pyport.diagnosis.search import Outcome, Step
+from pyport.effects.base import Coefficient
+
+#: An axis belongs to a finding when it shows this share of what the other axis shows.
+AXIS_SHARE = 0.2
+#: An antenna that scatters by this many times the array's median tells nothing.
+WILD = 10.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the findings are read from: the case, its last weighing and the joint fit.
+
+    `counted` tells which readings count in an rms: no outliers, no wild antennas.
+    `share` says how much: one, less where an antenna is noisier than is usual.
+    """
+
+    setup: Setup
+    outcome: Outcome
+    joint: Joint
+    counted: NDArray[np.bool_]
+    share: Array
+    floor: Array
+    seed: int
+
+    @property
+    def weighed(self) -> Weighed:
+        """Return the last weighing."""
+        return self.outcome.weighed
+
+
+def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
+    """Return the scene of a finished search."""
+    floor = np.zeros(len(setup.residual))
+    for part, noise in zip(setup.parts, outcome.weighed.noises, strict=True):
+        floor[part.rows] = noise.floor
+    quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
+    counted = outcome.weighed.used & quiet
+    usual = np.median(floor[counted]) if counted.any() else 1.0
+    share = np.where(counted, np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2), 0.0)
+    return Scene(setup, outcome, joint, counted, share, floor, seed)
+
+
+def wild_antennas(setup: Setup, floor: Array) -> list[str]:
+    """Name the antennas whose noise drowns whatever the others show."""
+    antennas = setup.blocks.antenna[setup.block]
+    names = np.unique(antennas)
+    if len(names) < ENOUGH_ANTENNAS:
+        return []
+    own = np.array([np.median(floor[antennas == name]) for name in names])
+    return [str(name) for name in names[own > WILD * np.median(own)]]
+
+
+def parameters_of(scene: Scene, choice: int) -> list[Parameter]:
+    """Return a choice's coefficients, one for each group that shares them."""
+    chosen = scene.joint.choices[choice]
+    where = scene.joint.slice(choice)
+    value = scene.joint.solution.values[where]
+    sigma = sigmas(scene.joint, len(scene.setup.residual))[where]
+    known = scene.joint.solution.known[where]
+    names = scene.setup.blocks.names(chosen.scope)
+    width = len(chosen.candidate.columns)
+    found = []
+    for group, name in enumerate(names):
+        for n, which in enumerate(chosen.candidate.coefficients):
+            at = group * width + n
+            if known[at]:
+                label = f"[{name}]" if name else ""
+                coefficient = chosen.candidate.effect.coefficients[which]
+                found += scaled(coefficient, [label], value[at : at + 1], sigma[at : at + 1])
+    return found
+
+
+def scaled(
+    coefficient: Coefficient, labels: Sequence[str], values: Array, sigma: Array
+) -> list[Parameter]:
+    """Return values in the unit that a coefficient is reported in, one for each label."""
+    return [
+        Parameter(
+            coefficient.name + label,
+            float(value / coefficient.scale),
+            float(error / coefficient.scale),
+            coefficient.unit,
+            coefficient.expected,
+        )
+        for label, value, error in zip(labels, values, sigma, strict=True)
+    ]
+
+
+def size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
+    """Return the rms of a curve over some of the readings that count [rad]."""
+    return rms(curve[rows], scene.share[rows])
+
+
+def axes(setup: Setup, seen: Array) -> tuple[str, ...]:
+    """Name the axes in which a curve shows."""
+    across, along = rms(seen[~setup.stack.is_y]), rms(seen[setup.stack.is_y])
+    most = max(across, along)
+    shown = (("xel", across), ("el", along))
+    return tuple(name for name, size in shown if size > AXIS_SHARE * most)
+
+
+def moved_antennas(scene: Scene, curve: Array) -> dict[str, list[str]]:
+    """Name the antennas that a curve moves, where it does not move all."""
+    antennas = scene.setup.blocks.antenna[scene.setup.block]
+    moved = np.unique(antennas[curve != 0])
+    return {} if len(moved) == len(np.unique(antennas)) else {"antenna": [str(m) for m in moved]}
+
+
+def evidence_of(step: Step, called: identify.Name) -> Evidence:
+    """Return the evidence of a turn, with the best effect outside the class."""
+    runner = called.runner_up
+    return Evidence(
+        step.p_value,
+        step.winner.delta_bic,
+        None if runner is None else runner.candidate.effect.id,
+        None if runner is None else runner.delta_bic,
+    )
+
+
+def held_out(
+    scene: Scene,
+    before: Sequence[Chosen],
+    after: Sequence[Chosen],
+    rows: NDArray[np.bool_],
+) -> HeldOut:
+    """Compare predictions of unseen readings with and without an effect."""
+    partition = holdout.folds(scene.setup, after, scene.seed)
+    first = holdout.residuals(scene.setup, scene.weighed, before, partition)
+    second = holdout.residuals(scene.setup, scene.weighed, after, partition)
+    both = rows & scene.counted & np.isfinite(first) & np.isfinite(second)
+    share = scene.share[both]
+    return HeldOut(
+        partition.scheme,
+        rms(first[both], share),
+        rms(second[both], share),
+        rms(scene.floor[both], share),
+    )
