@@ -144,10 +144,10 @@ def diagnose(
 def _enough(setup: Setup) -> None:
     """Refuse recordings that cannot even carry the model."""
     needed = setup.expanded(setup.base).shape[1] + FEWEST_SPARE
-    there = len(setup.residual)
+    there = len(np.unique(setup.pointing * 2 + setup.stack.is_y))
     if there < needed:
         raise BadInput(
-            f"{there} measured offsets are too few: {setup.model.name} and a search beside it "
+            f"offsets of {there} pointings are too few: {setup.model.name} and a search beside it "
             f"need {needed}",
             setup.recordings.file,
         )

@@ -20,6 +20,8 @@ WORTHLESS = -2.0
 
 #: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
 KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
+#: An effect of known size whose sigma is a larger share of it than this could not have been seen.
+KNOWN_SIGHT = 0.5
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,10 @@ def fits_physics(trial: Trial) -> bool:
         coefficient = candidate.effect.coefficients[which]
         if coefficient.expected is None:
             continue
+        sigma_of = error / coefficient.scale
         off = abs(value / coefficient.scale - coefficient.expected)
-        if off > KNOWN_SIGMAS * error / coefficient.scale + KNOWN_SHARE * coefficient.expected:
+        unseen = sigma_of > KNOWN_SIGHT * coefficient.expected
+        if unseen or off > KNOWN_SIGMAS * sigma_of + KNOWN_SHARE * coefficient.expected:
             return False
     return True
 

@@ -59,9 +59,9 @@ def numbers(recordings: Recordings) -> dict[str, Array]:
     written down, not what the telescope met, and are passed over.
     """
     at = recordings.at
-    found = {"az_deg": at.az, "el_deg": at.el}
+    found: dict[str, Array] = {}
     passed_over = recordings.meta.get("bookkeeping", "").split()
-    for name, column in at.columns.items():
+    for name, column in {"az_deg": at.az, "el_deg": at.el, **at.columns}.items():
         if name in passed_over or column.dtype.kind not in "fiu":
             continue
         values = np.asarray(column, float)
