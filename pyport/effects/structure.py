@@ -12,7 +12,7 @@ from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColum
 Edge = Callable[[Array], Array]
 
 #: So many straight edges are tried in elevation, and in azimuth: a first guess of the curve.
-MOST_EDGES = 9
+MOST_EDGES = 7
 #: How far the leaning edges that are tried rise and fall with azimuth. [rad]
 LEAN = 10 * DEG
 
@@ -40,7 +40,7 @@ def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> 
         (Coefficient("jump"),),
         basis,
         variant=name,
-        profile=_straight_edges,
+        profile=_edges_tried,
         formula=("", "j above a curve in the sky"),
         parameter=parameter,
         edge=edge,
@@ -58,13 +58,9 @@ def curved_jump(shape: tuple[float, ...]) -> Effect:
         waves = (np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az))
         return np.asarray(sum(one * wave for one, wave in zip(shape, waves, strict=True)))
 
-    low, high = _range(edge)
-    return subreflector_jump(edge, f"above a curve between {low:.0f} and {high:.0f} deg")
-
-
-def _range(edge: Edge) -> tuple[float, float]:
     el = edge(np.radians(np.arange(360.0))) / DEG
-    return float(el.min()), float(el.max())
+    name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
+    return subreflector_jump(edge, f"{name} {int(el.argmax())} deg", shape[0])
 
 
 def _above(el: float) -> Effect:
@@ -79,8 +75,8 @@ def _beyond(az: float) -> Effect:
 
 def _tilted_edges(el: Array) -> list[Effect]:
     """Return steps above circles that lean: a first guess of a curve that waves with azimuth."""
-    leans = [LEAN * np.array([np.cos(a), np.sin(a)]) for a in np.radians(np.arange(0, 360, 60))]
-    heights = np.unique(np.quantile(el, (0.25, 0.4, 0.55, 0.7, 0.85)))
+    leans = [LEAN * np.array([np.cos(a), np.sin(a)]) for a in np.radians(np.arange(0, 360, 90))]
+    heights = np.unique(np.quantile(el, (0.4, 0.7)))
     return [
         curved_jump((float(height), float(lean[0]), float(lean[1]), 0.0, 0.0))
         for height in heights
@@ -88,11 +84,10 @@ def _tilted_edges(el: Array) -> list[Effect]:
     ]
 
 
-def _straight_edges(at: Circumstances) -> tuple[Effect, ...]:
-    """Return steps at straight edges, with a tenth of the rows between one and the next."""
+def _edges_tried(at: Circumstances) -> tuple[Effect, ...]:
+    """Return steps at straight edges, an eighth of the rows apart, and above leaning circles."""
     shares = np.arange(1, MOST_EDGES + 1) / (MOST_EDGES + 1)
-    found = _tilted_edges(at.el)
-    found += [
+    found = [
         make(float(value))
         for make, where in ((_above, at.el), (_beyond, at.az))
         for value in np.unique(np.quantile(where, shares))
@@ -100,7 +95,7 @@ def _straight_edges(at: Circumstances) -> tuple[Effect, ...]:
     ]
     if not found:
         raise MissingColumn("a second direction")
-    return tuple(found)
+    return (*found, *_tilted_edges(at.el))
 
 
 EFFECTS = (_above(60 * DEG),)

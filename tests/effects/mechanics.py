@@ -138,7 +138,10 @@ PAIRS = tuple(np.stack([NORTH, EAST], axis=1).ravel())
 STEP = CATALOGUE["epoch_offset"].variants(AT)[7]
 SINCE = AT.columns["time"] > STEP.parameter
 EDGES = CATALOGUE["subreflector_jump"].variants(AT)
-LOW, EASTERN = EDGES[2], EDGES[-2]
+LOW = EDGES[2]
+EASTERN = [one for one in EDGES if one.variant.startswith("beyond azimuth")][-2]
+#: A circle that stands ten degrees higher in the west than on average.
+LEANING = EDGES[-1]
 
 
 def stepped(where):
@@ -187,6 +190,16 @@ LABELLED = [
         (-25.0,),
         lambda s: {"droop": lambda _: -s * 25 * ARCSEC * (AT.az > EASTERN.parameter)},
         variant=EASTERN.variant,
+    ),
+    mounted(
+        "subreflector_jump",
+        (-25.0,),
+        lambda s: {
+            "droop": lambda _: (
+                -s * 25 * ARCSEC * (AT.el > LEANING.parameter - 10 * DEG * np.sin(AT.az))
+            )
+        },
+        variant=LEANING.variant,
     ),
 ]
 
