@@ -13,6 +13,9 @@ from pyport.fitting.gram import inverted
 
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
+#: Two curves that alike are told apart all the same when one of them leaves this much more, and
+#: more than this share of what there was: what first-order shapes may be wrong by.
+DECISIVE, DECISIVE_SHARE = 60.0, 0.02
 #: An effect that falls behind by less than this in BIC is not excluded.
 NOT_EXCLUDED = 10.0
 #: One that gains less than its coefficients cost by more than this explains nothing.
@@ -58,6 +61,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
             rival.scope == winner.scope
             and rival.dof <= 2 * winner.dof
             and beside.share(winner, rival) >= ALIKE
+            and winner.gain - rival.gain < max(DECISIVE, DECISIVE_SHARE * winner.gain)
         )
         if close or same:
             members.append(effect)
