@@ -13,6 +13,8 @@ from pyport.fitting.gram import inverted
 
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
+#: Squared cosine from which they are one and the same, whatever sizes physics allows them.
+IDENTICAL = 0.99
 #: Two curves that alike are told apart all the same when one of them leaves this much more, and
 #: more than this share of what there was: what first-order shapes may be wrong by.
 DECISIVE, DECISIVE_SHARE = 60.0, 0.02
@@ -47,13 +49,15 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     """Return the class of the winner of a turn and the best effect outside it."""
     members = [winner.candidate.effect.id]
     rivals = sorted(
-        (t for t in trials if t.candidate.effect.physical and fits_physics(t)),
+        (t for t in trials if t.candidate.effect.physical),
         key=lambda t: -t.delta_bic,
     )
     outside: list[Trial] = []
     for rival in rivals:
         effect = rival.candidate.effect.id
         if effect in members:
+            continue
+        if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
         close = rival.delta_bic > max(winner.delta_bic - NOT_EXCLUDED, WORTHLESS)
         # A rival with many more coefficients can draw any curve; that is no likeness.
@@ -69,6 +73,11 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
             outside.append(rival)
     outside = [rival for rival in outside if rival.candidate.effect.id not in members]
     return Name(tuple(members), outside[0] if outside else None)
+
+
+def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:
+    """Tell whether two effects draw one and the same curve."""
+    return rival.scope == winner.scope and beside.share(winner, rival) >= IDENTICAL
 
 
 def fits_physics(trial: Trial) -> bool:

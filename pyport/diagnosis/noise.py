@@ -20,6 +20,8 @@ from pyport.recordings.schema import Recordings
 
 #: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them.
 TUKEY = 6.0
+#: Sessions are pulled apart by this much more than they are, so that no drift spans them. [s]
+APART = 1e9
 #: Fewer pointings than this in one antenna and axis tell nothing of a drift.
 ENOUGH_FOR_DRIFT = 80
 #: Twice the log-likelihood that a drift must gain before it is believed. Low on purpose: a drift
@@ -110,7 +112,7 @@ def _ordered(
     when, session = time[of_row][np.sort(first)], sessions[of_row][np.sort(first)]
     if not np.all(np.isfinite(when)):
         return Series(rows, order[inverse], None, antenna, is_y)
-    apart = np.concatenate([[0.0], np.where(np.diff(session) != 0, 1e9, 0.0)]).cumsum()
+    apart = np.concatenate([[0.0], np.where(np.diff(session) != 0, APART, 0.0)]).cumsum()
     when = np.maximum.accumulate(when + apart - when.min())
     return Series(rows, order[inverse], when, antenna, is_y)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.noise import (
+    APART,
     DRIFT_GAIN,
     ENOUGH_FOR_DRIFT,
     FAR,
@@ -31,6 +32,8 @@ SLOW = 0.9
 MOST_SLOW = 8
 #: A drift that remembers longer than this is no noise: it is an effect of time. [s]
 LONGEST_MEMORY = 86400.0
+#: Up to so many sessions beyond the first their own constants are taken out first.
+FEW_SESSIONS = 5
 #: The array's usual noise counts as this many deviations where an antenna has few of its own.
 PRIOR_DOF = 6.0
 #: Antennas from which on there is a usual noise.
@@ -68,7 +71,8 @@ def fit(
         of_axis[part.rows] = part.is_y
     floors = {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
     for part in parts:
-        columns = _rich(base[part.rows], shapes[part.rows], int(part.pointing.max()) + 1)
+        known = np.concatenate([base[part.rows], _few_sessions(part)], axis=1)
+        columns = _rich(known, shapes[part.rows], int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
         weights[part.rows], residual = robust.weights(columns, value[part.rows], TUKEY, floor)
         noises.append(_fit_series(value[part.rows], columns, weights, residual, part, floor))
@@ -102,6 +106,21 @@ def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
                 dof=noise.dof + PRIOR_DOF,
             )
     return found
+
+
+def _few_sessions(part: Series) -> Array:
+    """Return a column for each session but the first, where there are few of them.
+
+    A drift must show within the sessions: between two or three of them it
+    could pass for any step.
+    """
+    if part.time is None:
+        return np.zeros((len(part.rows), 0))
+    session = np.concatenate([[0], np.cumsum(np.diff(part.time) > APART / 2)])[part.pointing]
+    count = int(session.max())
+    if count > FEW_SESSIONS:
+        return np.zeros((len(part.rows), 0))
+    return (session[:, None] == np.arange(1, count + 1)).astype(float)
 
 
 def _rich(base: Array, shapes: Array, pointings: int) -> Array:
