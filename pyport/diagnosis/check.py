@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Setup, Weighed
-from pyport.diagnosis.identify import KNOWN_SHARE, KNOWN_SIGMAS
+from pyport.diagnosis.identify import agrees
 from pyport.diagnosis.joint import Joint, contribution
 from pyport.diagnosis.noise import whiten
 from pyport.fitting.gram import Gram
@@ -79,5 +79,5 @@ def _halves(setup: Setup) -> dict[str, NDArray[np.bool_]]:
 
 def known(value: float, sigma: float, expected: float, what: str) -> Check:
     """Compare a coefficient with the value that physics fixes."""
-    passed = abs(value - expected) <= KNOWN_SIGMAS * sigma + KNOWN_SHARE * expected
-    return Check(passed, f"{what} = {value:.4g} +- {sigma:.2g}, physics says {expected:.4g}")
+    words = f"{what} = {value:.4g} +- {sigma:.2g}, physics says {expected:.4g}"
+    return Check(agrees(value, sigma, expected), words)

@@ -89,12 +89,16 @@ def fits_physics(trial: Trial) -> bool:
         coefficient = candidate.effect.coefficients[which]
         if coefficient.expected is None:
             continue
-        sigma_of = error / coefficient.scale
-        off = abs(value / coefficient.scale - coefficient.expected)
-        unseen = sigma_of > KNOWN_SIGHT * coefficient.expected
-        if unseen or off > KNOWN_SIGMAS * sigma_of + KNOWN_SHARE * coefficient.expected:
+        known, sigma_of = coefficient.expected, error / coefficient.scale
+        unseen = sigma_of > KNOWN_SIGHT * known
+        if unseen or not agrees(value / coefficient.scale, sigma_of, known):
             return False
     return True
+
+
+def agrees(value: float, sigma: float, expected: float) -> bool:
+    """Tell whether a coefficient has the value that physics fixes, as far as its error tells."""
+    return abs(value - expected) <= KNOWN_SIGMAS * sigma + KNOWN_SHARE * expected
 
 
 def decide_by(members: Sequence[str]) -> str | None:

@@ -20,13 +20,15 @@ from pyport.recordings.schema import Recordings
 SCHEMA = "pyport.diagnosis/1"
 
 
-def write(diagnosis: Diagnosis, folder: Path) -> None:
-    """Write report.json and rows.csv into a folder, each whole or not at all."""
+def write(diagnosis: Diagnosis, folder: Path) -> dict[str, Any]:
+    """Write report.json and rows.csv into a folder, each whole or not at all; return the report."""
+    report: dict[str, Any] = finite(as_json(diagnosis))
     with write_whole(folder / "report.json") as file:
-        json.dump(finite(as_json(diagnosis)), file, indent=1, allow_nan=False)
+        json.dump(report, file, indent=1, allow_nan=False)
         file.write("\n")
     with write_whole(folder / "rows.csv") as file:
         _write_rows(diagnosis, file)
+    return report
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:

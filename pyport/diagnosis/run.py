@@ -91,7 +91,7 @@ def run_one(request: Request) -> Done:
     diagnosis = diagnose(
         read(request.file), load(request.model), refit=request.refit, seed=request.seed
     )
-    record.write(diagnosis, request.folder)
+    report = record.write(diagnosis, request.folder)
     write_findings(diagnosis, request.folder)
     text = summary(diagnosis)
-    return Done(request.folder, text, json.dumps(record.finite(record.as_json(diagnosis))))
+    return Done(request.folder, text, json.dumps(report))

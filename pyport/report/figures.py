@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCMIN, ARCSEC, DEG, HOUR, Array
+from pyport.diagnosis.joint import rms
 from pyport.files import write_whole
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
         (second, left, "after"),
     ):
         _cloud(axes, diagnosis, finding, rows, values, residual / unit)
-        axes.set_title(f"{title}: rms {_rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
+        axes.set_title(f"{title}: rms {rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
         axes.set_xlabel(label)
     first.set_ylabel(f"offset that the model leaves [{name}]")
     reach = 1.15 * float(np.quantile(np.abs(curve + left)[rows], 0.985)) / unit
@@ -88,7 +89,7 @@ def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
 
 def _unit(values: Array) -> tuple[float, str]:
     """Return a unit in which the values are of handy size."""
-    return (ARCMIN, "arcmin") if _rms(values) > 100 * ARCSEC else (ARCSEC, "arcsec")
+    return (ARCMIN, "arcmin") if rms(values) > 100 * ARCSEC else (ARCSEC, "arcsec")
 
 
 def _follows(
@@ -196,7 +197,7 @@ def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
         (diagnosis.unseen[0][both], GREY, "before"),
         (diagnosis.unseen[1][both], BLUE, "after"),
     ):
-        text = f"{label}: rms {_rms(values) / unit:.2f} {name}"
+        text = f"{label}: rms {rms(values) / unit:.2f} {name}"
         axes.hist(values / unit, bins, histtype="step", lw=1.8, color=colour, label=text)
     axes.set_xlabel(f"miss of readings that the fit had not seen [{name}]", fontsize=9)
     axes.set_ylabel("readings", fontsize=9)
@@ -209,10 +210,6 @@ def _title(diagnosis: Diagnosis, finding: Finding) -> str:
     return (
         f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
     )
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
 def _saved(figure: Figure, path: Path) -> Path:
