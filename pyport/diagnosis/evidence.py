@@ -149,14 +149,16 @@ class Evidence:
         """Return products of the columns with drawn noise, shape (blocks, K, draws).
 
         The scale of each block's noise is known from `dof` deviations only,
-        which the draws repeat.
+        which the draws repeat. Rows that are zero but for rounding get none: rounding
+        must not decide which row gets which numbers.
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
         out = np.empty((len(self.blocks), white.shape[1] - 1, draws))
         for one in range(len(self.blocks)):
             columns = white[block == one, :-1]
-            columns = columns[columns.any(axis=1)]
+            power = np.einsum("nk,nk->n", columns, columns)
+            columns = columns[power > 1e-18 * power.max(initial=0.0)]
             out[one] = columns.T @ (
                 rng.standard_normal((len(columns), draws)) * scale[antenna[one]]
             )

@@ -19,12 +19,15 @@ from pyport.diagnosis.noise import (
     factor,
 )
 from pyport.fitting import robust
+from pyport.fitting.pivoting import most_different
 from pyport.fitting.stacking import Codes
 
 #: Pointings for each shape that may be taken out before the noise is read off.
 POINTINGS_PER_SHAPE = 4
 #: No more shapes than this: the most different ones draw what the others can.
 MOST_SHAPES = 80
+#: A shape that keeps less of its length beside those taken out is none of its own.
+DIFFERENT = 0.05
 #: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
 SLOW = 0.9
 #: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
@@ -152,9 +155,9 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     new /= np.linalg.norm(new, axis=0)
     room = min(room, MOST_SHAPES)
     slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
-    first = _most_different(new[:, slow], min(room // 2, MOST_SLOW))
+    first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
     rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
-    second = _most_different(rest, room - first.shape[1])
+    second = most_different(rest, room - first.shape[1], DIFFERENT)
     return np.concatenate([orthonormal, first, second], axis=1)
 
 
@@ -165,25 +168,6 @@ def _orthonormal(columns: Array) -> Array:
     length = np.linalg.norm(columns, axis=0)
     directions, strength, _ = np.linalg.svd(columns / length, full_matrices=False)
     return np.asarray(directions[:, strength > 1e-9 * strength[0]])
-
-
-def _most_different(columns: Array, room: int) -> Array:
-    """Return up to `room` orthonormal directions, each from the column least like those before.
-
-    Gram and Schmidt with pivoting, stopped when there are enough.
-    """
-    left = columns.copy()
-    found = np.zeros((len(columns), 0))
-    for _ in range(min(room, columns.shape[1])):
-        length = (left**2).sum(axis=0)
-        pick = int(np.argmax(length))
-        if length[pick] < 0.05**2:
-            break
-        new = left[:, pick] - found @ (found.T @ left[:, pick])
-        new /= np.linalg.norm(new)
-        found = np.concatenate([found, new[:, None]], axis=1)
-        left -= new[:, None] * (new @ left)
-    return found
 
 
 @dataclass(frozen=True)
