@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from pyport.errors import BadInput
+from pyport.formats import tpoint_dat
+from pyport.formats.field_system import xtr
 from pyport.recordings import gmrt
 from pyport.recordings.formats import csv, tables
+from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
@@ -20,6 +24,9 @@ READERS: dict[str, Callable[[Path], Raw]] = {
     ".csv": csv.read,
     ".ecsv": tables.read_ecsv,
     ".parquet": tables.read_parquet,
+    ".dat": tpoint_dat.read,
+    ".xtr": xtr.read_xtr,
+    ".err": xtr.read_err,
 }
 WRITERS: dict[str, Callable[[Table, Path], None]] = {
     ".csv": csv.write,
@@ -47,13 +54,15 @@ def resolve(name: str | Path) -> Path:
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 
-def read(name: str | Path) -> Recordings:
-    """Read recordings from CSV, ECSV or Parquet.
+def read(name: str | Path, given: Given = NOTHING) -> Recordings:
+    """Read recordings from CSV, ECSV, Parquet, TPOINT's .dat, the Field System's .xtr or .err.
 
     Parameters
     ----------
     name
         A file, or the name of recordings shipped with pyport (`gmrt-2003-06-01`).
+    given
+        What the file itself does not say: header keys, names of its columns.
 
     Returns
     -------
@@ -66,8 +75,22 @@ def read(name: str | Path) -> Recordings:
     BadInput
         With file and line: what is wrong and what was expected.
     """
-    path = resolve(name)
-    return interpret(_by_suffix(READERS, path)(path))
+    return interpret(read_raw(resolve(name), given))
+
+
+def read_raw(path: Path, given: Given = NOTHING) -> Raw:
+    """Read the cells of a file as they stand, with what was said about it.
+
+    Raises
+    ------
+    BadInput
+        The suffix names no format, or the file is not of it.
+    """
+    reader = _by_suffix(READERS, path)
+    if given.columns and reader is not csv.read:
+        raise BadInput("the format of this file names its columns itself: leave them out", path)
+    raw = csv.read(path, given.columns) if given.columns else reader(path)
+    return replace(raw, meta=raw.meta | dict(given.keys))
 
 
 def write(recordings: Recordings, path: str | Path) -> None:
