@@ -25,7 +25,7 @@ def _names(_: click.Context, __: click.Parameter, given: str | None) -> tuple[st
 
 
 def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--set KEY=VALUE` (as `about`) and `--columns` (as `columns`) to a command."""
+    """Add `--set KEY=VALUE` (as `about`), `--columns` and `--from` (as `read_as`) to a command."""
     keys = click.option(
         "--set",
         "about",
@@ -40,4 +40,11 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
         metavar="NAME,NAME",
         help="Names of the columns of a CSV file without a header, units and all.",
     )
-    return keys(columns(command))
+    read_as = click.option(
+        "--from",
+        "read_as",
+        default="",
+        metavar="FORMAT",
+        help="The file's format, where its suffix does not tell: see `pyport convert`.",
+    )
+    return keys(columns(read_as(command)))

@@ -37,6 +37,7 @@ def command(
     out: Path,
     about: dict[str, str],
     columns: tuple[str, ...],
+    read_as: str,
     *,
     quiet: bool,
     as_json: bool,
@@ -49,7 +50,7 @@ def command(
     from pyport.diagnosis import run
     from pyport.recordings.given import Given
 
-    given = Given(about, columns)
+    given = Given(about, columns, read_as)
     requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out, given=given)
     for done in run.run_all(requests, jobs=jobs):
         if as_json:

@@ -46,6 +46,7 @@ def command(
     level_deg: float,
     about: dict[str, str],
     columns: tuple[str, ...],
+    read_as: str,
     out: Path | None,
     *,
     as_json: bool,
@@ -53,7 +54,7 @@ def command(
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
     from pyport.recordings.given import Given
 
-    given = Given(about, columns)
+    given = Given(about, columns, read_as)
     if method is not None:
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(

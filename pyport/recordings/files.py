@@ -2,37 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
 
 from pyport.errors import BadInput
-from pyport.formats import tpoint_dat
-from pyport.formats.field_system import xtr
 from pyport.recordings import gmrt
-from pyport.recordings.formats import csv, tables
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
-from pyport.recordings.tabulate import Table, tabulate
-
-Format = TypeVar("Format")
-
-READERS: dict[str, Callable[[Path], Raw]] = {
-    ".csv": csv.read,
-    ".ecsv": tables.read_ecsv,
-    ".parquet": tables.read_parquet,
-    ".dat": tpoint_dat.read,
-    ".xtr": xtr.read_xtr,
-    ".err": xtr.read_err,
-}
-WRITERS: dict[str, Callable[[Table, Path], None]] = {
-    ".csv": csv.write,
-    ".ecsv": tables.write_ecsv,
-    ".parquet": tables.write_parquet,
-}
+from pyport.recordings.tabulate import tabulate
 
 
 def resolve(name: str | Path) -> Path:
@@ -86,10 +65,9 @@ def read_raw(path: Path, given: Given = NOTHING) -> Raw:
     BadInput
         The suffix names no format, or the file is not of it.
     """
-    reader = _by_suffix(READERS, path)
-    if given.columns and reader is not csv.read:
-        raise BadInput("the format of this file names its columns itself: leave them out", path)
-    raw = csv.read(path, given.columns) if given.columns else reader(path)
+    from pyport.formats import tables
+
+    raw = tables.read(path, given.format, given.columns)
     return replace(raw, meta=raw.meta | dict(given.keys))
 
 
@@ -104,14 +82,6 @@ def write(recordings: Recordings, path: str | Path) -> None:
     BadInput
         The suffix names no format.
     """
-    path = Path(path)
-    _by_suffix(WRITERS, path)(tabulate(recordings), path)
+    from pyport.formats import tables
 
-
-def _by_suffix(table: dict[str, Format], path: Path) -> Format:
-    """Return the entry for a path's suffix."""
-    try:
-        return table[path.suffix.lower()]
-    except KeyError:
-        known = ", ".join(table)
-        raise BadInput(f"suffix {path.suffix!r} names no format, expected {known}", path) from None
+    tables.write(tabulate(recordings), Path(path))

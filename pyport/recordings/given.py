@@ -16,10 +16,13 @@ class Given:
         Header keys such as `latitude_deg`; they win over the file's own.
     columns
         Names of the columns of a CSV file without a line of names.
+    format
+        The file's format, where its suffix does not tell it.
     """
 
     keys: Mapping[str, str] = field(default_factory=dict)
     columns: tuple[str, ...] = ()
+    format: str = ""
 
 
 NOTHING = Given()
