@@ -64,15 +64,19 @@ def command(
         report, text = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
         _show(report, text, out, as_json=as_json)
         return
-    from pyport.fitting import table, waves
+    from pyport.fitting import table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
     from pyport.recordings import read
 
     done = fit(read(recordings, given), load(model))
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
-    if not as_json and model == "gmrt-paper" and (found := waves.beside_table_18(done)):
-        click.echo("\n" + waves.text(found))
+    if not as_json and model == "gmrt-paper":
+        from pyport.fitting.gmrt import comparison
+        from pyport.fitting.gmrt.beside import beside_table_18
+
+        if days := beside_table_18(done):
+            click.echo("\n" + comparison.text(days))
 
 
 def _fit_rt32(
