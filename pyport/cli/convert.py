@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command(
@@ -23,9 +27,7 @@ from pyport.cli.about import about_file
 def command(
     source: str,
     target: Path,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    given: Given,
     to: str,
     model: str,
     *,
@@ -39,12 +41,10 @@ def command(
     .ctl, katpoint .txt, SKA-Mid .json, DISCOS .xml (SOURCE.xml#RECEIVER).
     """
     from pyport.formats.convert import FORMATS, convert
-    from pyport.recordings.given import Given
 
-    for option, name in (("--from", read_as), ("--to", to)):
+    for option, name in (("--from", given.format), ("--to", to)):
         if name and name not in FORMATS:
             raise click.UsageError(f"{option}: no format {name!r}, known: {', '.join(FORMATS)}")
-    given = Given(about, columns, read_as)
     done = convert(source, target, to=to, given=given, model=model, leave_out=leave_out)
     if quiet:
         return

@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.fitting import advice, leftover
 from pyport.fitting.fit import Coefficients, Fit
+from pyport.fitting.models import Term
 
 
 def text(fit: Fit) -> str:
@@ -26,7 +28,14 @@ def text(fit: Fit) -> str:
             over = f"{counted.sum()} of {rows.sum()} offsets"
             lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
     lines.append(f"condition number {fit.condition:.3g}")
+    lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
+    lines += leftover.text(fit)
     return "\n".join(lines)
+
+
+def _fixed(term: Term) -> str:
+    (coefficient,), values = term.effect.coefficients[:1], term.values or (0.0,)
+    return f"{coefficient.name:34s} {values[0] / coefficient.scale:12.4f} {coefficient.unit}, fixed"
 
 
 def _line(name: str, one: Coefficients, n: int) -> str:
@@ -34,12 +43,16 @@ def _line(name: str, one: Coefficients, n: int) -> str:
     value, sigma = one.value[n], one.sigma[n]
     if not math.isfinite(value):
         return f"{name:34s} not determined by these recordings"
+    times = f"{abs(value) / sigma:7.1f} sigmas" if sigma > 0 else ""
+    if coefficient.unit == "deg":
+        value, sigma = value / DEG, sigma / DEG
+        return f"{name:34s} {value:14.7f} +- {sigma:.7f} deg {times}"
     if coefficient.unit != "arcsec":
         value, sigma = value / coefficient.scale, sigma / coefficient.scale
-        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {coefficient.unit}"
+        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {coefficient.unit} {times}"
     return (
         f"{name:34s} {value / ARCSEC:10.2f} +- {sigma / ARCSEC:6.2f} arcsec "
-        f"= {value / DEG:11.6f} +- {sigma / DEG:.6f} deg"
+        f"= {value / DEG:11.6f} +- {sigma / DEG:.6f} deg {times}"
     )
 
 
@@ -58,7 +71,23 @@ def as_json(fit: Fit) -> dict[str, object]:
             for one in fit.coefficients
             for n, coefficient in enumerate(one.term.effect.coefficients)
         ],
+        "fixed": [
+            {"name": coefficient.name, "value": value / coefficient.scale, "unit": coefficient.unit}
+            for term in fit.model.terms
+            if term.fixed
+            for coefficient, value in zip(
+                term.effect.coefficients,
+                term.values or (0.0,) * len(term.effect.coefficients),
+                strict=True,
+            )
+        ],
+        "correlation": {
+            "names": [name for name, _, _ in advice.named(fit)],
+            "matrix": np.round(advice.correlation(fit), 6).tolist(),
+        },
         "condition_number": _number(fit.condition),
+        "warnings": list(advice.warnings(fit)),
+        "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
     }
 
 

@@ -15,9 +15,9 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.lines import Line, lines_of
 from pyport.formats.model_file import Entry, ModelFile
+from pyport.formats.terms.field_system import KATPOINT_NUMBER as NUMBER
 from pyport.formats.terms.field_system import RATIOS
 
-NUMBER = 22
 #: Where an antenna's description has its pointing model.
 MODEL_FIELD = 6
 

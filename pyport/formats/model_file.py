@@ -23,13 +23,13 @@ _RADIAN_DEG = Decimal("57.295779513082320876798")
 WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
     "field-system": field_system.word,
-    "katpoint": partial(field_system.word, ratios=True),
+    "katpoint": field_system.katpoint_word,
     "ska-mid": ska_mid.word,
 }
 NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
     "field-system": field_system.name_of,
-    "katpoint": partial(field_system.name_of, last=22),
+    "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
     "ska-mid": ska_mid.name_of,
 }
 
