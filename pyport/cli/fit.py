@@ -75,7 +75,7 @@ def command(
         _show(report, text, out, as_json=as_json)
         return
     from pyport.files import write_whole
-    from pyport.fitting import leftover, table, waves
+    from pyport.fitting import leftover, table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
     from pyport.formats.fitted import save_fit
@@ -90,8 +90,12 @@ def command(
         with write_whole(out / "residuals.csv") as file:
             leftover.write(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
-    if not as_json and model == "gmrt-paper" and (found := waves.beside_table_18(done)):
-        click.echo("\n" + waves.text(found))
+    if not as_json and model == "gmrt-paper":
+        from pyport.fitting.gmrt import comparison
+        from pyport.fitting.gmrt.beside import beside_table_18
+
+        if days := beside_table_18(done):
+            click.echo("\n" + comparison.text(days))
 
 
 def _fit_rt32(
