@@ -13,6 +13,15 @@ if TYPE_CHECKING:
     from pyport.recordings.given import Given
 
 
+def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
+    """Print the table of signs and leave."""
+    if value:
+        from pyport.formats.conventions import table
+
+        click.echo("\n".join(table()))
+        context.exit()
+
+
 @click.command(
     "convert",
     epilog="Example: pyport convert night.dat night.csv; pyport convert old.mod mdlpo.ctl",
@@ -24,6 +33,14 @@ if TYPE_CHECKING:
 @click.option("--model", default="", help="For the Field System's err: the mdlpo.ctl to fit.")
 @click.option("--leave-out", is_flag=True, help="Leave out terms that the target cannot name.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option(
+    "--signs",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_signs,
+    help="Print what every program's terms are, with their signs, and leave.",
+)
 def command(
     source: str,
     target: Path,

@@ -95,7 +95,6 @@ def angle(line: Line, text: str) -> Decimal:
 def _configuration(lines: list[Line], path: Path) -> ModelFile:
     """Return the model of a file with [header] and [params]."""
     parser = configparser.ConfigParser(inline_comment_prefixes=(";", "#"), interpolation=None)
-    parser.optionxform = str  # type: ignore[assignment,method-assign]
     try:
         parser.read_string("\n".join(line.text for line in lines))
         params, header = dict(parser["params"]), dict(parser["header"])
@@ -104,6 +103,7 @@ def _configuration(lines: list[Line], path: Path) -> ModelFile:
         raise BadInput(f"no katpoint model with [header] and [params]: {reason}", path) from None
     values = {}
     for name, text in params.items():
+        name = name.upper()
         if not re.fullmatch(r"P([1-9]|1\d|2[0-2])", name):
             raise BadInput(f"[params] has {name[:20]!r}, expected P1 to P{NUMBER}", path)
         values[int(name[1:])] = text
@@ -130,7 +130,10 @@ def description(file: ModelFile) -> str:
 def _text(entry: Entry) -> str:
     if not entry.value:
         return "0"
-    return sexagesimal(entry.value) if entry.unit else f"{entry.value}"
+    if entry.unit:
+        return sexagesimal(entry.value)
+    short = f"{float(entry.value):.9g}"
+    return short if Decimal(short) == entry.value else f"{entry.value}"
 
 
 def sexagesimal(arcsec: Decimal) -> str:
