@@ -7,18 +7,18 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.effects import Coefficient
 from pyport.fitting import advice, leftover
 from pyport.fitting.fit import Coefficients, Fit
-from pyport.fitting.models import Term
 
 
 def text(fit: Fit) -> str:
     """Return a table of values and sigmas, the rms, and how well the data determine it all."""
-    lines = []
-    for one in fit.coefficients:
-        for n, coefficient in enumerate(one.term.effect.coefficients):
-            label = f"[{' '.join(one.labels)}]" if any(one.labels) else ""
-            lines.append(_line(coefficient.name + label, one, n))
+    lines = [_line(name, one, n) for name, one, n in advice.named(fit)]
+    lines += [
+        f"{coefficient.name:34s} {value / coefficient.scale:12.4f} {coefficient.unit}, fixed"
+        for coefficient, value in fixed(fit)
+    ]
     left = {"cross-elevation": ~fit.stack.is_y, "elevation": fit.stack.is_y}
     lines.append("")
     for axis, rows in left.items():
@@ -33,9 +33,14 @@ def text(fit: Fit) -> str:
     return "\n".join(lines)
 
 
-def _fixed(term: Term) -> str:
-    (coefficient,), values = term.effect.coefficients[:1], term.values or (0.0,)
-    return f"{coefficient.name:34s} {values[0] / coefficient.scale:12.4f} {coefficient.unit}, fixed"
+def fixed(fit: Fit) -> list[tuple[Coefficient, float]]:
+    """Return the coefficients that were held, with their values in internal units."""
+    held = [(term.effect.coefficients, term.values) for term in fit.model.terms if term.fixed]
+    return [
+        pair
+        for names, values in held
+        for pair in zip(names, values or (0.0,) * len(names), strict=True)
+    ]
 
 
 def _line(name: str, one: Coefficients, n: int) -> str:
@@ -72,14 +77,8 @@ def as_json(fit: Fit) -> dict[str, object]:
             for n, coefficient in enumerate(one.term.effect.coefficients)
         ],
         "fixed": [
-            {"name": coefficient.name, "value": value / coefficient.scale, "unit": coefficient.unit}
-            for term in fit.model.terms
-            if term.fixed
-            for coefficient, value in zip(
-                term.effect.coefficients,
-                term.values or (0.0,) * len(term.effect.coefficients),
-                strict=True,
-            )
+            {"name": one.name, "value": value / one.scale, "unit": one.unit}
+            for one, value in fixed(fit)
         ],
         "correlation": {
             "names": [name for name, _, _ in advice.named(fit)],

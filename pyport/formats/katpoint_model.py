@@ -103,8 +103,7 @@ def _configuration(lines: list[Line], path: Path) -> ModelFile:
         raise BadInput(f"no katpoint model with [header] and [params]: {reason}", path) from None
     values = {}
     for name, text in params.items():
-        name = name.upper()
-        if not re.fullmatch(r"P([1-9]|1\d|2[0-2])", name):
+        if not re.fullmatch(r"[pP]([1-9]|1\d|2[0-2])", name):
             raise BadInput(f"[params] has {name[:20]!r}, expected P1 to P{NUMBER}", path)
         values[int(name[1:])] = text
     return ModelFile("katpoint", tuple(entries(lines[0], values)), details={"header": header})

@@ -27,6 +27,8 @@ Test = Callable[[Recordings], Truth]
 
 #: No filter that a person writes is longer, or nests deeper.
 LONGEST, DEEPEST = 2000, 20
+#: Numbers that differ by less than this share are equal.
+SAME = 1e-12
 
 _TOKEN = re.compile(
     r"""\s*(?:(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
@@ -200,7 +202,11 @@ def _compared(recordings: Recordings, name: str, sign: str, value: float | str) 
         )
     if isinstance(value, str):
         value = _moment(name, value)
-    return np.asarray(_COMPARE[sign](cells, value) & np.isfinite(cells))
+    same = np.isclose(cells, value, rtol=SAME, atol=0)  # 60 deg are no round number of radians
+    if sign in {"==", "!="}:
+        return np.asarray((same == (sign == "==")) & np.isfinite(cells))
+    beyond = _COMPARE[sign](cells, value)
+    return np.asarray(np.where(same, "=" in sign, beyond) & np.isfinite(cells))
 
 
 def _moment(name: str, text: str) -> float:

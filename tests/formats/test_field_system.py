@@ -146,8 +146,10 @@ def files(tmp_path, flags, values):
     lines = [" ".join(values[:5]), " ".join(values[5:])]
     model = f"* mine\n 7 2026 001 02 03 04\n{FLAGS.format(*flags)}\n" + "\n".join(lines) + "\n"
     (tmp_path / "mdlpo.ctl").write_text(model)
-    return read_xtr(tmp_path / "mine.xtr"), ctl.read(tmp_path / "mdlpo.ctl"), dict(
-        zip(CLASSICAL, truth / DEG, strict=True)
+    return (
+        read_xtr(tmp_path / "mine.xtr"),
+        ctl.read(tmp_path / "mdlpo.ctl"),
+        dict(zip(CLASSICAL, truth / DEG, strict=True)),
     )
 
 
@@ -185,7 +187,7 @@ def test_held_parameters_stay_and_forgotten_ones_go(tmp_path):
 
 def test_a_parameter_alone_holds_all_others(tmp_path):
     """Flag 3 fits P7 only, and becomes 1."""
-    raw, model, truth = files(tmp_path, (1, 3, 1), ["0"] * 10)
+    raw, model, _ = files(tmp_path, (1, 3, 1), ["0"] * 10)
 
     done = err.fitted(raw, model)
 

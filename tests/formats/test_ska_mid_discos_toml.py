@@ -15,7 +15,12 @@ from pyport.formats.terms.ska_mid import UNITS
 def coefficients(**values):
     """Return SKA-Mid's eighteen, zero but for these."""
     return {
-        name: {"value": values.get(name, 0.0), "units": unit, "stderr": None, "used": name in values}
+        name: {
+            "value": values.get(name, 0.0),
+            "units": unit,
+            "stderr": None,
+            "used": name in values,
+        }
         for name, unit in UNITS.items()
     }
 
@@ -60,7 +65,10 @@ def test_only_coefficients_that_count_are_terms(tmp_path):
 
     terms = load(str(path)).terms
 
-    assert [(t.effect.coefficients[0].name, t.fixed) for t in terms] == [("IA", False), ("IE", True)]
+    assert [(t.effect.coefficients[0].name, t.fixed) for t in terms] == [
+        ("IA", False),
+        ("IE", True),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -90,7 +98,7 @@ def test_no_json_names_its_line(tmp_path):
     path = tmp_path / "bad.json"
     path.write_text('{\n "a": ,\n}')
 
-    with pytest.raises(BadInput, match="bad.json:2: not JSON"):
+    with pytest.raises(BadInput, match=r"bad\.json:2: not JSON"):
         models.read(path)
 
 

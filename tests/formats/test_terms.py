@@ -17,9 +17,10 @@ from pyport.formats.terms.shapes import Wave
 
 AT = Circumstances(np.linspace(-3, 4, 60), 0.1 + np.linspace(0, 1.3, 60))
 
-waves = st.builds(lambda f, of, k: f"{f}{of}{k if k > 1 else ''}", *map(
-    st.sampled_from, ("SC", "AE", range(1, 10))
-))
+waves = st.builds(
+    lambda f, of, k: f"{f}{of}{k if k > 1 else ''}",
+    *map(st.sampled_from, ("SC", "AE", range(1, 10))),
+)
 harmonics = st.builds(
     lambda result, one, other: f"H{result}{one}{other}",
     st.sampled_from("AES"),
@@ -58,7 +59,9 @@ def test_ska_mid_has_the_signs_of_tpoint(name):
     assert ska_mid.name_of(shape) == (name, sign)
 
 
-@pytest.mark.parametrize("name", ["", "P", "P0", "P01", "P31", "PX", "H", "HX", "HASA0", "ia", "HA"])
+@pytest.mark.parametrize(
+    "name", ["", "P", "P0", "P01", "P31", "PX", "H", "HX", "HASA0", "ia", "HA"]
+)
 def test_other_names_are_no_words(name):
     """Nothing is guessed from a name that is none."""
     assert field_system.word(name) is None

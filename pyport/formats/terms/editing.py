@@ -110,11 +110,13 @@ def named(name: str) -> list[Term]:
     if word is not None:
         return [Term(word.effect())]
     if name in CATALOGUE:
+        if not CATALOGUE[name].coefficients:
+            raise BadInput(f"{name} has coefficients of which only recordings tell the number")
         return _apart(Term(CATALOGUE[name]))
     for effect in CATALOGUE.values():
-        for term in _apart(Term(effect)):
-            if term.effect.coefficients[0].name == name:
-                return [term]
+        names = [coefficient.name for coefficient in effect.coefficients]
+        if name in names:
+            return [_apart(Term(effect))[names.index(name)]]
     raise BadInput(f"no term is called {name[:40]!r}: TPOINT's, P1..P30 or one of `pyport effects`")
 
 
@@ -164,7 +166,7 @@ def _places(terms: Sequence[Term], name: str) -> list[int]:
     own = [
         n
         for n, term in enumerate(terms)
-        if name in {term.effect.id, term.effect.coefficients[0].name}
+        if name in {term.effect.id, *(one.name for one in term.effect.coefficients)}
     ]
     if own:
         return own
