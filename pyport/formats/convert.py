@@ -10,7 +10,7 @@ import numpy as np
 from pyport.errors import BadInput
 from pyport.formats import models, tables
 from pyport.formats.field_system import err
-from pyport.formats.model_file import translated
+from pyport.formats.model_file import translated, without_counterpart
 from pyport.recordings.files import read_raw
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
@@ -117,6 +117,5 @@ def _model(source: str, target: Path, read_as: str, write_as: str, *, leave_out:
     except BadInput as error:
         raise BadInput(error.message, models.split(source)[0]) from None
     chosen.write(done, target)
-    kept = len(done.entries)
-    lost = tuple(entry.name for entry in file.entries if entry.used) if not kept else ()
-    return Done("model", kept, chosen.name, lost)
+    lost = tuple(without_counterpart(file, vocabulary))
+    return Done("model", sum(one.used for one in done.entries), chosen.name, lost)

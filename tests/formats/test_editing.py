@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.fit import command
+from pyport.diagnosis.case import prepare
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting import advice
@@ -122,6 +123,16 @@ def test_every_effect_can_be_added_by_its_id():
     for effect in CATALOGUE.values():
         if effect.coefficients:
             assert len(named(effect.id)) == len(effect.coefficients)
+
+
+def test_a_diagnosis_holds_what_is_fixed(night):
+    """Its base are the terms that are fitted; fixed ones are taken off."""
+    setup = prepare(read(night), edited(load("altaz"), fix=["IE=-55", "NPAE=0"]))
+
+    names = [one.candidate.effect.coefficients[0].name for one in setup.base]
+    assert names == ["azimuth_zero", "collimation", "tilt_north", "tilt_east", "sag_cosine"]
+    elevation = setup.residual[setup.stack.is_y]
+    assert elevation.mean() / ARCSEC == pytest.approx(44 * 0.7, abs=15)
 
 
 def test_a_fit_from_an_old_model_gives_whole_values(night, tmp_path):
