@@ -56,6 +56,10 @@ def command(
     Recordings: .csv .ecsv .parquet, TPOINT .dat, Field System .xtr .err,
     katpoint CSV (--to katpoint-csv). Models: .toml, TPOINT .mod, Field System
     .ctl, katpoint .txt, SKA-Mid .json, DISCOS .xml (SOURCE.xml#RECEIVER).
+
+    Names for --from and --to: csv, ecsv, parquet, tpoint-dat, fs-xtr, fs-err,
+    katpoint-csv, tpoint-mod, fs-ctl, fs-err-model, katpoint, ska-mid, discos,
+    toml.
     """
     from pyport.formats.convert import FORMATS, convert
 
