@@ -21,6 +21,7 @@ COMMANDS = {
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
+    "mask": "Mask recordings of a file, kept beside it and undone step by step.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
