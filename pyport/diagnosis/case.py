@@ -196,6 +196,7 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     evidence = Evidence(
         white,
         block,
+        np.concatenate([setup.stack.is_y, setup.stack.is_y]).astype(np.intp),
         setup.blocks,
         common=_common_excess(setup, (*setup.base, *chosen), white, one),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),

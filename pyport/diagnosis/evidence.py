@@ -12,6 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, index, inverted
+from pyport.fitting.slabs import slabs
 from pyport.fitting.stacking import Codes
 
 #: Shares of a coefficient's holders that a candidate is tried with.
@@ -100,6 +101,7 @@ class Evidence:
         self,
         white: Array,
         block: Codes,
+        kind: Codes,
         blocks: Blocks,
         pointings: int,
         *,
@@ -108,17 +110,19 @@ class Evidence:
         dof: Array,
         rng: np.random.Generator,
     ):
-        self.gram = Gram.of(white, block, len(blocks))
+        self.gram = Gram.of(white, block, len(blocks), kind)
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self.noise = self._draw(white, block, draws, rng)
+        self.noise = self._draw(white, block, kind, draws, rng)
         self.luck = np.ones(draws)
         if np.isfinite(common.dof):
             self.luck = common.dof / rng.chisquare(common.dof, draws)
 
-    def _draw(self, white: Array, block: Codes, draws: int, rng: np.random.Generator) -> Array:
+    def _draw(
+        self, white: Array, block: Codes, kind: Codes, draws: int, rng: np.random.Generator
+    ) -> Array:
         """Return products of the columns with drawn noise, shape (blocks, K, draws).
 
         The scale of each block's noise is known from `dof` deviations only,
@@ -127,14 +131,14 @@ class Evidence:
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
-        out = np.empty((len(self.blocks), white.shape[1] - 1, draws))
+        cut = slabs(white[:, :-1], block, kind)
+        out = np.zeros((len(self.blocks), white.shape[1] - 1, draws))
         for one in range(len(self.blocks)):
-            columns = white[block == one, :-1]
-            power = np.einsum("nk,nk->n", columns, columns)
-            columns = columns[power > 1e-18 * power.max(initial=0.0)]
-            out[one] = columns.T @ (
-                rng.standard_normal((len(columns), draws)) * scale[antenna[one]]
-            )
+            own = [slab for slab in cut if slab.block == one]
+            rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))
+            drawn = rng.standard_normal((len(rows), draws)) * scale[antenna[one]]
+            for slab in own:
+                out[one, slab.columns] += slab.values.T @ drawn[np.searchsorted(rows, slab.rows)]
         return out
 
     def beside(self, model: Sequence[Part]) -> Beside:

@@ -8,7 +8,6 @@ for all blocks, one per session, one per antenna, or one per block.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.fitting.slabs import slabs
 from pyport.fitting.stacking import Codes
 
 #: Directions with less than this share of a column's length count as fitted already.
@@ -81,16 +81,18 @@ class Gram:
         self.matrices = matrices
 
     @classmethod
-    def of(cls, whitened: Array, blocks: Codes, n_blocks: int) -> Gram:
-        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,)."""
-        order = np.argsort(blocks, kind="stable")
-        edges = np.searchsorted(blocks[order], np.arange(n_blocks + 1))
-        ordered = whitened[order]
-        return cls(
-            np.stack(
-                [ordered[low:high].T @ ordered[low:high] for low, high in itertools.pairwise(edges)]
-            )
-        )
+    def of(
+        cls, whitened: Array, blocks: Codes, n_blocks: int, kinds: Codes | None = None
+    ) -> Gram:
+        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,).
+
+        Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
+        """
+        kinds = np.zeros_like(blocks) if kinds is None else kinds
+        out = np.zeros((n_blocks, whitened.shape[1], whitened.shape[1]))
+        for slab in slabs(whitened, blocks, kinds):
+            out[slab.block][np.ix_(slab.columns, slab.columns)] += slab.values.T @ slab.values
+        return cls(out)
 
     def cross(self, left: Sequence[Part], right: Sequence[Part]) -> Array:
         """Return the assembled products of two choices of parts, shape (P, Q)."""
