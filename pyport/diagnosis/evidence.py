@@ -182,7 +182,7 @@ class _Left:
     own
         Products of the columns within each group, shape (G, K, K).
     cross, solved
-        Products with the model's columns, and the model's inverse times them, (G, M, K).
+        Products with the model's columns, and the model's inverse times them, (K, M, G).
     seen
         Products with the data's residuals, shape (G, K).
     drawn
@@ -201,15 +201,13 @@ class _Left:
 
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
-        groups, model = self.cross.shape[:2]
-        left = self.cross[:, :, some].transpose(1, 0, 2).reshape(model, groups * len(some))
-        right = self.solved[:, :, others].transpose(1, 0, 2).reshape(model, groups * len(others))
-        out = -(left.T @ right)
-        for group in range(groups):
-            rows = slice(group * len(some), (group + 1) * len(some))
-            columns = slice(group * len(others), (group + 1) * len(others))
-            out[rows, columns] += self.own[group][np.ix_(some, others)]
-        return out
+        _, model, groups = self.cross.shape
+        left = self.cross[some].transpose(2, 0, 1).reshape(groups * len(some), model)
+        right = self.solved[others].transpose(1, 2, 0).reshape(model, groups * len(others))
+        out = -(left @ right).reshape(groups, len(some), groups, len(others))
+        each = np.arange(groups)
+        out[each, :, each] += self.own[:, some[:, None], others]
+        return out.reshape(groups * len(some), groups * len(others))
 
 
 class Beside:
@@ -237,15 +235,22 @@ class Beside:
         seen = np.zeros((count, size))
         drawn = np.zeros((count, size, evidence.noise.shape[2]))
         cross = np.zeros((count, len(self.values), size))
+        solved = np.empty_like(cross)
+        places, columns = index(self.model, len(groups))
         for block, (group, matrix) in enumerate(zip(groups, evidence.gram.matrices, strict=True)):
             own[group] += matrix[:-1, :-1]
             seen[group] += matrix[:-1, -1]
             drawn[group] += evidence.noise[block]
-            places, columns = index(self.model, block)
-            cross[group, places] += matrix[columns, :-1]
-        seen -= np.einsum("gmk,m->gk", cross, self.values)
-        drawn -= cross.transpose(0, 2, 1) @ self.drawn_values
-        return _Left(own, cross, self.inverse @ cross, seen, drawn)
+            cross[group, places[block]] += matrix[columns, :-1]
+        for group in range(count):
+            # A group meets no more of the model than its own blocks' coefficients.
+            met = np.unique(places[groups == group])
+            within = cross[group, met]
+            seen[group] -= within.T @ self.values[met]
+            drawn[group] -= within.T @ self.drawn_values[met]
+            solved[group] = self.inverse[:, met] @ within
+        cross, solved = (np.ascontiguousarray(one.transpose(2, 1, 0)) for one in (cross, solved))
+        return _Left(own, cross, solved, seen, drawn)
 
     def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
         """Return what each (candidate, scope) would gain, if it shows at all."""

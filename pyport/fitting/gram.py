@@ -42,10 +42,10 @@ class Part:
         """Return the number of coefficients."""
         return len(self.columns) * (int(self.groups.max()) + 1)
 
-    def places(self, block: int) -> Codes:
-        """Return where the coefficients of a block stand among all of this part's."""
+    def places(self) -> Codes:
+        """Return where each block's coefficients stand among all of this part's, (blocks, k)."""
         k = len(self.columns)
-        return self.groups[block] * k + np.arange(k)
+        return self.groups[:, None] * k + np.arange(k)
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,7 @@ class Gram:
         self.matrices = matrices
 
     @classmethod
-    def of(
-        cls, whitened: Array, blocks: Codes, n_blocks: int, kinds: Codes | None = None
-    ) -> Gram:
+    def of(cls, whitened: Array, blocks: Codes, n_blocks: int, kinds: Codes | None = None) -> Gram:
         """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,).
 
         Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
@@ -96,12 +94,11 @@ class Gram:
 
     def cross(self, left: Sequence[Part], right: Sequence[Part]) -> Array:
         """Return the assembled products of two choices of parts, shape (P, Q)."""
-        out = np.zeros((sum(p.size for p in left), sum(p.size for p in right)))
-        for block, matrix in enumerate(self.matrices):
-            rows, row_columns = index(left, block)
-            places, place_columns = index(right, block)
-            out[np.ix_(rows, places)] += matrix[np.ix_(row_columns, place_columns)]
-        return out
+        (rows, row_columns), (places, columns) = self._index(left), self._index(right)
+        shape = sum(p.size for p in left), sum(p.size for p in right)
+        own = self.matrices[:, row_columns[:, None], columns]
+        flat = rows[:, :, None] * shape[1] + places[:, None, :]
+        return np.bincount(flat.ravel(), own.ravel(), shape[0] * shape[1]).reshape(shape)
 
     def moments(self, parts: Sequence[Part], vectors: Array | None = None) -> Array:
         """Return the assembled products with the data, shape (P,).
@@ -109,12 +106,17 @@ class Gram:
         `vectors`, (blocks, K, draws), stands for other data than the recorded
         ones; the result is then (P, draws).
         """
-        data = self.matrices[:, :-1, -1:] if vectors is None else vectors
-        out = np.zeros((sum(p.size for p in parts), data.shape[2]))
-        for block in range(len(self.matrices)):
-            places, columns = index(parts, block)
-            out[places] += data[block][columns]
-        return out[:, 0] if vectors is None else out
+        places, columns = self._index(parts)
+        size = sum(p.size for p in parts)
+        if vectors is None:
+            return np.bincount(places.ravel(), self.matrices[:, columns, -1].ravel(), size)
+        out = np.zeros((size, vectors.shape[2]))
+        for block, own in zip(places, vectors, strict=True):
+            out[block] += own[columns]
+        return out
+
+    def _index(self, parts: Sequence[Part]) -> tuple[Codes, Codes]:
+        return index(parts, len(self.matrices))
 
     def total(self) -> float:
         """Return the sum of squares of the data."""
@@ -131,13 +133,13 @@ class Gram:
         )
 
 
-def index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
-    """Return the places of a block's coefficients and the columns that they multiply."""
+def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:
+    """Return where each block's coefficients stand, (blocks, p), and the columns they multiply."""
     if not parts:
-        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+        return np.zeros((blocks, 0), np.intp), np.zeros(0, np.intp)
     starts = np.cumsum([0, *(part.size for part in parts[:-1])])
-    places = [start + part.places(block) for start, part in zip(starts, parts, strict=True)]
-    return np.concatenate(places), np.concatenate([part.columns for part in parts])
+    places = [start + part.places() for start, part in zip(starts, parts, strict=True)]
+    return np.concatenate(places, axis=1), np.concatenate([part.columns for part in parts])
 
 
 def inverted(normal: Array) -> tuple[Array, int, float, NDArray[np.bool_]]:
