@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, index, inverted
-from pyport.fitting.slabs import slabs
+from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes
 
 #: Shares of a coefficient's holders that a candidate is tried with.
@@ -137,20 +138,41 @@ class Evidence:
         dof: Array,
         rng: np.random.Generator,
     ):
-        self.gram = Gram.of(white, block, len(blocks), kind)
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self.noise = self._draw(white, block, kind, draws, rng)
-        self.luck = np.ones(draws)
-        if np.isfinite(common.dof):
-            self.luck = common.dof / rng.chisquare(common.dof, draws)
+        self._given = white, block, kind, draws, rng
 
-    def _draw(
-        self, white: Array, block: Codes, kind: Codes, draws: int, rng: np.random.Generator
-    ) -> Array:
-        """Return products of the columns with drawn noise, shape (blocks, K, draws).
+    @property
+    def gram(self) -> Gram:
+        """Return the products of all columns and the data."""
+        return self._products[0]
+
+    @property
+    def noise(self) -> Array:
+        """Return the products of the columns with drawn noise, shape (blocks, K, draws)."""
+        return self._products[1]
+
+    @property
+    def luck(self) -> Array:
+        """Return by what each draw's gain is off because the common mode is, shape (draws,)."""
+        return self._products[2]
+
+    @cached_property
+    def _products(self) -> tuple[Gram, Array, Array]:
+        """Return what is made of the whitened columns when it is first asked for; let those go."""
+        white, block, kind, draws, rng = self._given
+        del self._given
+        cut = slabs(white, block, kind)
+        noise = self._draw(cut, white.shape[1] - 1, draws, rng)
+        luck = np.ones(draws)
+        if np.isfinite(self.common.dof):
+            luck = self.common.dof / rng.chisquare(self.common.dof, draws)
+        return Gram.summed(cut, len(self.blocks), white.shape[1]), noise, luck
+
+    def _draw(self, cut: Sequence[Slab], size: int, draws: int, rng: np.random.Generator) -> Array:
+        """Return products of the columns with drawn noise, shape (blocks, size, draws).
 
         The scale of each block's noise is known from `dof` deviations only,
         which the draws repeat. Rows that are zero but for rounding get none: rounding
@@ -158,10 +180,9 @@ class Evidence:
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
-        cut = slabs(white[:, :-1], block, kind)
-        out = np.zeros((len(self.blocks), white.shape[1] - 1, draws))
+        out = np.zeros((len(self.blocks), size, draws))
         for one in range(len(self.blocks)):
-            own = [slab for slab in cut if slab.block == one]
+            own = without([slab for slab in cut if slab.block == one], last=size)
             rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))
             drawn = rng.standard_normal((len(rows), draws)) * scale[antenna[one]]
             for slab in own:

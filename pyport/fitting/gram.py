@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.fitting.slabs import slabs
+from pyport.fitting.slabs import Slab, slabs
 from pyport.fitting.stacking import Codes
 
 #: Directions with less than this share of a column's length count as fitted already.
@@ -87,8 +87,13 @@ class Gram:
         Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
         """
         kinds = np.zeros_like(blocks) if kinds is None else kinds
-        out = np.zeros((n_blocks, whitened.shape[1], whitened.shape[1]))
-        for slab in slabs(whitened, blocks, kinds):
+        return cls.summed(slabs(whitened, blocks, kinds), n_blocks, whitened.shape[1])
+
+    @classmethod
+    def summed(cls, cut: Sequence[Slab], n_blocks: int, size: int) -> Gram:
+        """Return the matrices of whitened columns (m, size) that were cut into slabs."""
+        out = np.zeros((n_blocks, size, size))
+        for slab in cut:
             out[slab.block][np.ix_(slab.columns, slab.columns)] += slab.values.T @ slab.values
         return cls(out)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,3 +62,20 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
             values = values[:, columns]
         found.append(Slab(int(blocks[rows[0]]), rows, columns, values))
     return found
+
+
+def without(some: Sequence[Slab], last: int) -> list[Slab]:
+    """Leave the last column out of a block's slabs, and the rows that are empty without it."""
+    found = []
+    for slab in some:
+        kept = slab.columns != last
+        values = slab.values if kept.all() else slab.values[:, : kept.sum()]
+        found.append(Slab(slab.block, slab.rows, slab.columns[kept], values))
+    power = [np.einsum("nk,nk->n", slab.values, slab.values) for slab in found]
+    least = EMPTY**2 * max((float(one.max(initial=0.0)) for one in power), default=0.0)
+    return [
+        slab
+        if np.all(own > least)
+        else Slab(slab.block, slab.rows[own > least], slab.columns, slab.values[own > least])
+        for slab, own in zip(found, power, strict=True)
+    ]
