@@ -115,9 +115,14 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     return float(evidence[best]), float(variance[best, 0])
 
 
-def _independent(information: Array, moments: Array) -> tuple[Array, Array]:
-    """Return information (K,) and moments (K,) on independent directions of scaled columns."""
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+def _independent(information: Array, moments: Array, length: Array) -> tuple[Array, Array]:
+    """Return information (K,) and moments (K,) on independent directions of scaled columns.
+
+    A column that the model draws but for a share of its `length` (K,) shows nothing.
+    """
+    own = np.diag(information)
+    seen = own > (VISIBLE * length) ** 2
+    scale = np.sqrt(np.where(seen, own, np.inf))
     power, vectors = np.linalg.eigh(information / np.outer(scale, scale))
     return np.maximum(power, 0.0), vectors.T @ (moments / scale)
 
@@ -297,14 +302,15 @@ class Beside:
         excess = evidence.common.factor if shared else 1.0
         gain = float(seen @ seen) / excess
         total = float(evidence.dof.sum())
+        moments = left.left_of(columns) / excess
+        independent = _independent(information / excess, moments, length / np.sqrt(excess))
         return Trial(
             candidate,
             scope,
             gain,
             dof,
             gain - dof * np.log(max(evidence.pointings, 3)) - 2 * np.log(candidate.choices),
-            at_best(*_independent(information / excess, left.left_of(columns) / excess))[0]
-            - 2 * np.log(candidate.choices),
+            at_best(*independent)[0] - 2 * np.log(candidate.choices),
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,

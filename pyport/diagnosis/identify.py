@@ -11,6 +11,9 @@ from pyport.diagnosis.evidence import Beside, Trial
 from pyport.effects import degeneracies
 from pyport.fitting.gram import inverted
 
+#: Evidence is compared to so many decimals: of effects that draw one and the same curve the
+#: catalogue's first stands, whatever rounding says.
+TIE = 6
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
 #: Squared cosine from which they are one and the same, whatever sizes physics allows them.
@@ -50,7 +53,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in trials if t.candidate.effect.physical),
-        key=lambda t: -t.evidence,
+        key=lambda t: -round(t.evidence, TIE),
     )
     outside: list[Trial] = []
     for rival in rivals:

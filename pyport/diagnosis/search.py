@@ -227,7 +227,7 @@ def _winner(
     """
     named = [t for t in trials if t.candidate.effect.physical]
     worth = [t for t in named if t.evidence > least and identify.fits_physics(t)]
-    worth.sort(key=lambda trial: -trial.evidence)
+    worth.sort(key=lambda trial: -round(trial.evidence, identify.TIE))
     ranked = []
     refined: set[str] = set()
     for trial in worth:
@@ -246,7 +246,7 @@ def _winner(
                 evidence=trial.evidence + added - price,
             )
         ranked.append((score, trial, wider, new))
-    ranked.sort(key=lambda one: -one[0])
+    ranked.sort(key=lambda one: -round(one[0], identify.TIE))
     for _, trial, wider, new in ranked[:MOST_TRIED]:
         after = _with(wider, chosen, new)
         seen = weighed if wider is setup else weigh(wider, chosen)
