@@ -146,15 +146,15 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     base = base[:, np.any(base != 0, axis=0)]
     orthonormal = _orthonormal(base)
     room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
-    length = np.linalg.norm(shapes, axis=0)
+    shapes = shapes[:, np.any(shapes != 0, axis=0)]
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
-    new = new[:, left > 1e-3 * np.maximum(length, 1e-300)]
-    if room == 0 or new.shape[1] == 0:
+    kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)
+    if room == 0 or not kept.any():
         return orthonormal
-    new /= np.linalg.norm(new, axis=0)
+    new = new[:, kept] / left[kept]
     room = min(room, MOST_SHAPES)
-    slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
+    slow = np.einsum("nk,nk->k", new[1:], new[:-1]) > SLOW
     first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
     rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
     second = most_different(rest, room - first.shape[1], DIFFERENT)
@@ -227,7 +227,7 @@ def _draft(
     within = _within(residual, weight, part, count, floor)
     data = np.concatenate([columns, value[:, None]], axis=1)
     means, variance, _ = by_pointing(data, weight, part, Noise(0.0, 1.0))
-    likelihood = _Likelihood(means, np.where(variance >= FAR, np.inf, variance), part.time)
+    likelihood = _Likelihood.of(means, np.where(variance >= FAR, np.inf, variance), part.time)
     if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
         grid = grid[:1]
     lack, scale = np.array([likelihood.at(*one) for one in grid]).T
@@ -284,27 +284,30 @@ class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
 
     `means` holds the design and, last, the data, shape (n, q + 1); `variance`
-    is relative, infinite for outliers.
+    is relative.
     """
 
     means: Array
     variance: Array
     time: Array | None
 
+    @classmethod
+    def of(cls, means: Array, variance: Array, time: Array | None) -> _Likelihood:
+        """Return the likelihood of pointings' means; those of infinite variance are outliers."""
+        kept = np.isfinite(variance)
+        return cls(
+            np.ascontiguousarray(means[kept]), variance[kept], None if time is None else time[kept]
+        )
+
     @property
     def dof(self) -> int:
         """Return the deviations that tell of the noise."""
-        return max(1, int(np.isfinite(self.variance).sum()) - self.means.shape[1] + 1)
+        return max(1, len(self.variance) - self.means.shape[1] + 1)
 
     def at(self, ratio: float, time_s: float) -> tuple[float, float]:
         """Return minus twice the log-likelihood and the scale, for a drift `ratio` times it."""
-        kept = np.isfinite(self.variance)
-        d, white = factor(
-            self.means[kept],
-            self.variance[kept],
-            None if self.time is None else self.time[kept],
-            [(ratio, time_s)] if ratio > 0 else [],
-        )
+        drifts = [(ratio, time_s)] if ratio > 0 else []
+        d, white = factor(self.means, self.variance, self.time, drifts)
         gram = white.T @ white
         triangle = np.linalg.cholesky(gram[:-1, :-1] + 1e-12 * np.eye(len(gram) - 1))
         projected = np.linalg.solve(triangle, gram[:-1, -1])

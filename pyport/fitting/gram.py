@@ -103,7 +103,8 @@ class Gram:
         shape = sum(p.size for p in left), sum(p.size for p in right)
         own = self.matrices[:, row_columns[:, None], columns]
         flat = rows[:, :, None] * shape[1] + places[:, None, :]
-        return np.bincount(flat.ravel(), own.ravel(), shape[0] * shape[1]).reshape(shape)
+        total = np.bincount(flat.ravel(), own.ravel(), shape[0] * shape[1])
+        return np.asarray(total, float).reshape(shape)
 
     def moments(self, parts: Sequence[Part], vectors: Array | None = None) -> Array:
         """Return the assembled products with the data, shape (P,).
@@ -114,7 +115,8 @@ class Gram:
         places, columns = self._index(parts)
         size = sum(p.size for p in parts)
         if vectors is None:
-            return np.bincount(places.ravel(), self.matrices[:, columns, -1].ravel(), size)
+            own = self.matrices[:, columns, -1]
+            return np.asarray(np.bincount(places.ravel(), own.ravel(), size), float)
         out = np.zeros((size, vectors.shape[2]))
         for block, own in zip(places, vectors, strict=True):
             out[block] += own[columns]
