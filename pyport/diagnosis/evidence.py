@@ -115,18 +115,6 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     return float(evidence[best]), float(variance[best, 0])
 
 
-def _independent(information: Array, moments: Array, length: Array) -> tuple[Array, Array]:
-    """Return information (K,) and moments (K,) on independent directions of scaled columns.
-
-    A column that the model draws but for a share of its `length` (K,) shows nothing.
-    """
-    own = np.diag(information)
-    seen = own > (VISIBLE * length) ** 2
-    scale = np.sqrt(np.where(seen, own, np.inf))
-    power, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-    return np.maximum(power, 0.0), vectors.T @ (moments / scale)
-
-
 class Evidence:
     """Whitened products of all columns, and draws of the noise that they would meet."""
 
@@ -221,10 +209,6 @@ class _Left:
     seen: Array
     drawn: Array
 
-    def left_of(self, columns: Codes) -> Array:
-        """Return the products of some columns with the data's residuals, (G k)."""
-        return self.seen[:, columns].ravel()
-
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
         _, model, groups = self.cross.shape
@@ -295,6 +279,7 @@ class Beside:
             return None
         root = (vectors[:, good] / np.sqrt(eigenvalues[good])).T / length
         seen = root @ left.seen[:, columns].ravel()
+        along = seen * np.sqrt(eigenvalues[good])
         drawn = root @ left.drawn[:, columns].reshape(len(length), -1)
         dof = int(good.sum())
         # What the antennas share they cannot average out.
@@ -302,15 +287,13 @@ class Beside:
         excess = evidence.common.factor if shared else 1.0
         gain = float(seen @ seen) / excess
         total = float(evidence.dof.sum())
-        moments = left.left_of(columns) / excess
-        independent = _independent(information / excess, moments, length / np.sqrt(excess))
         return Trial(
             candidate,
             scope,
             gain,
             dof,
             gain - dof * np.log(max(evidence.pointings, 3)) - 2 * np.log(candidate.choices),
-            at_best(*independent)[0] - 2 * np.log(candidate.choices),
+            at_best(eigenvalues[good] / excess, along / excess)[0] - 2 * np.log(candidate.choices),
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,
