@@ -109,9 +109,13 @@ class Setup:
         block = np.resize(self.block, len(source))
         out = [np.zeros((len(source), 0))]
         for chosen in choices:
-            groups = self.blocks.groups(chosen.scope)[block]
-            columns = source[:, chosen.candidate.columns]
-            out += [columns * (groups == one)[:, None] for one in range(int(groups.max()) + 1)]
+            groups = self.blocks.groups(chosen.scope)
+            columns = source.take(chosen.candidate.columns, axis=1)
+            width = columns.shape[1]
+            wide = np.zeros((len(source), width * (int(groups.max()) + 1)))
+            places = groups[block][:, None] * width + np.arange(width)
+            np.put_along_axis(wide, places, columns, axis=1)
+            out.append(wide)
         return np.concatenate(out, axis=1)
 
 

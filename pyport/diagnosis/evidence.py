@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.common_mode import Excess
-from pyport.fitting.gram import Gram, Part, index, inverted
+from pyport.fitting.gram import Gram, Part, index, inverse_of
 from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes
 
@@ -226,7 +226,7 @@ class Beside:
     def __init__(self, evidence: Evidence, model: Sequence[Part]):
         self.evidence = evidence
         self.model = model
-        self.inverse = inverted(evidence.gram.cross(model, model))[0]
+        self.inverse = inverse_of(evidence.gram.cross(model, model))[0]
         self.values = self.inverse @ evidence.gram.moments(model)
         self.drawn_values = self.inverse @ evidence.gram.moments(model, evidence.noise)
         self._left: dict[str, _Left] = {}
@@ -310,5 +310,5 @@ class Beside:
         own, rival = winner.candidate.columns, other.candidate.columns
         drawn = left.between(rival, own) @ winner.values
         length = float(winner.values @ left.between(own, own) @ winner.values)
-        nearest = float(drawn @ inverted(left.between(rival, rival))[0] @ drawn)
+        nearest = float(drawn @ inverse_of(left.between(rival, rival))[0] @ drawn)
         return nearest / max(length, 1e-300)

@@ -86,6 +86,9 @@ def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:
 def fits_physics(trial: Trial) -> bool:
     """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
     candidate = trial.candidate
+    known_of = [candidate.effect.coefficients[n].expected for n in candidate.coefficients]
+    if all(known is None for known in known_of):
+        return True
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
     for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
         which = candidate.coefficients[n % len(candidate.coefficients)]

@@ -180,19 +180,11 @@ def whiten(
 
 
 def _whiten_series(out: Array, columns: Array, weights: Array, part: Series, noise: Noise) -> None:
-    own = columns[part.rows]
-    # A column of the other axis, or of another antenna, stays empty.
-    there = np.flatnonzero(np.any(own != 0, axis=0))
-    if len(there) == 0:
-        return
-    if len(there) < own.shape[1]:
-        own = own[:, there]
-    means, variance, deviations = by_pointing(own, weights[part.rows], part, noise)
+    means, variance, deviations = by_pointing(columns[part.rows], weights[part.rows], part, noise)
     if deviations is not None:
-        out[part.rows[:, None], there] = deviations
+        out[part.rows] = deviations
     first = part.rows[np.unique(part.pointing, return_index=True)[1]]
-    white = decorrelate(means, variance, part, noise)
-    out[len(columns) + first[:, None], there] = white
+    out[len(columns) + first] = decorrelate(means, variance, part, noise)
 
 
 def by_pointing(

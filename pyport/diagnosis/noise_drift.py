@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,9 @@ from pyport.diagnosis.noise import (
 from pyport.fitting import robust
 from pyport.fitting.stacking import Codes
 
+#: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
+#: below 1e-13.
+BEYOND = 60.0
 #: Strengths of a drift, over the scatter of pointings, that are weighed against each other.
 RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5)
 #: So many memories are, from this many steps between pointings on.
@@ -90,7 +94,7 @@ def draft(
     likelihood = _Likelihood.of(means, np.where(variance >= FAR, np.inf, variance), part.time)
     if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
         grid = grid[:1]
-    lack, scale = np.array([likelihood.at(*one) for one in grid]).T
+    lack, scale = _weighed(likelihood, grid)
     # No drift is as likely beforehand as all drifts together.
     prior = np.full(len(grid), 1 / max(len(grid) - 1, 1))
     prior[0] = 1.0
@@ -105,6 +109,28 @@ def draft(
         float(likelihood.dof),
         "replicates" if count.max() > 1 else "reml",
     )
+
+
+def _weighed(likelihood: _Likelihood, grid: Array) -> tuple[Array, Array]:
+    """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
+
+    For each memory the strengths are gone through upward and downward from
+    where the last one's likeliest was; one that is out of the question and
+    further off than another such is not tried: its lack is infinite.
+    """
+    lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
+    lack[0], scale[0] = likelihood.at(*grid[0])
+    start = 0
+    for memory in dict.fromkeys(grid[1:, 1]):
+        own = 1 + np.flatnonzero(grid[1:, 1] == memory)
+        lack[own[start]], scale[own[start]] = likelihood.at(*grid[own[start]])
+        for way in (own[start:], own[start::-1]):
+            for last, one in itertools.pairwise(way):
+                lack[one], scale[one] = likelihood.at(*grid[one])
+                if lack[one] > max(lack[last], lack.min() + BEYOND):
+                    break
+        start = int(np.argmin(lack[own]))
+    return lack, scale
 
 
 def grid_of(parts: Sequence[Series]) -> Array:

@@ -59,7 +59,7 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
         values = whole[rows]
         columns = np.flatnonzero(values.any(axis=0))
         if len(columns) < values.shape[1]:
-            values = values[:, columns]
+            values = values.take(columns, axis=1)
         found.append(Slab(int(blocks[rows[0]]), rows, columns, values))
     return found
 
