@@ -179,7 +179,8 @@ def cholesky(scaled: Array) -> Array | None:
         triangle = np.linalg.cholesky(scaled)
     except np.linalg.LinAlgError:
         return None
-    return triangle if np.diag(triangle).min(initial=1.0) ** 2 > PLAIN else None
+    apart = np.diag(triangle).min(initial=1.0) ** 2 > PLAIN
+    return np.asarray(triangle, float) if apart else None
 
 
 def inverted(normal: Array) -> tuple[Array, int, float, NDArray[np.bool_]]:
