@@ -11,6 +11,9 @@ from pyport.diagnosis.evidence import Beside, Trial
 from pyport.effects import degeneracies
 from pyport.fitting.gram import inverted
 
+#: Evidence is compared to so many decimals: of effects that draw one and the same curve the
+#: catalogue's first stands, whatever rounding says.
+TIE = 6
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
 #: Squared cosine from which they are one and the same, whatever sizes physics allows them.
@@ -54,7 +57,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in trials if t.candidate.effect.physical),
-        key=lambda t: -t.evidence,
+        key=lambda t: -round(t.evidence, TIE),
     )
     outside: list[Trial] = []
     for rival in rivals:
@@ -87,6 +90,9 @@ def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:
 def fits_physics(trial: Trial) -> bool:
     """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
     candidate = trial.candidate
+    known_of = [candidate.effect.coefficients[n].expected for n in candidate.coefficients]
+    if all(known is None for known in known_of):
+        return True
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
     for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
         which = candidate.coefficients[n % len(candidate.coefficients)]

@@ -83,7 +83,7 @@ def winner_of(
                 evidence=trial.evidence + added - price,
             )
         ranked.append((trial, wider, new))
-    ranked.sort(key=lambda one: -one[0].evidence)
+    ranked.sort(key=lambda one: -round(one[0].evidence, identify.TIE))
     for trial, wider, new in ranked[:MOST_TRIED]:
         seen = weighed if wider is setup else weigh(wider, chosen)
         if predicts(wider, seen, chosen, joined(wider, chosen, new), trial.gain):
@@ -104,7 +104,7 @@ def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> li
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]
-    named.sort(key=lambda trial: -trial.evidence)
+    named.sort(key=lambda trial: -round(trial.evidence, identify.TIE))
     sound = [trial for trial in named if identify.fits_physics(trial)]
     best = sound[0].evidence if sound else least
     leader = next((t for t in named if identify.seen(t)), None)
