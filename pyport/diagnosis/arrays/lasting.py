@@ -14,7 +14,7 @@ Where no antenna was seen twice nothing can be said to pass.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -102,9 +102,14 @@ class _Problem:
 
     def without(self, block: int) -> _Problem:
         """Return the problem with one block less."""
-        arrays = (self.antenna, self.session, self.information, self.score)
-        left = (np.delete(one, block, axis=0) for one in arrays)
-        return _Problem(*left, self.shared, self.antennas, self.sessions)
+        kept = np.arange(len(self.antenna)) != block
+        return replace(
+            self,
+            antenna=self.antenna[kept],
+            session=self.session[kept],
+            information=self.information[kept],
+            score=self.score[kept],
+        )
 
 
 @dataclass(frozen=True)
@@ -226,8 +231,8 @@ def _round(problem: _Problem, variance: Array, tails: Array) -> tuple[_Fit, Arra
     """Fit with given passing parts' variances; return it and their expected squares (B, k)."""
     power = variance / tails
     free = np.eye(power.shape[1]) + problem.information * power[:, None, :]
-    gain = np.linalg.solve(free, problem.information)
-    pull = np.linalg.solve(free, problem.score[:, :, None])[:, :, 0]
+    gain = np.asarray(np.linalg.solve(free, problem.information), float)
+    pull = np.asarray(np.linalg.solve(free, problem.score[:, :, None])[:, :, 0], float)
     fit = _solve(problem, gain, pull)
     part = power * (pull - (gain @ fit.expected(problem)[:, :, None])[:, :, 0])
     inner = gain - gain @ fit.spread(problem) @ gain
@@ -252,7 +257,7 @@ def _solve(problem: _Problem, gain: Array, pull: Array) -> _Fit:
     np.add.at(both, (places[:, :, None], places[:, None, :]), inner)
     right = np.zeros(many)
     np.add.at(right, places, pull[:, which])
-    alone = np.linalg.inv(own)
+    alone = np.asarray(np.linalg.inv(own), float)
     lever = alone @ cross
     value = (alone @ own_right[:, :, None])[:, :, 0]
     shared = np.linalg.inv(both - np.einsum("akc,akd->cd", lever, cross))

@@ -72,8 +72,8 @@ class Comparison:
         Shape (n,), each about its mean.
     sigma_m
         Errors of the implied ones with the mounts' own leans in them, shape (n,).
-    correlation
-        Of the two.
+    correlation, correlation_of_all
+        Of the two; and with the antennas that are told too poorly to be used.
     slope, slope_sigma
         Implied over surveyed, by generalised least squares.
     lean_m
@@ -94,6 +94,7 @@ class Comparison:
     surveyed_m: Array
     sigma_m: Array
     correlation: float
+    correlation_of_all: float
     slope: float
     slope_sigma: float
     lean_m: float
@@ -142,9 +143,10 @@ def compare(found: Places, survey: Survey) -> Comparison | None:
     """
     surveyed = dict(zip(survey.names, survey.east_m.tolist(), strict=True))
     if not surveyed.keys() & set(found.antennas):
-        names = ", ".join(found.antennas[:3])
-        raise BadInput(f"none of the recorded antennas is there, expected {names}, ...", survey.file)
-    both = [n for n in np.flatnonzero(found.usable) if found.antennas[n] in surveyed]
+        some = ", ".join(found.antennas[:3])
+        raise BadInput(f"none of the recorded antennas is there, expected {some}, ...", survey.file)
+    every = [n for n, name in enumerate(found.antennas) if name in surveyed]
+    both = [n for n in every if found.usable[n]]
     if len(both) < ENOUGH:
         return None
     names = tuple(found.antennas[n] for n in both)
@@ -162,6 +164,7 @@ def compare(found: Places, survey: Survey) -> Comparison | None:
         place,
         np.sqrt(np.diag(total)),
         float(np.corrcoef(implied, place)[0, 1]),
+        float(np.corrcoef(found.east_m[every], [surveyed[found.antennas[n]] for n in every])[0, 1]),
         line[0],
         line[1],
         lean,

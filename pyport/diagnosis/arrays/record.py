@@ -21,6 +21,7 @@ def as_json(found: ArrayReport) -> dict[str, Any]:
     parts = found.parts
     return {
         "sessions": [_session(one) for one in found.sessions],
+        "time_tag_level_sigma_s": found.tag_level,
         "own": {shape.name: _own(found, n) for n, shape in enumerate(found.shapes)},
         "scatter_between_sessions_arcmin": {
             shape.name: float(scatter / ARCMIN)
@@ -28,7 +29,7 @@ def as_json(found: ArrayReport) -> dict[str, Any]:
         },
         "repeats": {name: [_repeat(one) for one in days] for name, days in found.repeats.items()},
         "places": None if found.places is None else _places(found.places),
-        "survey": None if found.comparison is None else _comparison(found.comparison),
+        "survey": None if found.comparison is None else comparison_json(found.comparison),
         "held_out": None if found.unseen is None else unseen_json(found.unseen),
     }
 
@@ -83,10 +84,12 @@ def _places(found: Places) -> dict[str, Any]:
     }
 
 
-def _comparison(one: Comparison) -> dict[str, Any]:
+def comparison_json(one: Comparison) -> dict[str, Any]:
+    """Return what a survey says of the implied displacements."""
     return {
         "antennas": len(one.antennas),
         "correlation": one.correlation,
+        "correlation_of_all": one.correlation_of_all,
         "slope": one.slope,
         "slope_sigma": one.slope_sigma,
         "own_lean_m": one.lean_m,
@@ -128,6 +131,7 @@ def unseen_json(found: Unseen) -> dict[str, Any]:
                 "fitted_after_arcmin": one.fitted_after / ARCMIN,
                 "noise_arcmin": one.noise / ARCMIN,
                 "why": one.why,
+                "moved": one.detail,
             }
             for one in found.days
         ],

@@ -9,11 +9,12 @@ import numpy as np
 
 from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.arrays.blocks import Block, Shape, blocks, lasting_shapes, model_shapes
-from pyport.diagnosis.arrays.lasting import Lasting, lasting
+from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
 from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
 from pyport.diagnosis.arrays.repeat import Repeat, repeats
 from pyport.diagnosis.arrays.unseen import Unseen, unseen
-from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.case import Setup
+from pyport.diagnosis.joint import Joint
 from pyport.errors import BadInput
 from pyport.recordings.antennas import Survey
 from pyport.recordings.schema import Recordings
@@ -64,6 +65,8 @@ class ArrayReport:
     ----------
     shapes, blocks, parts
         What was asked for, of which blocks, and the answer.
+    form, fitted
+        The shapes of the model itself, and blocks that were asked for those.
     rate
         Of the scans along elevation [rad/s], None where it is not one known rate.
     sessions
@@ -79,12 +82,23 @@ class ArrayReport:
     shapes: tuple[Shape, ...]
     blocks: tuple[Block, ...]
     parts: Lasting
+    form: tuple[Shape, ...]
+    fitted: tuple[Block, ...]
     rate: float | None
     sessions: tuple[Session, ...]
     repeats: dict[str, list[Repeat]]
     places: Places | None
     comparison: Comparison | None
     unseen: Unseen | None
+
+    @property
+    def tag_level(self) -> float | None:
+        """Return how well the time tags' level is known [s]: the error of a mean of own parts."""
+        scan = number_of(self.shapes, SCAN)
+        if scan is None or self.rate is None:
+            return None
+        own = self.parts.own[told_well(self.parts.own_covariance(scan)) > 0, scan]
+        return float(np.std(own, ddof=1) / np.sqrt(len(own)) / self.rate) if len(own) > 1 else None
 
 
 def number_of(shapes: Sequence[Shape], name: str) -> int | None:
@@ -98,13 +112,13 @@ def shared_shapes(shapes: Sequence[Shape]) -> list[int]:
     return [n for n, one in enumerate(shapes) if one.name in SHARED]
 
 
-def report(diagnosis: Diagnosis, survey: Survey | None = None) -> ArrayReport | None:
+def report(setup: Setup, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
     """Return what an array's recordings say; None where they are no array's.
 
     Parameters
     ----------
-    diagnosis
-        Of recordings of several antennas.
+    setup, fit
+        The case of a diagnosis, and its fit of all that was found.
     survey
         Where the antennas stand, to compare with.
 
@@ -113,9 +127,8 @@ def report(diagnosis: Diagnosis, survey: Survey | None = None) -> ArrayReport | 
     BadInput
         There is a survey, and nothing or nobody to compare it with.
     """
-    setup, recordings = diagnosis.setup, diagnosis.setup.recordings
-    shapes = lasting_shapes(setup)
-    found = tuple(blocks(setup, diagnosis.after, shapes))
+    recordings, shapes, form = setup.recordings, lasting_shapes(setup), model_shapes(setup)
+    found, fitted = (tuple(blocks(setup, fit, some)) for some in (shapes, form))
     lean = number_of(shapes, LEAN)
     if len({one.antenna for one in found}) < ENOUGH_ANTENNAS or lean is None:
         if survey is not None:
@@ -128,7 +141,6 @@ def report(diagnosis: Diagnosis, survey: Survey | None = None) -> ArrayReport | 
     parts = lasting(found, shared)
     several = len(parts.sessions) > 1
     implied = None if site is None else places(parts, lean, site)
-    model = blocks(setup, diagnosis.after, model_shapes(setup))
     rate = _rate(recordings)
     units = {
         LEAN: None if site is None else float(np.cos(site.latitude)),
@@ -138,12 +150,14 @@ def report(diagnosis: Diagnosis, survey: Survey | None = None) -> ArrayReport | 
         shapes,
         found,
         parts,
+        form,
+        fitted,
         rate,
         tuple(_session(recordings, found, shapes, parts, name, units) for name in parts.sessions),
         {shapes[n].name: repeats(found, shared, n) for n in shared} if several else {},
         implied,
         None if implied is None or survey is None else compare(implied, survey),
-        unseen(model, found, shapes, shared) if several and model else None,
+        unseen(fitted, found, shapes, shared) if several and fitted else None,
     )
 
 

@@ -11,9 +11,8 @@ from pyport.diagnosis.arrays.places import SURE
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Evidence, Finding, HeldOut, Parameter, Where
-from pyport.diagnosis.joint import visible
+from pyport.diagnosis.joint import rms, visible
 from pyport.diagnosis.scene import axes
-from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE
 
 _DECIDE = "compute each antenna's offsets for its own coordinates; what leans still is the mount"
@@ -23,9 +22,10 @@ def with_site(diagnosis: Diagnosis, found: ArrayReport | None) -> Diagnosis:
     """Add `site_longitude` to the findings where a survey shows that it is the site."""
     if found is None or found.comparison is None or not found.comparison.is_the_site:
         return diagnosis
-    findings = (*diagnosis.findings, _finding(diagnosis, found))
-    strongest_first = sorted(findings, key=lambda one: -one.evidence.delta_bic)
-    return replace(diagnosis, findings=tuple(strongest_first))
+    site = _finding(diagnosis, found)
+    strongest_first = sorted((*diagnosis.findings, site), key=lambda one: -one.evidence.delta_bic)
+    p_value = min(diagnosis.p_value, site.evidence.p_value)
+    return replace(diagnosis, findings=tuple(strongest_first), p_value=p_value)
 
 
 def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
@@ -48,8 +48,8 @@ def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
         members=("site_longitude",),
         verdict="named",
         sentence=(
-            "the antennas do not stand where their offsets were computed for: hour angles shift, or "
-            "verticals lean, in proportion to the distance toward east, by "
+            "the antennas do not stand where their offsets were computed for: hour angles shift, "
+            "or verticals lean, in proportion to the distance toward east, by "
             f"{one.slope:.2f} +- {one.slope_sigma:.2f} of what the survey asks for (correlation "
             f"{one.correlation:.2f}, {len(one.antennas)} antennas); beside it each mount leans by "
             f"{lean:.2f} arcmin of its own"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import ARCMIN, Array
 from pyport.diagnosis.arrays.blocks import Block, Shape
 from pyport.diagnosis.arrays.lasting import Lasting, expected_without, lasting
 
@@ -22,6 +22,11 @@ NEAR = 1.5
 FACTOR = 2.0
 #: Scatter of this many times the array's median drowns the rest.
 NOISY = 2.0
+#: Why a prediction gains less than the factor.
+AS_GOOD_AS_NOISE = "predicted to its own noise: the model's form left little to gain"
+LOUD = "its pointings scatter more than the others': nothing more to gain"
+MOVED = "it did not repeat; what differs most from its other sessions"
+ALONE = "no other session of this antenna to predict it from"
 
 
 @dataclass(frozen=True)
@@ -40,8 +45,8 @@ class AntennaDay:
         The same with the antenna's session in the fit [rad].
     noise
         Scatter about a fit of this session alone [rad].
-    why
-        What kept the improvement below the factor, "" where nothing did.
+    why, detail
+        What kept the improvement below the factor, and what moved; "" where nothing did.
     """
 
     antenna: str
@@ -54,6 +59,7 @@ class AntennaDay:
     fitted_after: float
     noise: float
     why: str = ""
+    detail: str = ""
 
     @property
     def factor(self) -> float:
@@ -104,8 +110,7 @@ def unseen(
         if sessions is not None and one.session not in sessions:
             continue
         if not any(o.antenna == one.antenna for o in blocks if o is not one):
-            reason = "no other session of this antenna to predict it from"
-            unpredicted.append((one.antenna, one.session, reason))
+            unpredicted.append((one.antenna, one.session, ALONE))
             continue
         number = beside.get((one.antenna, one.session))
         if number is None:
@@ -126,7 +131,7 @@ def unseen(
                 one.used_rms(same.left(same.alone())),
                 one.used_rms(one.left(_posterior(one, n, whole))),
                 one.sigma,
-                _why(one, predicted, before, after, usual, shapes),
+                *_why(one, predicted, before, after, usual, shapes),
             )
         )
     return Unseen(tuple(days), tuple(unpredicted))
@@ -148,30 +153,17 @@ def _why(
     after: float,
     usual: float,
     shapes: Sequence[Shape],
-) -> str:
-    """Explain a prediction that is not much better than the model's own."""
+) -> tuple[str, str]:
+    """Explain a prediction that is not much better than the model's own: why, and what moved."""
     if before >= FACTOR * after:
-        return ""
+        return "", ""
     if after <= NEAR * one.sigma:
-        if one.sigma > NOISY * usual:
-            return "its pointings scatter more than the others': nothing more to gain"
-        return "predicted to its own noise: the model's form left little to gain here"
+        return (LOUD if one.sigma > NOISY * usual else AS_GOOD_AS_NOISE), ""
     # each shape by itself: what of the miss would go if it alone were this session's own?
     miss = one.score - one.information @ predicted
-    best, name = 0.0, ""
-    for n, shape in enumerate(shapes):
-        told = one.information[n, n]
-        if told > 0 and miss[n] ** 2 / told > best:
-            best, name = miss[n] ** 2 / told, f"{shape.name} by {_size(miss[n] / told, shape)}"
-    return f"it did not repeat: differs from its other sessions most in {name.replace('_', ' ')}"
-
-
-def _size(value: float, shape: Shape) -> str:
-    coefficient = shape.effect.coefficients[shape.coefficient]
-    amount = value / coefficient.scale
-    if coefficient.unit == "arcsec":
-        return f"{amount / 60:+.1f} arcmin"
-    return f"{amount:+.2g} {coefficient.unit}".rstrip()
+    told = np.maximum(np.diag(one.information), 1e-300)
+    most = int(np.argmax(miss**2 / told))
+    return MOVED, f"{shapes[most].name.replace('_', ' ')} {miss[most] / told[most] / ARCMIN:+.1f}'"
 
 
 @dataclass(frozen=True)
