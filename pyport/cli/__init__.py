@@ -13,6 +13,7 @@ from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
+    "array": "Take the GMRT's recordings apart as those of one array; compare with a survey.",
     "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",

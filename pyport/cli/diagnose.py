@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 @click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
 @click.option("--jobs", default=1, show_default=True, help="Files diagnosed at the same time.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option(
+    "--antennas",
+    type=click.Path(path_type=Path),
+    help="CSV file of where the antennas of an array stand, to compare with: name,east_m.",
+)
 @about_file
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
@@ -40,6 +45,7 @@ def command(
     jobs: int,
     out: Path,
     given: Given,
+    antennas: Path | None,
     *,
     quiet: bool,
     as_json: bool,
@@ -47,11 +53,17 @@ def command(
     """Find, name and model what a pointing model leaves out of RECORDINGS.
 
     Each file of recordings gets a folder OUT/STEM with report.json, rows.csv
-    and a picture per finding.
+    and a picture per finding. Recordings of several antennas also tell what the
+    antennas share, what repeats, and how far each stands from where its offsets
+    were computed for.
     """
     from pyport.diagnosis import run
+    from pyport.recordings.antennas import read_survey
 
-    requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out, given=given)
+    survey = None if antennas is None else read_survey(antennas)
+    requests = run.requests(
+        recordings, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey
+    )
     for done in run.run_all(requests, jobs=jobs):
         if as_json:
             click.echo(done.report)

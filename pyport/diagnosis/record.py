@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis.arrays.record import as_json as array_json
+from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import Joint, rms
 from pyport.files import sha256, write_whole
@@ -20,9 +22,12 @@ from pyport.recordings.schema import Recordings
 SCHEMA = "pyport.diagnosis/1"
 
 
-def write(diagnosis: Diagnosis, folder: Path) -> dict[str, Any]:
+def write(diagnosis: Diagnosis, folder: Path, array: ArrayReport | None = None) -> dict[str, Any]:
     """Write report.json and rows.csv into a folder, each whole or not at all; return the report."""
-    report: dict[str, Any] = finite(as_json(diagnosis))
+    content = as_json(diagnosis)
+    if array is not None:
+        content["array"] = array_json(array)
+    report: dict[str, Any] = finite(content)
     with write_whole(folder / "report.json") as file:
         json.dump(report, file, indent=1, allow_nan=False)
         file.write("\n")

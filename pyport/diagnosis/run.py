@@ -8,12 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pyport.diagnosis import record
+from pyport.diagnosis.arrays.report import report as report_array
+from pyport.diagnosis.arrays.site import with_site
+from pyport.diagnosis.arrays.words import words
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
 from pyport.fitting.models import Model, load
 from pyport.progress import track
 from pyport.recordings import read, resolve
+from pyport.recordings.antennas import Survey
 from pyport.recordings.given import NOTHING, Given
 
 
@@ -27,6 +31,7 @@ class Request:
     seed: int
     folder: Path
     given: Given = NOTHING
+    survey: Survey | None = None
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,7 @@ def requests(
     seed: int,
     out: Path,
     given: Given = NOTHING,
+    survey: Survey | None = None,
 ) -> list[Request]:
     """Check the arguments and return what is to be done.
 
@@ -62,7 +68,7 @@ def requests(
         if stems.count(stem) > 1:
             raise BadInput(f"two files are called {stem}: their results would share a folder", out)
     return [
-        Request(file, model, held, seed, out / stem, given)
+        Request(file, model, held, seed, out / stem, given, survey)
         for file, stem in zip(files, stems, strict=True)
     ]
 
@@ -94,11 +100,17 @@ def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
 
 def run_one(request: Request) -> Done:
     """Diagnose one file and write its folder."""
+    from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
     recordings = read(request.file, request.given)
     diagnosis = diagnose(recordings, load(request.model), refit=request.refit, seed=request.seed)
-    report = record.write(diagnosis, request.folder)
+    array = report_array(diagnosis.setup, diagnosis.after, request.survey)
+    diagnosis = with_site(diagnosis, array)
+    report = record.write(diagnosis, request.folder, array)
     write_findings(diagnosis, request.folder)
     text = summary(diagnosis)
+    if array is not None:
+        write_places(array, request.folder)
+        text += "\n" + words(array)
     return Done(request.folder, text, json.dumps(report))

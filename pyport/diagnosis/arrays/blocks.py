@@ -1,0 +1,216 @@
+"""The blocks of an array: what one antenna says of its mount's shapes in one session.
+
+A block's readings are brought down to what they say of a few shapes (a tilt, a
+sag, half the difference between scans up and down) with the encoders' zeros
+left free: an information matrix and a score. Whatever is compared between
+antennas and between sessions is made of these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.diagnosis import joint
+from pyport.diagnosis.case import OUTLIER_WEIGHT, Setup
+from pyport.diagnosis.joint import rms
+from pyport.effects import CATALOGUE, Effect, MissingColumn
+from pyport.fitting import robust
+from pyport.fitting.stacking import Codes
+
+#: What is free in every session: encoders are set anew.
+ZEROS = ("azimuth_zero", "elevation_zero")
+#: What lasts in a mount: the classical terms, and the play that scans show.
+LASTING = ("tilt", "sag_cosine", "collimation", "skew", "scan_direction")
+#: Found effects that the shapes, zeros and common parts hold already; others are taken out.
+HELD = {*ZEROS, *LASTING, "scan_timing", "clock", "site_longitude", "site_latitude", "epoch_offset"}
+#: Residuals beyond this many sigmas have no weight.
+REACH = 6.0
+#: Pointings that a block must have beyond its shapes and zeros.
+SPARE = 3
+#: A block's scale is drawn towards the median of all as by so many pointings.
+BORROWED = 4.0
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One coefficient of an effect: a number that a mount has."""
+
+    effect: Effect
+    coefficient: int
+
+    @property
+    def name(self) -> str:
+        """Return the coefficient's name."""
+        return self.effect.coefficients[self.coefficient].name
+
+
+@dataclass(frozen=True)
+class Block:
+    """One antenna in one session: n pointings (means of their readings), k shapes, z zeros.
+
+    Attributes
+    ----------
+    antenna, session
+        Whose.
+    row
+        A recording of each pointing, shape (n,).
+    value
+        Offsets less what the model gives [rad], shape (n,).
+    shapes, zeros
+        Shape (n, k) and (n, z).
+    weight
+        Robust weights about the block's own fit, shape (n,).
+    sigma
+        Scatter of a pointing about that fit [rad].
+    information, score
+        What the block says of its shapes with its zeros free, shape (k, k) and (k,).
+    """
+
+    antenna: str
+    session: str
+    row: Codes
+    value: Array
+    shapes: Array
+    zeros: Array
+    weight: Array
+    sigma: float
+    information: Array
+    score: Array
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Tell which pointings are no outliers, shape (n,)."""
+        return self.weight >= OUTLIER_WEIGHT
+
+    def alone(self) -> Array:
+        """Return the shapes' coefficients by this block alone, shape (k,)."""
+        return np.asarray(np.linalg.pinv(self.information, rcond=1e-9) @ self.score)
+
+    def used_rms(self, left: Array) -> float:
+        """Return the rms of something left over, outliers apart."""
+        return rms(left[self.used])
+
+    def left(self, coefficients: Array) -> Array:
+        """Return what given coefficients leave with only the zeros fitted anew, shape (n,)."""
+        rest = self.value - self.shapes @ coefficients
+        root = np.sqrt(self.weight)
+        level = np.linalg.lstsq(self.zeros * root[:, None], rest * root, rcond=1e-9)[0]
+        return np.asarray(rest - self.zeros @ level)
+
+
+def lasting_shapes(setup: Setup) -> tuple[Shape, ...]:
+    """Return the lasting shapes that these recordings show."""
+    return _shown(setup, [CATALOGUE[name] for name in LASTING])
+
+
+def model_shapes(setup: Setup) -> tuple[Shape, ...]:
+    """Return the shapes of the model itself, zeros apart."""
+    return _shown(setup, [one.candidate.effect for one in setup.base])
+
+
+def _shown(setup: Setup, effects: Sequence[Effect]) -> tuple[Shape, ...]:
+    """Return the coefficients of some effects that move anything here, zeros apart."""
+    found = []
+    for effect in effects:
+        if effect.id in ZEROS:
+            continue
+        try:
+            columns = setup.stack.columns(effect, setup.recordings.at)
+        except MissingColumn:
+            continue
+        found += [Shape(effect, int(n)) for n in np.flatnonzero(np.any(columns != 0, axis=0))]
+    return tuple(found)
+
+
+def shared(setup: Setup, fit: joint.Joint) -> Array:
+    """Return what the whole array shares of the effects found, but for clocks and zeros, (m,)."""
+    total = np.zeros(len(setup.residual))
+    for n, one in enumerate(fit.choices[len(setup.base) :], len(setup.base)):
+        if "antenna" not in one.scope and one.candidate.effect.id not in HELD:
+            total += joint.contribution(setup, fit, n)
+    return total
+
+
+def steps(fit: joint.Joint) -> list[float]:
+    """Return the moments [s, UTC since 1970] at which the zeros were found to be set anew."""
+    effects = [one.candidate.effect for one in fit.choices]
+    return [e.parameter for e in effects if e.id == "epoch_offset" and e.parameter is not None]
+
+
+def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
+    """Return every antenna's session that has enough pointings.
+
+    Parameters
+    ----------
+    setup, fit
+        The case, and the fit of all that was found: the steps in it part the zeros, and what
+        the whole array shares is taken out.
+    shapes
+        What each block is asked for.
+    """
+    stack, at = setup.stack, setup.recordings.at
+    columns = [stack.columns(one.effect, at)[:, one.coefficient] for one in shapes]
+    zeros = np.concatenate([stack.columns(CATALOGUE[name], at) for name in ZEROS], axis=1)
+    since = _since(setup, steps(fit))
+    zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
+    value = setup.residual - shared(setup, fit)
+    session = setup.recordings.label("session").astype(str)[stack.row]
+    antenna = setup.recordings.label("antenna").astype(str)[stack.row]
+    everything = np.stack([value, *columns, *zeros.T], axis=1)
+    found = []
+    for name, when in dict.fromkeys(zip(antenna.tolist(), session.tolist(), strict=True)):
+        rows = np.flatnonzero((antenna == name) & (session == when))
+        pointing = setup.pointing[rows] * 2 + stack.is_y[rows]
+        _, first, member = np.unique(pointing, return_index=True, return_inverse=True)
+        count = np.bincount(member)
+        mean = np.stack([np.bincount(member, c) / count for c in everything[rows].T], axis=1)
+        own = mean[:, 1 + len(shapes) :]
+        own = own[:, np.any(own != 0, axis=0)]
+        if len(first) >= len(shapes) + own.shape[1] + SPARE:
+            floor = robust.rounding(value[rows]) / np.sqrt(np.median(count))
+            row = stack.row[rows[first]]
+            parts = (mean[:, 0], mean[:, 1 : 1 + len(shapes)], own)
+            found.append(_block(name, when, row, *parts, floor))
+    return _told(found)
+
+
+def _since(setup: Setup, moments: Sequence[float]) -> Codes:
+    """Return for each reading how many of some moments were past, shape (m,)."""
+    if not moments:
+        return np.zeros(len(setup.stack), np.intp)
+    time = np.asarray(setup.recordings.at.column("time"), float)[setup.stack.row]
+    return np.searchsorted(np.sort(moments), np.nan_to_num(time), side="right")
+
+
+def _block(
+    antenna: str, session: str, row: Codes, value: Array, shapes: Array, zeros: Array, floor: float
+) -> Block:
+    """Return a block with its robust weights and scatter; `_told` adds what it says."""
+    columns = np.concatenate([zeros, shapes], axis=1)
+    weight, residual = robust.weights(columns, value, REACH, floor)
+    spare = max(1.0, float(weight.sum()) - np.linalg.matrix_rank(columns))
+    sigma = max(float(np.sqrt((weight * residual**2).sum() / spare)), floor, 1e-12)
+    nothing = np.zeros(0)
+    return Block(antenna, session, row, value, shapes, zeros, weight, sigma, nothing, nothing)
+
+
+def _told(found: Sequence[Block]) -> list[Block]:
+    """Add what blocks say of their shapes, few pointings believing less in their own scatter."""
+    usual = float(np.median([one.sigma for one in found])) if found else 0.0
+    out = []
+    for one in found:
+        spare = max(1.0, one.weight.sum() - one.shapes.shape[1] - one.zeros.shape[1])
+        sigma = np.sqrt((spare * one.sigma**2 + BORROWED * usual**2) / (spare + BORROWED))
+        root = np.sqrt(one.weight)[:, None] / sigma
+        basis = np.linalg.qr(one.zeros * root)[0]
+        shapes, value = one.shapes * root, one.value * root[:, 0]
+        shapes = shapes - basis @ (basis.T @ shapes)
+        out.append(
+            replace(one, sigma=float(sigma), information=shapes.T @ shapes, score=shapes.T @ value)
+        )
+    return out

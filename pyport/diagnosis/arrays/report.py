@@ -1,0 +1,216 @@
+"""An array's report: shared and own parts, implied places, whole antenna-days held out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.diagnosis.array import ENOUGH_ANTENNAS
+from pyport.diagnosis.arrays.blocks import Block, Shape, blocks, lasting_shapes, model_shapes
+from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
+from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
+from pyport.diagnosis.arrays.repeat import Repeat, repeats
+from pyport.diagnosis.arrays.unseen import Unseen, unseen
+from pyport.diagnosis.case import Setup
+from pyport.diagnosis.joint import Joint
+from pyport.errors import BadInput
+from pyport.recordings.antennas import Survey
+from pyport.recordings.schema import Recordings
+
+LEAN = "tilt_east"
+#: Play in scans along elevation, which a time tag moves by the rate itself.
+SCAN = "scan_direction_el"
+#: What a session's antennas share: a clock moves hour angles, a time tag moves scans.
+SHARED = (LEAN, "scan_direction_az", SCAN)
+
+
+@dataclass(frozen=True)
+class Session:
+    """What one session's antennas share, and how well it tells the leans by itself.
+
+    Attributes
+    ----------
+    name, antennas
+        Its label, and how many antennas have enough pointings in it.
+    hours
+        First and last hour angle [rad], None where no site is known.
+    sigma
+        Median error of a lean toward east by this session alone [rad].
+    inflation
+        By how much the zero and the other shapes widen that error, median over antennas.
+    clock
+        What moved all hour angles alike, with its sigma [rad of hour angle]: the antennas' mean
+        is taken for the reference, so that only its changes mean something. None without site.
+    tag
+        Time tag of all scans along elevation, own parts zero on average, with its sigma [s];
+        None where their rate is not known.
+    """
+
+    name: str
+    antennas: int
+    hours: tuple[float, float] | None
+    sigma: float
+    inflation: float
+    clock: tuple[float, float] | None
+    tag: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class ArrayReport:
+    """What an array's recordings say beyond its findings.
+
+    Attributes
+    ----------
+    shapes, blocks, parts
+        What was asked for, of which blocks, and the answer.
+    form, fitted
+        The shapes of the model itself, and blocks that were asked for those.
+    rate
+        Of the scans along elevation [rad/s], None where it is not one known rate.
+    sessions
+        One by one.
+    repeats
+        Shape -> own parts of each session beside those of the others.
+    places, comparison
+        Implied displacements, None where no site is known; None without a survey.
+    unseen
+        Whole antenna-days held out, None of a single session.
+    """
+
+    shapes: tuple[Shape, ...]
+    blocks: tuple[Block, ...]
+    parts: Lasting
+    form: tuple[Shape, ...]
+    fitted: tuple[Block, ...]
+    rate: float | None
+    sessions: tuple[Session, ...]
+    repeats: dict[str, list[Repeat]]
+    places: Places | None
+    comparison: Comparison | None
+    unseen: Unseen | None
+
+    @property
+    def tag_level(self) -> float | None:
+        """Return how well the time tags' level is known [s]: the error of a mean of own parts."""
+        scan = number_of(self.shapes, SCAN)
+        if scan is None or self.rate is None:
+            return None
+        own = self.parts.own[told_well(self.parts.own_covariance(scan)) > 0, scan]
+        return float(np.std(own, ddof=1) / np.sqrt(len(own)) / self.rate) if len(own) > 1 else None
+
+
+def number_of(shapes: Sequence[Shape], name: str) -> int | None:
+    """Return the number of a shape, None where recordings do not show it."""
+    names = [one.name for one in shapes]
+    return names.index(name) if name in names else None
+
+
+def shared_shapes(shapes: Sequence[Shape]) -> list[int]:
+    """Return the shapes that a session's antennas may share."""
+    return [n for n, one in enumerate(shapes) if one.name in SHARED]
+
+
+def report(setup: Setup, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
+    """Return what an array's recordings say; None where they are no array's.
+
+    Parameters
+    ----------
+    setup, fit
+        The case of a diagnosis, and its fit of all that was found.
+    survey
+        Where the antennas stand, to compare with.
+
+    Raises
+    ------
+    BadInput
+        There is a survey, and nothing or nobody to compare it with.
+    """
+    recordings, shapes, form = setup.recordings, lasting_shapes(setup), model_shapes(setup)
+    found, fitted = (tuple(blocks(setup, fit, some)) for some in (shapes, form))
+    lean = number_of(shapes, LEAN)
+    if len({one.antenna for one in found}) < ENOUGH_ANTENNAS or lean is None:
+        if survey is not None:
+            raise BadInput("too few antennas with enough pointings to compare", recordings.file)
+        return None
+    site = recordings.at.site
+    if site is None and survey is not None:
+        raise BadInput("no '# latitude_deg: ...', expected it to compare places", recordings.file)
+    shared = shared_shapes(shapes)
+    parts = lasting(found, shared)
+    several = len(parts.sessions) > 1
+    implied = None if site is None else places(parts, lean, site)
+    rate = _rate(recordings)
+    units = {
+        LEAN: None if site is None else float(np.cos(site.latitude)),
+        SCAN: rate,
+    }
+    return ArrayReport(
+        shapes,
+        found,
+        parts,
+        form,
+        fitted,
+        rate,
+        tuple(_session(recordings, found, shapes, parts, name, units) for name in parts.sessions),
+        {shapes[n].name: repeats(found, shared, n) for n in shared} if several else {},
+        implied,
+        None if implied is None or survey is None else compare(implied, survey),
+        unseen(fitted, found, shapes, shared) if several and fitted else None,
+    )
+
+
+def _rate(recordings: Recordings) -> float | None:
+    """Return the one rate of all scans along elevation [rad/s], None where there is none."""
+    at = recordings.at
+    if "scan_rate" not in at or "scan_direction" not in at:
+        return None
+    scanned = np.nan_to_num(np.asarray(at.column("scan_direction"), float)) != 0
+    if "scan_axis" in at:
+        scanned &= at.column("scan_axis") == "el"
+    rates = np.unique(np.asarray(at.column("scan_rate"), float)[scanned])
+    return float(rates[0]) if len(rates) == 1 and rates[0] > 0 else None
+
+
+def _session(
+    recordings: Recordings,
+    found: Sequence[Block],
+    shapes: Sequence[Shape],
+    parts: Lasting,
+    name: str,
+    units: dict[str, float | None],
+) -> Session:
+    """Return what one session tells."""
+    own = [one for one in found if one.session == name]
+    hours = None
+    if "hour_angle" in recordings.at:
+        every = recordings.at.column("hour_angle")[np.concatenate([one.row for one in own])]
+        hours = float(np.nanmin(every)), float(np.nanmax(every))
+    session = parts.sessions.index(name)
+
+    def common(shape: str) -> tuple[float, float] | None:
+        number, unit = number_of(shapes, shape), units[shape]
+        if number is None or unit is None:
+            return None
+        sigma = np.sqrt(parts.common_covariance(number)[session, session])
+        return float(parts.common[session, number] / unit), float(sigma / unit)
+
+    lean = number_of(shapes, LEAN)
+    errors = np.array([_error(one.information, 0 if lean is None else lean) for one in own])
+    free, known = errors.T
+    return Session(
+        name,
+        len(own),
+        hours,
+        float(np.median(free)),
+        float(np.median(free / known)),
+        common(LEAN),
+        common(SCAN),
+    )
+
+
+def _error(information: np.ndarray, shape: int) -> tuple[float, float]:
+    """Return a coefficient's error with the others free, and with them known."""
+    free = np.linalg.pinv(information, rcond=1e-9)[shape, shape]
+    return float(np.sqrt(free)), float(1 / np.sqrt(max(information[shape, shape], 1e-300)))
