@@ -43,4 +43,4 @@ def command(out: Path) -> None:
     wanted = run.requests(RECORDINGS, model="gmrt-paper", refit="all", seed=0, out=out)
     for done in run.run_all(wanted):
         click.echo("\n" + done.summary)
-    click.echo(f"\nReports, rows and pictures: {out}/gmrt-*/")
+    click.echo(f"\nReports, rows and pictures: {out}/gmrt-*/ (open report.html in a browser)")

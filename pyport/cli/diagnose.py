@@ -38,8 +38,8 @@ def command(
 ) -> None:
     """Find, name and model what a pointing model leaves out of RECORDINGS.
 
-    Each file of recordings gets a folder OUT/STEM with report.json, rows.csv
-    and a picture per finding.
+    Each file of recordings gets a folder OUT/STEM with report.html, a page that
+    needs no network, report.json, rows.csv and a picture per finding.
     """
     from pyport.diagnosis import run
 

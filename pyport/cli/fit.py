@@ -29,7 +29,7 @@ import click
     show_default=True,
     help="With --method document: residuals beyond so many degrees lose their vote.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
     recordings: str,
@@ -51,6 +51,7 @@ def command(
         report, text = _fit_rt32(recordings, method, box_step, level_deg, exact=exact)
         _show(report, text, out, as_json=as_json)
         return
+    from pyport import page
     from pyport.fitting import table, waves
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
@@ -58,6 +59,8 @@ def command(
 
     done = fit(read(resolve(recordings)), load(model))
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
+    if out is not None:
+        page.write(*page.of_fit(done), out / "report.html")
     if not as_json and model == "gmrt-paper" and (found := waves.beside_table_18(done)):
         click.echo("\n" + waves.text(found))
 

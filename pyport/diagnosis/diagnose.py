@@ -15,7 +15,7 @@ from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
-from pyport.diagnosis.search import FAMILY_ERROR, Outcome, search
+from pyport.diagnosis.search import FAMILY_ERROR, Outcome, Step, search
 from pyport.diagnosis.significance import gain_needed, threshold
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
@@ -52,6 +52,8 @@ class Diagnosis:
         Predictions of unseen readings by both fits.
     unseen
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
+    steps
+        The turns of the search, each with everything that was tried in it.
     """
 
     setup: Setup
@@ -66,6 +68,7 @@ class Diagnosis:
     wild: tuple[str, ...]
     heldout: HeldOut
     unseen: tuple[Array, Array]
+    steps: tuple[Step, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -138,6 +141,7 @@ def diagnose(
             rms(scene.floor[both], scene.share[both]),
         ),
         unseen=unseen,
+        steps=outcome.steps,
     )
 
 

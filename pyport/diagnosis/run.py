@@ -86,6 +86,7 @@ def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
 
 def run_one(request: Request) -> Done:
     """Diagnose one file and write its folder."""
+    from pyport import page
     from pyport.report.figures import write_findings
 
     diagnosis = diagnose(
@@ -93,5 +94,6 @@ def run_one(request: Request) -> Done:
     )
     report = record.write(diagnosis, request.folder)
     write_findings(diagnosis, request.folder)
+    page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html")
     text = summary(diagnosis)
     return Done(request.folder, text, json.dumps(report))
