@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Elements that hold nothing and are not closed.
 VOID = frozenset({"br", "input", "meta"})
 
@@ -41,13 +43,18 @@ def join(parts: Iterable[str | None]) -> Markup:
 
 
 def said(text: str) -> str:
-    """Return plain text as it is printed: with a plus-minus and a minus sign."""
-    return text.replace("+-", "±")
+    """Return plain text as it is printed: with a plus-minus and with minus signs."""
+    return re.sub(r"(?<![\w.-])-(?=\d)", "−", text.replace("+-", "±"))
 
 
 def chance(p_value: float) -> str:
     """Return a probability in words that hold where it underflows."""
-    return f"{p_value:.2g}" if p_value > 1e-300 else "below 1e-300"
+    if p_value <= 1e-300:
+        return "below 10⁻³⁰⁰"
+    if p_value >= 1e-3:
+        return f"{p_value:.2g}"
+    digits, _, power = f"{p_value:.1e}".partition("e")
+    return f"{digits} × 10{str(int(power)).translate(_RAISED)}"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: int = 0) -> Markup:

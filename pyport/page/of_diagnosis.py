@@ -51,6 +51,7 @@ def picture_of(
     x: Side,
     y: Side,
     names: tuple[str, str] = ("before", "after"),
+    show: str = "both",
 ) -> Picture:
     """Return the picture of residuals on both axes of recordings."""
     at = recordings.at
@@ -63,6 +64,7 @@ def picture_of(
         x=x,
         y=y,
         names=names,
+        show=show,
     )
 
 

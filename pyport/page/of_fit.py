@@ -26,7 +26,7 @@ def of_fit(fit: Fit) -> tuple[Picture, Story]:
     counted = (fit.weight > 0).astype(float)
     x, y = sides(fit.recordings, fit.stack, before, curves, counted)
     layers = tuple(Layer(name.replace("_", " ")) for name in names)
-    picture = picture_of(fit.recordings, layers, x, y, names=("before the fit", "after the fit"))
+    picture = picture_of(fit.recordings, layers, x, y, ("before the fit", "after the fit"), "after")
     return picture, _story(fit, picture)
 
 
@@ -72,7 +72,8 @@ def _story(fit: Fit, picture: Picture) -> Story:
         model=fit.model.name,
         headline=f"{fit.model.name} fits to {' and '.join(f'{s:.3g}' for s in sizes.values())} "
         "arcsec.",
-        lead=f"Rms of what is left: {said}. Whether physics is left out, `pyport diagnose` tells.",
+        lead=f"Rms of what is left: {said}. "
+        "Whether physics is left out, a diagnosis tells: pyport diagnose.",
         good=not warnings,
         facts=tuple(facts),
         warnings=warnings,

@@ -24,6 +24,7 @@ def payload(picture: Picture) -> dict[str, object]:
         "unit": unit,
         "total": len(picture),
         "names": list(picture.names),
+        "show": picture.show if picture.layers else "before",
         "line": pack.numbers(picture.line[rows].astype(float), step=1.0),
         "time": _time(picture, rows),
         "columns": [_column(one, rows) for one in picture.columns],
@@ -56,14 +57,15 @@ def _side(side: Side, rows: NDArray[np.intp], scale: float) -> dict[str, object]
         "layers": [pack.numbers(one[rows] / scale) for one in side.layers],
         "share": pack.numbers(side.share[rows]),
         "floor": None if side.floor is None else float(f"{side.floor / scale:.6g}"),
-        "reach": float(f"{reach(side) / scale:.4g}"),
+        "reach": float(f"{reach(side, side.before, side.after) / scale:.4g}"),
+        "near": float(f"{reach(side, side.after) / scale:.4g}"),
     }
 
 
-def reach(side: Side) -> float:
-    """Return how far the frame of a panel of residuals reaches from zero [rad]."""
+def reach(side: Side, *shown: Array) -> float:
+    """Return how far the frame of a panel that shows some residuals reaches from zero [rad]."""
     counted = (side.share > 0) & np.isfinite(side.before)
-    sizes = np.abs(np.concatenate([side.before[counted], side.after[counted]]))
+    sizes = np.abs(np.concatenate([one[counted] for one in shown]))
     return 1.25 * float(np.quantile(sizes, FRAME)) if len(sizes) else 1.0
 
 

@@ -92,7 +92,8 @@ class Picture:
 
     `time` in seconds of UTC since 1970 or None; `columns` with azimuth and
     elevation first and the hour angle next, then the others, the one with the most
-    structure first; `labels` tell recordings apart when one is pointed at.
+    structure first; `labels` tell recordings apart when one is pointed at; `show`
+    is what is drawn first: before, after or both.
     """
 
     time: Array | None
@@ -103,6 +104,7 @@ class Picture:
     x: Side
     y: Side
     names: tuple[str, str] = ("before", "after")
+    show: str = "both"
 
     def __len__(self) -> int:
         """Return n."""
@@ -110,8 +112,8 @@ class Picture:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Return the unit in which residuals are told, and its name."""
-        sizes = [side.rms(side.before) for side in (self.x, self.y)]
+        """Return the unit in which residuals are told, handy for what is left, and its name."""
+        sizes = [side.rms(side.after) for side in (self.x, self.y)]
         return (ARCMIN, "arcmin") if max(sizes) > COARSE else (ARCSEC, "arcsec")
 
     def sides(self) -> list[tuple[str, Side]]:

@@ -14,13 +14,8 @@ CUT = 400
 
 def head(story: Story) -> Markup:
     """Return the verdict and the key figures."""
-    pill = tag(
-        "span",
-        *(("the model suffices",) if story.good else ("the model falls short",))
-        if story.kind == "diagnosis"
-        else ("fit",),
-        class_="pill " + ("good" if story.good else "bad"),
-    )
+    told = "the model suffices" if story.good else "the model falls short"
+    pill = tag("span", told, class_=f"pill {'good' if story.good else 'bad'}")
     facts = [
         tag("div", tag("dt", name), tag("dd", value, tag("small", beside)))
         for name, value, beside in story.facts
@@ -32,12 +27,14 @@ def head(story: Story) -> Markup:
             tag("b", "pyport"),
             tag("span", f"{story.kind} of {story.source.file}"),
             tag("span", f"model {story.model}"),
-            pill,
+            pill if story.kind == "diagnosis" else None,
             class_="brand",
         ),
         tag("h1", story.headline),
         tag("p", story.lead, class_="lead"),
-        *(tag("p", text, class_="warning") for text in story.warnings),
+        tag("ul", *(tag("li", text) for text in story.warnings), class_="warning")
+        if story.warnings
+        else None,
         tag("dl", *facts, class_="facts"),
     )
 

@@ -146,7 +146,7 @@ def test_text_and_attributes_come_back_from_the_markup(inside, attribute):
         def handle_data(self, text):
             found.append(text)
 
-    clean = inside.replace("+-", "")
+    clean = inside.replace("-", "")
     reader = Reader(convert_charrefs=True)
     reader.feed(tag("p", clean, title=attribute))
     reader.close()

@@ -44,7 +44,7 @@ function against(host, column, options = {}) {
 
 function frame(svg, axis, n, column, scale, left, right) {
   const top = FRAME.top + n * (FRAME.height + FRAME.gap), bottom = top + FRAME.height;
-  const reach = axis.reach;
+  let reach = axis.reach;
   const py = (value) => {
     const bounded = Math.max(-reach, Math.min(reach, value));
     return (top + bottom) / 2 - bounded / reach * (FRAME.height / 2 - 3);
@@ -59,25 +59,31 @@ function frame(svg, axis, n, column, scale, left, right) {
   for (const x of scale.cuts) {
     el("line", { class: "cut", x1: x, x2: x, y1: top, y2: bottom }, group);
   }
-  for (const value of ticks(-reach, reach, 4)) {
-    const y = py(value);
-    el("line", { class: value === 0 ? "zero" : "grid", x1: left, x2: right, y1: y, y2: y }, group);
-    el("text", { class: "label", x: left - 6, y: y + 3.5, "text-anchor": "end" }, group,
-      plain(value));
-  }
-  const clouds = ["before", "after"].map((name) => cloud(group, `cloud ${name}`));
-  const dims = ["before", "after"].map((name) => cloud(group, `cloud ${name} dim`));
-  const lines = ["before", "after"].map((name) =>
-    el("path", { class: `median ${name}` }, group));
-  const dots = ["before", "after"].map((name) =>
-    el("circle", { class: `hot ${name}`, r: 4.5 }, group));
+  const marks = el("g", {}, group);
+  const kinds = ["before", "after"];
+  const clouds = kinds.map((name) => cloud(group, `cloud ${name}`));
+  const dims = kinds.map((name) => cloud(group, `cloud ${name} dim`));
+  const lines = kinds.map((name) => el("path", { class: `median ${name}` }, group));
+  const dots = kinds.map((name) => el("circle", { class: `hot ${name}`, r: 4.5 }, group));
   el("text", { class: "axis", x: left, y: top - 6 }, group, `${axis.name} [${data.unit}]`);
   el("rect", { class: "edge", x: left, y: top, width: right - left, height: FRAME.height }, group);
 
   const shown = (name) => state.show === "both" || state.show === name;
   const bins = Math.max(6, Math.min(24, Math.floor((right - left) / 26)));
+  // What is left alone is drawn as large as it needs; with an effect left in, beside what was.
+  function measure() {
+    reach = state.show === "after" && state.on.every(Boolean) ? axis.near : axis.reach;
+    marks.replaceChildren();
+    for (const value of ticks(-reach, reach, 4)) {
+      const y = py(value), kind = value === 0 ? "zero" : "grid";
+      el("line", { class: kind, x1: left, x2: right, y1: y, y2: y }, marks);
+      el("text", { class: "label", x: left - 6, y: y + 3.5, "text-anchor": "end" }, marks,
+        plain(value));
+    }
+  }
   function draw(px, lined) {
-    ["before", "after"].forEach((name, k) => {
+    measure();
+    kinds.forEach((name, k) => {
       const values = axis[name];
       const there = shown(name) ? everyone : [];
       const chosen = state.chosen ? there.filter((i) => state.chosen[i]) : there;
@@ -90,7 +96,7 @@ function frame(svg, axis, n, column, scale, left, right) {
     });
   }
   function mark(px) {
-    ["before", "after"].forEach((name, k) => {
+    kinds.forEach((name, k) => {
       const value = state.at < 0 ? NaN : axis[name][state.at];
       const there = shown(name) && !Number.isNaN(value) && !Number.isNaN(px(state.at));
       dots[k].setAttribute("visibility", there ? "visible" : "hidden");

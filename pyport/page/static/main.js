@@ -169,9 +169,15 @@ toolbar();
 switches();
 listChosen();
 built.forEach(render);
-// On paper every panel is drawn as on the screen; what is folded is opened.
+// On paper every panel is drawn for the width of the paper; what is folded is opened.
 addEventListener("beforeprint", () => {
+  document.documentElement.classList.add("paper");
   for (const details of document.querySelectorAll("details")) details.open = true;
+  built.forEach(render);
+});
+addEventListener("afterprint", () => {
+  document.documentElement.classList.remove("paper");
+  built.forEach(render);
 });
 listeners.push((what) => built.forEach((one) => {
   const skipped = what === "stretch" && !one.host.closest("#sky-panels");

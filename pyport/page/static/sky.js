@@ -4,11 +4,11 @@ const [across, along] = ["x", "y"].map((letter) => axes.find((axis) => axis.lett
 const size = (i, name) => Math.hypot(
   across ? across[name][i] || 0 : 0, along ? along[name][i] || 0 : 0);
 
-// Units of residual that 1 pixel stands for, so that a long vector is a tenth of the drawing.
-function unitsPerPixel(pixels) {
-  const sorted = everyone.map((i) => size(i, "before")).sort((a, b) => a - b);
-  return (sorted[Math.floor(0.9 * (count - 1))] || 1) / pixels;
-}
+// How long a long vector is. Both kinds share a scale unless one would be too short to see.
+const long = (name) =>
+  everyone.map((i) => size(i, name)).sort((a, b) => a - b)[Math.floor(0.9 * (count - 1))] || 1;
+const LONG = { before: long("before"), after: long("after") };
+if (LONG.before < 8 * LONG.after) LONG.after = LONG.before;
 
 function sky(host, name, polar) {
   const wide = Math.max(240, Math.floor(host.clientWidth));
@@ -22,7 +22,7 @@ function sky(host, name, polar) {
   const feet = cloud(group, `cloud feet ${name}`);
   const hot = el("circle", { class: `hot ${name}`, r: 5, visibility: "hidden" }, svg);
   const key = el("g", { class: "key" }, svg);
-  const scale = unitsPerPixel(grid.long);
+  const scale = LONG[name] / grid.long;
   const foot = everyone.map((i) => grid.at(rows.az[i], rows.el[i]));
 
   function draw(what) {

@@ -51,7 +51,7 @@ const axes = data.axes.map((axis) => ({
 // What is switched on, shown, chosen and pointed at; whoever draws listens.
 const state = {
   on: data.layers.map(() => true),
-  show: data.layers.length ? "both" : "before",
+  show: data.show,
   chosen: null,
   at: -1,
   stretch: 1,
