@@ -13,9 +13,11 @@ from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
+    "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
     "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
+    "field-system": "Compare with the VLBI Field System on its own outputs.",
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
@@ -39,7 +41,8 @@ class Lazy(click.Group):
         """Import `pyport.cli.NAME` and return its `command`."""
         if name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"pyport.cli.{name}").command
+        module = name.replace("-", "_")
+        command: click.Command = importlib.import_module(f"pyport.cli.{module}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

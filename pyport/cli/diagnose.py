@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from pyport.cli.about import about_file
+
 
 @click.command(
     "diagnose",
@@ -23,6 +25,7 @@ import click
 @click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
 @click.option("--jobs", default=1, show_default=True, help="Files diagnosed at the same time.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
+@about_file
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
 def command(
@@ -32,6 +35,9 @@ def command(
     seed: int,
     jobs: int,
     out: Path,
+    about: dict[str, str],
+    columns: tuple[str, ...],
+    read_as: str,
     *,
     quiet: bool,
     as_json: bool,
@@ -42,8 +48,10 @@ def command(
     needs no network, report.json, rows.csv and a picture per finding.
     """
     from pyport.diagnosis import run
+    from pyport.recordings.given import Given
 
-    requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out)
+    given = Given(about, columns, read_as)
+    requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out, given=given)
     for done in run.run_all(requests, jobs=jobs):
         if as_json:
             click.echo(done.report)

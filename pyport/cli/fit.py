@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+from pyport.cli.about import about_file
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
@@ -29,6 +35,7 @@ import click
     show_default=True,
     help="With --method document: residuals beyond so many degrees lose their vote.",
 )
+@about_file
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
@@ -37,44 +44,54 @@ def command(
     method: str | None,
     box_step: str,
     level_deg: float,
+    about: dict[str, str],
+    columns: tuple[str, ...],
+    read_as: str,
     out: Path | None,
     *,
     as_json: bool,
 ) -> None:
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
+    from pyport.recordings.given import Given
+
+    given = Given(about, columns, read_as)
     if method is not None:
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(
                 f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
             )
         exact = model == "rt32-exact"
-        report, text = _fit_rt32(recordings, method, box_step, level_deg, exact=exact)
+        report, text = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
         _show(report, text, out, as_json=as_json)
         return
     from pyport import page
-    from pyport.fitting import table, waves
+    from pyport.fitting import table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
-    from pyport.recordings import read, resolve
+    from pyport.recordings import read
 
-    done = fit(read(resolve(recordings)), load(model))
+    done = fit(read(recordings, given), load(model))
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
     if out is not None:
         page.write(*page.of_fit(done), out / "report.html")
-    if not as_json and model == "gmrt-paper" and (found := waves.beside_table_18(done)):
-        click.echo("\n" + waves.text(found))
+    if not as_json and model == "gmrt-paper":
+        from pyport.fitting.gmrt import comparison
+        from pyport.fitting.gmrt.beside import beside_table_18
+
+        if days := beside_table_18(done):
+            click.echo("\n" + comparison.text(days))
 
 
 def _fit_rt32(
-    recordings: str, method: str, choice: str, level_deg: float, *, exact: bool
+    recordings: str, given: Given, method: str, choice: str, level_deg: float, *, exact: bool
 ) -> tuple[dict[str, object], str]:
     """Fit p1..p12 from nothing; return the fit for programs and the RT32's table."""
     from pyport.angles import DEG
     from pyport.fitting.rt32 import box_step, fit_rt32, table
     from pyport.fitting.rt32.bootstrap import honest_sigmas
-    from pyport.recordings import read, resolve
+    from pyport.recordings import read
 
-    measured = read(resolve(recordings))
+    measured = read(recordings, given)
     box = box_step(measured, choice)
     done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
     honest = honest_sigmas(done)

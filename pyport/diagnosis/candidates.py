@@ -25,6 +25,8 @@ class Candidate:
     choices: int = 1
     #: The stretch of the recordings that it is confined to, if it is.
     region: tuple[Interval, ...] = ()
+    #: Whether its columns belong to the moments of these recordings: no other session has them.
+    of_time: bool = False
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ def prepare(
     """
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
-    terms = [t for t in model.terms if refit is None or t.effect.id in refit]
+    terms = model.fitted(refit)
     base_columns, base = _base(recordings, data, terms)
     found, candidates, untestable = listing.design(recordings, data)
     generic, others = shapes.design(recordings, data)

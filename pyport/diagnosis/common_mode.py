@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
+from pyport.fitting.pivoting import most_different
 from pyport.fitting.stacking import Codes
 
 #: Antennas that must have recorded a scan for it to tell of the common mode.
@@ -20,6 +21,8 @@ ENOUGH_ANTENNAS = 4
 ENOUGH_SCANS = 8
 #: Scans for each shape that an effect could give and that is taken out first.
 SCANS_PER_SHAPE = 4
+#: A curve that keeps less of its length beside others is none of its own.
+DIFFERENT = 1e-3
 #: The median of the square of a standard normal number.
 _MEDIAN_SQUARE = 0.4549364231195724
 
@@ -71,11 +74,8 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
 
 def _directions(curves: Array, room: int) -> Array:
     """Return up to `room` orthonormal directions that the curves span, the most different first."""
-    from scipy.linalg import qr
-
     length = np.linalg.norm(curves, axis=0)
     kept = length > 1e-9 * max(float(length.max(initial=0)), 1e-300)
     if not kept.any() or room == 0:
         return np.zeros((len(curves), 0))
-    directions = qr(curves[:, kept] / length[kept], mode="economic", pivoting=True)[0]
-    return np.asarray(directions[:, :room])
+    return most_different(curves[:, kept] / length[kept], room, DIFFERENT)

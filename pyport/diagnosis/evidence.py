@@ -16,6 +16,8 @@ from pyport.fitting.stacking import Codes
 
 #: Shares of a coefficient's holders that a candidate is tried with.
 SCOPES = ("all", "session", "antenna", "antenna and session")
+#: Prior variances that are tried, over the variance with which the best direction is known.
+_STRENGTHS = np.geomspace(0.1, 1e4, 26)
 #: A candidate must keep this share of its length when the model is projected out.
 VISIBLE = 1e-5
 
@@ -72,6 +74,10 @@ class Trial:
     delta_bic
         `gain` less what that many coefficients, and the choice among the members of a
         family, must earn (Chen & Chen 2008); above zero is worth having.
+    evidence
+        Twice the logarithm of how much likelier the data are with it, its coefficients drawn
+        from one normal of the best width and the choice among its family paid for: what
+        candidates are ranked by.
     noise_dof
         Deviations from which the scale of its noise is known.
     values
@@ -87,10 +93,31 @@ class Trial:
     gain: float
     dof: int
     delta_bic: float
+    evidence: float
     noise_dof: float
     values: Array
     information: Array
     drawn: Array
+
+
+def at_best(power: Array, along: Array) -> tuple[float, float]:
+    """Return twice the log of the evidence at the best prior variance, and that variance.
+
+    `power` (K,) holds the information on independent directions of equal prior
+    variance, `along` (K,) the products with the data.
+    """
+    variance = _STRENGTHS[:, None] / max(float(power.max(initial=0.0)), 1e-300)
+    raised = variance * along**2 / (1 + variance * power) - np.log1p(variance * power)
+    evidence = raised.sum(axis=1)
+    best = int(np.argmax(evidence))
+    return float(evidence[best]), float(variance[best, 0])
+
+
+def _independent(information: Array, moments: Array) -> tuple[Array, Array]:
+    """Return information (K,) and moments (K,) on independent directions of scaled columns."""
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    power, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    return np.maximum(power, 0.0), vectors.T @ (moments / scale)
 
 
 class Evidence:
@@ -122,14 +149,16 @@ class Evidence:
         """Return products of the columns with drawn noise, shape (blocks, K, draws).
 
         The scale of each block's noise is known from `dof` deviations only,
-        which the draws repeat.
+        which the draws repeat. Rows that are zero but for rounding get none: rounding
+        must not decide which row gets which numbers.
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
         out = np.empty((len(self.blocks), white.shape[1] - 1, draws))
         for one in range(len(self.blocks)):
             columns = white[block == one, :-1]
-            columns = columns[columns.any(axis=1)]
+            power = np.einsum("nk,nk->n", columns, columns)
+            columns = columns[power > 1e-18 * power.max(initial=0.0)]
             out[one] = columns.T @ (
                 rng.standard_normal((len(columns), draws)) * scale[antenna[one]]
             )
@@ -161,6 +190,10 @@ class _Left:
     solved: Array
     seen: Array
     drawn: Array
+
+    def left_of(self, columns: Codes) -> Array:
+        """Return the products of some columns with the data's residuals, (G k)."""
+        return self.seen[:, columns].ravel()
 
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
@@ -240,6 +273,8 @@ class Beside:
             gain,
             dof,
             gain - dof * np.log(max(evidence.pointings, 3)) - 2 * np.log(candidate.choices),
+            at_best(*_independent(information / excess, left.left_of(columns) / excess))[0]
+            - 2 * np.log(candidate.choices),
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,

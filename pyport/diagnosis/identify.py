@@ -18,9 +18,9 @@ IDENTICAL = 0.99
 #: Two curves that alike are told apart all the same when one of them leaves this much more, and
 #: more than this share of what there was: what first-order shapes may be wrong by.
 DECISIVE, DECISIVE_SHARE = 60.0, 0.02
-#: An effect that falls behind by less than this in BIC is not excluded.
-NOT_EXCLUDED = 10.0
-#: One that gains less than its coefficients cost by more than this explains nothing.
+#: An effect that falls behind by less than this in evidence is not excluded.
+NOT_EXCLUDED = 8.0
+#: One whose evidence is less than this explains nothing.
 WORTHLESS = -2.0
 
 #: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
@@ -50,7 +50,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in trials if t.candidate.effect.physical),
-        key=lambda t: -t.delta_bic,
+        key=lambda t: -t.evidence,
     )
     outside: list[Trial] = []
     for rival in rivals:
@@ -59,7 +59,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
-        close = rival.delta_bic > max(winner.delta_bic - NOT_EXCLUDED, WORTHLESS)
+        close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, WORTHLESS)
         # A rival with many more coefficients can draw any curve; that is no likeness.
         same = (
             rival.scope == winner.scope

@@ -24,9 +24,6 @@ TUKEY = 6.0
 APART = 1e9
 #: Fewer pointings than this in one antenna and axis tell nothing of a drift.
 ENOUGH_FOR_DRIFT = 80
-#: Twice the log-likelihood that a drift must gain before it is believed. Low on purpose: a drift
-#: that is overlooked looks like effects, one that is believed in vain costs next to nothing.
-DRIFT_GAIN = 3.0
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3
 FAR = 1e4
@@ -58,14 +55,39 @@ class Series:
 
 @dataclass(frozen=True)
 class Noise:
-    """Fitted noise of one series [rad, s]; `dof` is what its scale was estimated from."""
+    """Fitted noise of one series [rad, s].
+
+    Attributes
+    ----------
+    within, between
+        Scatter of readings about their pointing's mean, and of pointings.
+    drifts
+        Amplitude and correlation time of each Ornstein-Uhlenbeck process: where
+        the recordings allow several, each stands there as likely as it is.
+    dof
+        What the scale was estimated from.
+    how
+        `replicates` or `reml`.
+    """
 
     within: float
     between: float
-    drift: float = 0.0
-    time_s: float | None = None
+    drifts: tuple[tuple[float, float], ...] = ()
     dof: float = np.inf
     how: str = "reml"
+
+    @property
+    def drift(self) -> float:
+        """Return the rms of all that drifts [rad]."""
+        return float(np.sqrt(sum(amplitude**2 for amplitude, _ in self.drifts)))
+
+    @property
+    def time_s(self) -> float | None:
+        """Return the correlation time, averaged over what drifts; None where nothing does [s]."""
+        if self.drift == 0:
+            return None
+        power = np.array([amplitude**2 for amplitude, _ in self.drifts])
+        return float(np.exp(power @ np.log([time for _, time in self.drifts]) / power.sum()))
 
     @property
     def floor(self) -> float:
@@ -200,18 +222,18 @@ def by_pointing(
 
 def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> Array:
     """Divide by the scatter, after taking out what the past of the drift predicts."""
-    drifts = noise.drift > 0 and noise.time_s is not None
-    return factor(
-        columns, variance, part.time if drifts else None, noise.drift, noise.time_s or 1.0
-    )[1]
+    return factor(columns, variance, part.time, noise.drifts)[1]
 
 
 def factor(
-    columns: Array, variance: Array, time: Array | None, drift: float, time_s: float
+    columns: Array,
+    variance: Array,
+    time: Array | None,
+    drifts: Sequence[tuple[float, float]],
 ) -> tuple[Array, Array]:
-    """Whiten columns (n, K) under independent noise and a drift, in linear time.
+    """Whiten columns (n, K) under independent noise and drifts, in linear time.
 
-    The covariance of an Ornstein-Uhlenbeck process is semiseparable
+    The covariance of Ornstein-Uhlenbeck processes is semiseparable
     (Foreman-Mackey et al. 2017, AJ 154, 220).
 
     Returns
@@ -221,16 +243,16 @@ def factor(
     white
         The columns with unit scatter, shape (n, K).
     """
-    if time is None:
+    if time is None or len(drifts) == 0:
         return variance, columns / np.sqrt(variance)[:, None]
     from celerite2 import driver
 
-    n = len(columns)
-    rate = np.array([1 / time_s])
-    ones = np.ones((n, 1))
-    power = drift**2
-    d, w = np.empty(n), np.empty((n, 1))
-    driver.factor(time, rate, variance + power, power * ones, ones, d, w)
+    n, terms = len(columns), len(drifts)
+    amplitude, memory = np.array(drifts).T
+    rate, power = 1 / memory, np.tile(amplitude**2, (n, 1))
+    ones = np.ones((n, terms))
+    d, w = np.empty(n), np.empty((n, terms))
+    driver.factor(time, rate, variance + power.sum(axis=1), power, ones, d, w)
     z = np.ascontiguousarray(columns)
-    z = driver.solve_lower(time, rate, power * ones, w, z, np.empty_like(z))
+    z = driver.solve_lower(time, rate, power, w, z, np.empty_like(z))
     return d, z / np.sqrt(d)[:, None]

@@ -10,7 +10,6 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.noise import (
     APART,
-    DRIFT_GAIN,
     ENOUGH_FOR_DRIFT,
     FAR,
     TUKEY,
@@ -20,20 +19,29 @@ from pyport.diagnosis.noise import (
     factor,
 )
 from pyport.fitting import robust
+from pyport.fitting.pivoting import most_different
 from pyport.fitting.stacking import Codes
 
 #: Pointings for each shape that may be taken out before the noise is read off.
 POINTINGS_PER_SHAPE = 4
 #: No more shapes than this: the most different ones draw what the others can.
 MOST_SHAPES = 80
+#: A shape that keeps less of its length beside those taken out is none of its own.
+DIFFERENT = 0.05
 #: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
 SLOW = 0.9
 #: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
 MOST_SLOW = 8
+#: Strengths of a drift, over the scatter of pointings, that are weighed against each other.
+RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5)
+#: So many memories are, from this many steps between pointings on.
+MEMORIES, SHORTEST_MEMORY = 7, 2.0
+#: What has less of the variance than this is left out.
+FAINT = 1e-4
 #: A drift that remembers longer than this is no noise: it is an effect of time. [s]
 LONGEST_MEMORY = 86400.0
-#: Up to so many sessions beyond the first their own constants are taken out first.
-FEW_SESSIONS = 5
+#: Sessions of so many pointings on average have their own constants taken out first.
+POINTINGS_PER_SESSION = 12
 #: The array's usual noise counts as this many deviations where an antenna has few of its own.
 PRIOR_DOF = 6.0
 #: Antennas from which on there is a usual noise.
@@ -65,17 +73,23 @@ def fit(
         Robust weights of the readings, shape (m,).
     """
     weights = np.ones(len(value))
-    noises = []
     of_axis = np.zeros(len(value), bool)
     for part in parts:
         of_axis[part.rows] = part.is_y
     floors = {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
+    grid = _grid(parts)
+    drafts = []
     for part in parts:
-        known = np.concatenate([base[part.rows], _few_sessions(part)], axis=1)
+        known = np.concatenate([base[part.rows], _of_sessions(part)], axis=1)
         columns = _rich(known, shapes[part.rows], int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
         weights[part.rows], residual = robust.weights(columns, value[part.rows], TUKEY, floor)
-        noises.append(_fit_series(value[part.rows], columns, weights, residual, part, floor))
+        given = value[part.rows], columns, weights[part.rows], residual
+        drafts.append(_draft(*given, part, grid, floor))
+    noises = [
+        draft.noise(_beside(drafts, parts, n), floors[parts[n].is_y])
+        for n, draft in enumerate(drafts)
+    ]
     return _moderated(noises, parts), weights
 
 
@@ -102,23 +116,23 @@ def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
                 noise,
                 within=noise.within * more,
                 between=noise.between * more,
-                drift=noise.drift * more,
+                drifts=tuple((amplitude * more, time) for amplitude, time in noise.drifts),
                 dof=noise.dof + PRIOR_DOF,
             )
     return found
 
 
-def _few_sessions(part: Series) -> Array:
-    """Return a column for each session but the first, where there are few of them.
+def _of_sessions(part: Series) -> Array:
+    """Return a column for each session but the first.
 
-    A drift must show within the sessions: between two or three of them it
-    could pass for any step.
+    A drift must show within the sessions: from one to the next it could pass
+    for anything that was moved in between.
     """
     if part.time is None:
         return np.zeros((len(part.rows), 0))
     session = np.concatenate([[0], np.cumsum(np.diff(part.time) > APART / 2)])[part.pointing]
     count = int(session.max())
-    if count > FEW_SESSIONS:
+    if (count + 1) * POINTINGS_PER_SESSION > len(part.time):
         return np.zeros((len(part.rows), 0))
     return (session[:, None] == np.arange(1, count + 1)).astype(float)
 
@@ -141,9 +155,9 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     new /= np.linalg.norm(new, axis=0)
     room = min(room, MOST_SHAPES)
     slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
-    first = _most_different(new[:, slow], min(room // 2, MOST_SLOW))
+    first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
     rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
-    second = _most_different(rest, room - first.shape[1])
+    second = most_different(rest, room - first.shape[1], DIFFERENT)
     return np.concatenate([orthonormal, first, second], axis=1)
 
 
@@ -156,71 +170,113 @@ def _orthonormal(columns: Array) -> Array:
     return np.asarray(directions[:, strength > 1e-9 * strength[0]])
 
 
-def _most_different(columns: Array, room: int) -> Array:
-    """Return up to `room` orthonormal directions, each from the column least like those before.
+@dataclass(frozen=True)
+class _Draft:
+    """What the readings of one series say of its noise.
 
-    Gram and Schmidt with pivoting, stopped when there are enough.
+    Attributes
+    ----------
+    within, of_mean
+        Scatter within pointings, and the variance that it leaves to their means.
+    scale
+        For every noise of the grid the scatter that it would have, shape (G,).
+    chance
+        How likely each is by this series alone, shape (G,).
+    grid
+        Strength over the scatter, and memory, of each drift; shape (G, 2).
     """
-    left = columns.copy()
-    found = np.zeros((len(columns), 0))
-    for _ in range(min(room, columns.shape[1])):
-        length = (left**2).sum(axis=0)
-        pick = int(np.argmax(length))
-        if length[pick] < 0.05**2:
-            break
-        new = left[:, pick] - found @ (found.T @ left[:, pick])
-        new /= np.linalg.norm(new)
-        found = np.concatenate([found, new[:, None]], axis=1)
-        left -= new[:, None] * (new @ left)
-    return found
+
+    within: float
+    of_mean: float
+    scale: Array
+    chance: Array
+    grid: Array
+    dof: float
+    how: str
+
+    def noise(self, chance: Array, floor: float) -> Noise:
+        """Return the noise averaged over the grid.
+
+        Few memories of a slow drift fit into a campaign, so its strength is
+        known badly, and a search that took the best fit for the truth would
+        find steps in what it underrates. The covariance is averaged over
+        strengths and memories instead, each as likely as the recordings make it.
+        """
+        power = chance * self.scale**2
+        drifts = []
+        for memory in np.unique(self.grid[:, 1]):
+            variance = float((power * self.grid[:, 0] ** 2)[self.grid[:, 1] == memory].sum())
+            if variance > FAINT * power.sum():
+                drifts.append((float(np.sqrt(variance)), float(memory)))
+        least = max(0.05 * floor, 1e-14)
+        between = float(np.sqrt(max(float(power.sum()) - self.of_mean, least**2)))
+        return Noise(self.within, between, tuple(drifts), self.dof, self.how)
 
 
-def _fit_series(
-    value: Array, columns: Array, weights: Array, residual: Array, part: Series, floor: float
-) -> Noise:
-    """Fit within, between and drift of one series by restricted maximum likelihood."""
+def _draft(
+    value: Array,
+    columns: Array,
+    weight: Array,
+    residual: Array,
+    part: Series,
+    grid: Array,
+    floor: float,
+) -> _Draft:
+    """Weigh every noise of a grid by its restricted likelihood; columns are taken out of it."""
     count = np.bincount(part.pointing)
-    weight = weights[part.rows]
     within = _within(residual, weight, part, count, floor)
     data = np.concatenate([columns, value[:, None]], axis=1)
     means, variance, _ = by_pointing(data, weight, part, Noise(0.0, 1.0))
     likelihood = _Likelihood(means, np.where(variance >= FAR, np.inf, variance), part.time)
-    # The scatter of a pointing's mean holds what is left of the scatter within it.
-    of_mean = within**2 / float(np.mean(count))
-    white, scale = likelihood.at(0.0, 1.0)
-    how = "replicates" if count.max() > 1 else "reml"
-    dof = float(likelihood.dof)
-    lowest = max(0.05 * floor, 1e-14)
-    plain = Noise(within, max(np.sqrt(max(scale**2 - of_mean, 0.0)), lowest), dof=dof, how=how)
     if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
-        return plain
-    best, ratio, time_s = _with_drift(likelihood, part.time)
-    if white - best < DRIFT_GAIN:
-        return plain
-    scale = likelihood.at(ratio, time_s)[1]
-    between = max(np.sqrt(max(scale**2 - of_mean, 0.0)), lowest)
-    return Noise(within, between, float(scale * ratio), time_s, dof, how)
-
-
-def _with_drift(likelihood: _Likelihood, time: Array) -> tuple[float, float, float]:
-    """Return the least lack of likelihood with a drift, its share of the noise and its time."""
-    from scipy.optimize import minimize
-
-    gaps = np.diff(time)
-    usual = max(float(np.median(gaps[gaps < 1e8])), 1e-3)
-    tried = [(ratio, usual * steps) for steps in (3.0, 15.0, 80.0) for ratio in (0.4, 1.2)]
-    start = min(tried, key=lambda one: likelihood.at(*one)[0])
-
-    def inside(p: Array) -> tuple[float, float]:
-        return float(np.exp(np.clip(p[0], -9, 9))), min(float(np.exp(p[1])), LONGEST_MEMORY)
-
-    found = minimize(
-        lambda p: likelihood.at(*inside(p))[0],
-        np.log(start),
-        method="Nelder-Mead",
-        options={"xatol": 0.05, "fatol": 0.1, "maxiter": 60},
+        grid = grid[:1]
+    lack, scale = np.array([likelihood.at(*one) for one in grid]).T
+    # No drift is as likely beforehand as all drifts together.
+    prior = np.full(len(grid), 1 / max(len(grid) - 1, 1))
+    prior[0] = 1.0
+    chance = prior * np.exp(-(lack - lack.min()) / 2)
+    return _Draft(
+        within,
+        # The scatter of a pointing's mean holds what is left of the scatter within it.
+        within**2 / float(np.mean(count)),
+        scale,
+        chance / chance.sum(),
+        grid,
+        float(likelihood.dof),
+        "replicates" if count.max() > 1 else "reml",
     )
-    return float(found.fun), *inside(found.x)
+
+
+def _grid(parts: Sequence[Series]) -> Array:
+    """Return strengths and memories of drifts that are weighed against each other, (G, 2)."""
+    gaps = [np.diff(part.time) for part in parts if part.time is not None]
+    near = [gap[(gap > 0) & (gap < APART / 2)] for gap in gaps]
+    usual = min((float(np.median(gap)) for gap in near if len(gap)), default=1.0)
+    shortest = min(SHORTEST_MEMORY * max(usual, 1e-3), LONGEST_MEMORY / 2)
+    drifts = [(r, t) for t in np.geomspace(shortest, LONGEST_MEMORY, MEMORIES) for r in RATIOS]
+    return np.array([(0.0, shortest), *drifts])
+
+
+def _beside(drafts: Sequence[_Draft], parts: Sequence[Series], one: int) -> Array:
+    """Return how likely each noise of a series is, its antenna's other axis heard too.
+
+    What shakes one axis often shakes the other alike: as likely as not the
+    other axis has the same strength and memory.
+    """
+    own = drafts[one].chance
+    others = [
+        draft.chance
+        for draft, part in zip(drafts, parts, strict=True)
+        if part.antenna == parts[one].antenna
+        and part.is_y != parts[one].is_y
+        and len(draft.chance) == len(own)
+    ]
+    if not others or len(own) == 1:
+        return own
+    prior = np.full(len(own), 1 / (len(own) - 1))
+    prior[0] = 1.0
+    chance = own * (1 + others[0] / (prior / prior.sum()))
+    return np.asarray(chance / chance.sum())
 
 
 @dataclass(frozen=True)
@@ -246,9 +302,8 @@ class _Likelihood:
         d, white = factor(
             self.means[kept],
             self.variance[kept],
-            None if self.time is None or ratio == 0 else self.time[kept],
-            ratio,
-            time_s,
+            None if self.time is None else self.time[kept],
+            [(ratio, time_s)] if ratio > 0 else [],
         )
         gram = white.T @ white
         triangle = np.linalg.cholesky(gram[:-1, :-1] + 1e-12 * np.eye(len(gram) - 1))

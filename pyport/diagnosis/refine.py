@@ -11,6 +11,7 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import Trial
+from pyport.diagnosis.noise import whiten
 from pyport.effects import CATALOGUE, Effect
 from pyport.effects.epochs import epoch_step
 from pyport.effects.structure import curved_jump
@@ -18,14 +19,16 @@ from pyport.fitting.stacking import Codes
 
 #: Fewer readings than this on either side of a step or an edge decide nothing.
 FEWEST = 8
+#: The best moment of each of so many stretches of time is weighed with the drift.
+STRETCHES = 24
 #: First steps of the search for an edge: its height, and how it waves with azimuth. [rad]
 _FIRST = np.array([4, 4, 4, 2, 2]) * DEG
 _ROUNDS = 6
 
 
 @dataclass(frozen=True)
-class _View:
-    """Weighted readings with a model projected out.
+class View:
+    """Weighted readings with a model projected out, each as if alone: drifts are passed over.
 
     Attributes
     ----------
@@ -47,7 +50,7 @@ class _View:
 
 def refine(
     setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], winner: Trial
-) -> tuple[Setup, Chosen, float]:
+) -> tuple[Setup, Chosen, float, float]:
     """Move a winner's moment or edge to where it fits best, beside the rest of the model.
 
     Returns
@@ -56,41 +59,59 @@ def refine(
         The case with the columns of the refined effect added, and the choice;
         both as they were where there is nothing to move.
     more
-        By what factor the gain has grown, less what the numbers of a curve must earn.
+        By what factor the gain has grown.
+    price
+        What the further numbers of a moment or a curve must earn.
     """
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
-        return setup, plain, 1.0
-    view = _view(setup, weighed, chosen)
+        return setup, plain, 1.0, 0.0
+    view = plain_view(setup, weighed, chosen)
     if effect.id.startswith("epoch") and effect.parameter is not None:
-        better = _moment(setup, view, effect)
+        tried = _moments(setup, view, effect)
+        numbers = 1
     elif effect.id == "subreflector_jump" and effect.edge is not None:
-        better = _edge(setup, view, effect)
+        tried, numbers = _edges(setup, view, effect)
     else:
-        return setup, plain, 1.0
-    columns = setup.stack.columns(better, setup.recordings.at)[:, winner.candidate.coefficients]
+        return setup, plain, 1.0, 0.0
+    # A drift pulls as a step does: what was found as if there were none is weighed with it.
+    which = list(winner.candidate.coefficients)
+    found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one in tried]
+    old = setup.columns[:, winner.candidate.columns]
+    before, *gains = _gains(setup, weighed, chosen, [old, *found])
+    best = int(np.argmax(gains))
+    more = gains[best] / max(before, 1e-300)
+    price = numbers * np.log(max(len(view.rows), 3)) - 2 * np.log(winner.candidate.choices)
+    if more <= 1:
+        return setup, plain, 1.0, 0.0
+    better, columns = tried[best], found[best]
     start = setup.columns.shape[1]
     candidate = replace(
         winner.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
     )
-    old = setup.columns[:, winner.candidate.columns]
-    more = _gain(view, columns) / max(_gain(view, old), 1e-300)
-    if more <= 1:
-        return setup, plain, 1.0
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
-    return wider, Chosen(candidate, winner.scope), more
+    return wider, Chosen(candidate, winner.scope), more, max(float(price), 0.0)
 
 
-def _gain(view: _View, columns: Array) -> float:
-    """Return what columns (m, k) gain beside the model."""
-    own = columns[view.rows] * view.root[:, None]
-    own -= view.basis @ (view.basis.T @ own)
-    return float(
-        view.left @ own @ np.linalg.pinv(own.T @ own, hermitian=True) @ (own.T @ view.left)
-    )
+def _gains(
+    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], some: Sequence[Array]
+) -> list[float]:
+    """Return what each of some blocks of columns (m, k) gains beside the model."""
+    model = setup.expanded((*setup.base, *chosen), of=weighed.white)
+    white = whiten(np.concatenate(some, axis=1), weighed.weights, setup.parts, weighed.noises)
+    both = np.concatenate([white, weighed.white[:, -1:]], axis=1)
+    both -= model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    gains, start = [], 0
+    for columns in some:
+        own = both[:, start : start + columns.shape[1]]
+        start += columns.shape[1]
+        seen = own.T @ both[:, -1]
+        gains.append(float(seen @ np.linalg.pinv(own.T @ own, hermitian=True) @ seen))
+    return gains
 
 
-def _view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> _View:
+def plain_view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> View:
+    """Return the readings beside a model, outliers left out."""
     scatter = np.ones(len(setup.residual))
     for part, noise in zip(setup.parts, weighed.noises, strict=True):
         scatter[part.rows] = noise.floor
@@ -101,11 +122,11 @@ def _view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> _View:
     basis, strength, _ = np.linalg.svd(model, full_matrices=False)
     basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
     data = setup.residual[rows] * root
-    return _View(rows, root, basis, data - basis @ (basis.T @ data))
+    return View(rows, root, basis, data - basis @ (basis.T @ data))
 
 
-def _moment(setup: Setup, view: _View, effect: Effect) -> Effect:
-    """Return the step at the moment between two recordings that fits best."""
+def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
+    """Return steps at the moments between two recordings that fit best, one in each stretch."""
     at = setup.recordings.at
     # With every row after the step its columns are those of the effect everywhere.
     always = epoch_step(0.0, CATALOGUE[effect.id])
@@ -121,10 +142,12 @@ def _moment(setup: Setup, view: _View, effect: Effect) -> Effect:
     there = np.flatnonzero(np.diff(time, prepend=time[0]) > 0)
     there = there[(there >= FEWEST) & (there <= len(time) - FEWEST)]
     if len(there) == 0:
-        return effect
+        return [effect]
     values = (np.linalg.pinv(information[there], hermitian=True) @ seen[there][:, :, None])[:, :, 0]
-    best = int(there[np.argmax((values * seen[there]).sum(axis=1))])
-    return epoch_step(float(time[best - 1] + time[best]) / 2, CATALOGUE[effect.id])
+    gains = (values * seen[there]).sum(axis=1)
+    stretches = np.array_split(np.arange(len(there)), min(STRETCHES, len(there)))
+    best = [int(there[one[np.argmax(gains[one])]]) for one in stretches]
+    return [epoch_step(float(time[n - 1] + time[n]) / 2, CATALOGUE[effect.id]) for n in best]
 
 
 def _from_the_end(values: Array) -> Array:
@@ -132,8 +155,8 @@ def _from_the_end(values: Array) -> Array:
     return np.asarray(values[::-1].cumsum(axis=0)[::-1])
 
 
-def _edge(setup: Setup, view: _View, effect: Effect) -> Effect:
-    """Return the step across the curve in the sky that fits best.
+def _edges(setup: Setup, view: View, effect: Effect) -> tuple[list[Effect], int]:
+    """Return the step across the curve that fits best, and how many numbers the curve has.
 
     The curve waves once and twice with azimuth; its five numbers are moved one
     after the other by steps that halve, since the gain is no smooth function of them.
@@ -153,7 +176,7 @@ def _edge(setup: Setup, view: _View, effect: Effect) -> Effect:
 
     start = _start(effect, wave)
     if start is None:
-        return effect
+        return [effect], 1
     # Each further wave must earn its two numbers, as any coefficient must.
     price = 2 * np.log(max(len(view.rows), 3))
     straight = np.where(np.arange(len(start)) == 0, start, 0.0)
@@ -162,7 +185,7 @@ def _edge(setup: Setup, view: _View, effect: Effect) -> Effect:
         wavier = _climbed(gain, best if first is None else first, waves)
         if gain(wavier) > gain(best) + price:
             best = wavier
-    return curved_jump(tuple(map(float, best)))
+    return [curved_jump(tuple(map(float, best)))], max(1, int(np.count_nonzero(best)))
 
 
 def _climbed(gain: Callable[[Array], float], start: Array, numbers: int) -> Array:

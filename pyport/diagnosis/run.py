@@ -14,6 +14,7 @@ from pyport.errors import BadInput
 from pyport.fitting.models import Model, load
 from pyport.progress import track
 from pyport.recordings import read, resolve
+from pyport.recordings.given import NOTHING, Given
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Request:
     refit: tuple[str, ...] | None
     seed: int
     folder: Path
+    given: Given = NOTHING
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,13 @@ class Done:
 
 
 def requests(
-    names: Sequence[str], *, model: str, refit: str, seed: int, out: Path
+    names: Sequence[str],
+    *,
+    model: str,
+    refit: str,
+    seed: int,
+    out: Path,
+    given: Given = NOTHING,
 ) -> list[Request]:
     """Check the arguments and return what is to be done.
 
@@ -54,7 +62,7 @@ def requests(
         if stems.count(stem) > 1:
             raise BadInput(f"two files are called {stem}: their results would share a folder", out)
     return [
-        Request(file, model, held, seed, out / stem)
+        Request(file, model, held, seed, out / stem, given)
         for file, stem in zip(files, stems, strict=True)
     ]
 
@@ -89,9 +97,8 @@ def run_one(request: Request) -> Done:
     from pyport import page
     from pyport.report.figures import write_findings
 
-    diagnosis = diagnose(
-        read(request.file), load(request.model), refit=request.refit, seed=request.seed
-    )
+    recordings = read(request.file, request.given)
+    diagnosis = diagnose(recordings, load(request.model), refit=request.refit, seed=request.seed)
     report = record.write(diagnosis, request.folder)
     write_findings(diagnosis, request.folder)
     page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html")

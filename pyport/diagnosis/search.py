@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.diagnosis import identify
+from pyport.diagnosis.boxes import boxes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
 from pyport.diagnosis.evidence import Beside, Blocks, Trial
+from pyport.diagnosis.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
 from pyport.diagnosis.significance import family_p_value
@@ -18,8 +20,11 @@ from pyport.diagnosis.significance import family_p_value
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
 #: are promised because no noise is quite as it was fitted.
 FAMILY_ERROR = 0.01
-#: A nameless shape must beat every named effect by this much in BIC to be preferred.
-SHAPE_MARGIN = 10.0
+#: A field must beat all names together by this much, in twice the logarithm of the evidence.
+FIELD_MARGIN = 6.0
+#: What every name beyond the first costs: few things are left out at once, and each name was one
+#: of many.
+NAME_PRICE = 12.0
 MOST_FINDINGS = 8
 #: What a strong effect leaves because its shape is known to first order only, as a share of its
 #: gain: a further finding must gain more than that.
@@ -78,7 +83,9 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
 
     An effect is added only when it also predicts what the fit had not seen;
     the next best takes its turn when it does not. One that a later effect
-    made idle is dropped again.
+    made idle is dropped again. Where several effects in a row are needed and a
+    field without a name explains the recordings better than all of them
+    together, they are wrong names for something else, and the field stands.
 
     Parameters
     ----------
@@ -87,10 +94,22 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
     tell
         Called with a line about each turn.
     """
-    chosen: tuple[Chosen, ...] = ()
-    steps: list[Step] = []
-    weighed = weigh(setup)
-    first: float | None = None
+    outcome = _walk(Outcome(setup, (), (), weigh(setup), 1.0, ()), tell)
+    turn = 0
+    while turn <= len(outcome.steps) and len(outcome.steps) < MOST_FINDINGS:
+        field = _field_instead(outcome, turn)
+        if field is not None:
+            found = field.steps[-1].winner.candidate.effect
+            tell(f"{found.variant}: no effect explains it as well")
+            outcome = _walk(field, tell)
+        turn += 1
+    return outcome
+
+
+def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
+    """Go on from where a search stands with the effects that have names."""
+    setup, chosen, steps, weighed = start.setup, start.chosen, start.steps, start.weighed
+    first = start.p_value if steps else None
     while True:
         beside = weighed.evidence.beside([setup.part(one) for one in (*setup.base, *chosen)])
         trials = _trials(setup, beside)
@@ -101,15 +120,67 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
             strongest = max((step.winner.gain for step in steps), default=0.0)
             winner = _winner(setup, weighed, chosen, trials, IMPERFECTION * strongest)
         if winner is None:
-            return Outcome(setup, chosen, tuple(steps), weighed, first, tuple(trials))
+            return Outcome(setup, chosen, steps, weighed, first, tuple(trials))
         trial, setup, new = winner
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
-        steps.append(Step(trial, new, tuple(trials), chosen, beside, p_value))
+        steps = (*steps, Step(trial, new, tuple(trials), chosen, beside, p_value))
         chosen = _with(setup, chosen, new)
         weighed = weigh(setup, chosen)
         chosen, before = _without_idle(setup, weighed, chosen), chosen
         if len(chosen) < len(before):
             weighed = weigh(setup, chosen)
+
+
+def _field_instead(outcome: Outcome, turn: int) -> Outcome | None:
+    """Return the search with a field in place of all names from some turn on, if it is better."""
+    names = outcome.steps[turn:]
+    if not names and family_p_value(outcome.last) > FAMILY_ERROR:
+        return None
+    setup = outcome.setup
+    before = names[0].before if names else outcome.chosen
+    ground = Ground(setup, weigh(setup, before), before)
+    worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, ground.weighed, before))]
+    best = max(worths, key=lambda one: one.evidence)
+    strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
+    least = max(FIELD_MARGIN, IMPERFECTION * strongest)
+    if names:
+        least += _together(ground, setup, names)
+    if best.evidence <= least:
+        return None
+    return _with_field(setup, outcome.steps[:turn], before, best, outcome.p_value)
+
+
+def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
+    """Return the evidence of several names together; each beyond the first has its price."""
+    columns = setup.expanded([step.chosen for step in names])
+    prices = sum(step.winner.gain - step.winner.evidence for step in names)
+    return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
+
+
+def _with_field(
+    setup: Setup, steps: tuple[Step, ...], before: tuple[Chosen, ...], worth: Worth, p_value: float
+) -> Outcome | None:
+    """Return the search with a field added to it; None where it does not predict unseen data."""
+    columns = worth.field.columns @ worth.directions
+    places = np.arange(setup.columns.shape[1], setup.columns.shape[1] + columns.shape[1])
+    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    candidate = as_candidate(worth, places)
+    new = Chosen(candidate, "all")
+    seen = weigh(wider, before)
+    after = (*before, new)
+    partition = folds(wider, after, setup.seed)
+    was, now = (unseen_misfit(wider, seen, one, partition) for one in (before, after))
+    if was - now <= UNSEEN_SHARE * min(worth.gain, was):
+        return None
+    beside = seen.evidence.beside([wider.part(one) for one in (*wider.base, *before)])
+    trials = _trials(wider, beside)
+    own = beside.trials([(candidate, "all")])
+    if not own:
+        return None
+    winner = replace(own[0], evidence=worth.evidence)
+    step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials))
+    weighed = weigh(wider, after)
+    return Outcome(wider, after, (*steps, step), weighed, p_value, ())
 
 
 def _trials(setup: Setup, beside: Beside) -> list[Trial]:
@@ -148,28 +219,31 @@ def _winner(
     trials: Sequence[Trial],
     least: float,
 ) -> tuple[Trial, Setup, Chosen] | None:
-    """Return the trial most worth its coefficients that also predicts unseen data better.
+    """Return the effect most worth its coefficients that also predicts unseen data better.
 
-    A shape wins only by a clear margin over every effect with a name; nothing
-    wins that gains no more than `least`. Steps and edges compete with their
+    Nothing wins that gains no more than `least`. Steps and edges compete with their
     moment and curve refined. With the trial comes the case that holds the
     columns of what is to be added, and the choice itself.
     """
-    worth = [t for t in trials if t.delta_bic > least and identify.fits_physics(t)]
-    worth.sort(key=lambda trial: -trial.delta_bic)
+    named = [t for t in trials if t.candidate.effect.physical]
+    worth = [t for t in named if t.evidence > least and identify.fits_physics(t)]
+    worth.sort(key=lambda trial: -trial.evidence)
     ranked = []
     refined: set[str] = set()
     for trial in worth:
         effect = trial.candidate.effect
-        score = trial.delta_bic - (0.0 if effect.physical else SHAPE_MARGIN)
+        score = trial.evidence
         wider, new = setup, Chosen(trial.candidate, trial.scope)
         if effect.id not in refined:
             refined.add(effect.id)
-            wider, new, more = refine(setup, weighed, chosen, trial)
+            wider, new, more, price = refine(setup, weighed, chosen, trial)
             added = trial.gain * (more - 1)
-            score += added
+            score += added - price
             trial = replace(  # noqa: PLW2901 - the same trial, its moment or edge moved
-                trial, gain=trial.gain + added, delta_bic=trial.delta_bic + added
+                trial,
+                gain=trial.gain + added,
+                delta_bic=trial.delta_bic + added - price,
+                evidence=trial.evidence + added - price,
             )
         ranked.append((score, trial, wider, new))
     ranked.sort(key=lambda one: -one[0])

@@ -80,7 +80,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     """
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
-    terms = [t for t in model.terms if refit is None or t.effect.id in refit]
+    terms = model.fitted(refit)
     columns, owners = _expanded(recordings, data, terms)
     if len(value) < columns.shape[1]:
         raise BadInput(

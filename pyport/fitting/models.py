@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,11 +21,15 @@ PER_ANTENNA_DAY = ("antenna", "session")
 
 @dataclass(frozen=True)
 class Term:
-    """An effect in a model, with one set of coefficients for every value of the labels `per`."""
+    """An effect in a model, with one set of coefficients for every value of the labels `per`.
+
+    `values` hold before anything is fitted; a fixed term keeps them.
+    """
 
     effect: Effect
     per: tuple[str, ...] = PER_ANTENNA
     values: tuple[float, ...] | None = None
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,14 @@ class Model:
     name: str
     terms: tuple[Term, ...]
     given: Callable[[Circumstances], tuple[Array, Array]] | None = field(default=None)
+
+    def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
+        """Return the terms to fit: all that are not fixed, or those of them whose id is named."""
+        return [
+            term
+            for term in self.terms
+            if not term.fixed and (refit is None or term.effect.id in refit)
+        ]
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
         """Return the offsets that the model predicts before any fit [rad]."""
@@ -102,7 +114,10 @@ BUILT_IN: dict[str, Callable[[], Model]] = {
 
 
 def load(name: str) -> Model:
-    """Return a built-in model, or read one from a TOML file.
+    """Return a built-in model, or read one from a file.
+
+    TOML here; TPOINT's .mod, the Field System's .ctl and .err, katpoint's descriptions, SKA-Mid's
+    .json and DISCOS's .xml by `pyport.formats`.
 
     Raises
     ------
@@ -111,6 +126,10 @@ def load(name: str) -> Model:
     """
     if name in BUILT_IN:
         return BUILT_IN[name]()
+    from pyport.formats import models
+
+    if (foreign := models.load(name)) is not None:
+        return foreign
     path = Path(name)
     if not path.is_file():
         known = ", ".join(sorted(BUILT_IN))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
+from pyport.fitting.refit import Refit
 
 #: A normal sample's median absolute deviation is this share of its sigma.
 _MAD = 0.6744897501960817
@@ -48,13 +49,14 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
     floor
         The smallest sigma to believe, in the units of `value`.
     """
-    residual = value - np.median(value) if len(value) else value
+    if len(value) == 0:
+        return np.ones(0), value
+    residual = value - np.median(value)
     weight = np.ones(len(value))
-    spare = max(1, len(value) - np.linalg.matrix_rank(columns)) if columns.size else len(value)
+    refit = Refit(columns, value)
+    spare = max(1, len(value) - refit.rank)
     for turn in range(_ROUNDS):
-        root = np.sqrt(weight)[:, None]
-        solution = np.linalg.lstsq(columns * root, value * root[:, 0], rcond=1e-9)[0]
-        residual = value - columns @ solution
+        residual = refit.residual(weight)
         sigma = max(scale(residual, floor) * np.sqrt(len(value) / spare), 1e-300)
         if turn < _ROUNDS // 2:
             new = 1 / np.maximum(np.abs(residual) / sigma, 0.1)
@@ -63,7 +65,7 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
         if turn > _ROUNDS // 2 and np.allclose(new, weight, atol=1e-3):
             break
         weight = new
-    return _flat(residual, sigma, reach) if len(value) else weight, residual
+    return _flat(residual, sigma, reach), residual
 
 
 def _flat(residual: Array, sigma: float, reach: float) -> Array:

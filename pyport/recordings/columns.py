@@ -14,6 +14,7 @@ ANGLES = frozenset(
         "d_el",
         "d_zd",
         "sigma_xel",
+        "sigma_az",
         "sigma_el",
         "hour_angle",
         "ra",
@@ -45,6 +46,8 @@ LABELS = frozenset(
 )
 
 TIME = "time_utc"
+#: A day and an hour of it, which together are a time.
+DAY, HOUR_OF_DAY = "date_utc", "ut_h"
 SCAN_RATE = "scan_rate_arcmin_per_min"
 SCAN_RATE_UNIT = ARCMIN / 60
 

@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
 
 from pyport.errors import BadInput
 from pyport.recordings import gmrt
-from pyport.recordings.formats import csv, tables
+from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
-from pyport.recordings.tabulate import Table, tabulate
-
-Format = TypeVar("Format")
-
-READERS: dict[str, Callable[[Path], Raw]] = {
-    ".csv": csv.read,
-    ".ecsv": tables.read_ecsv,
-    ".parquet": tables.read_parquet,
-}
-WRITERS: dict[str, Callable[[Table, Path], None]] = {
-    ".csv": csv.write,
-    ".ecsv": tables.write_ecsv,
-    ".parquet": tables.write_parquet,
-}
+from pyport.recordings.tabulate import tabulate
 
 
 def resolve(name: str | Path) -> Path:
@@ -47,13 +33,15 @@ def resolve(name: str | Path) -> Path:
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 
-def read(name: str | Path) -> Recordings:
-    """Read recordings from CSV, ECSV or Parquet.
+def read(name: str | Path, given: Given = NOTHING) -> Recordings:
+    """Read recordings from CSV, ECSV, Parquet, TPOINT's .dat, the Field System's .xtr or .err.
 
     Parameters
     ----------
     name
         A file, or the name of recordings shipped with pyport (`gmrt-2003-06-01`).
+    given
+        What the file itself does not say: header keys, names of its columns.
 
     Returns
     -------
@@ -66,8 +54,21 @@ def read(name: str | Path) -> Recordings:
     BadInput
         With file and line: what is wrong and what was expected.
     """
-    path = resolve(name)
-    return interpret(_by_suffix(READERS, path)(path))
+    return interpret(read_raw(resolve(name), given))
+
+
+def read_raw(path: Path, given: Given = NOTHING) -> Raw:
+    """Read the cells of a file as they stand, with what was said about it.
+
+    Raises
+    ------
+    BadInput
+        The suffix names no format, or the file is not of it.
+    """
+    from pyport.formats import tables
+
+    raw = tables.read(path, given.format, given.columns)
+    return replace(raw, meta=raw.meta | dict(given.keys))
 
 
 def write(recordings: Recordings, path: str | Path) -> None:
@@ -81,14 +82,6 @@ def write(recordings: Recordings, path: str | Path) -> None:
     BadInput
         The suffix names no format.
     """
-    path = Path(path)
-    _by_suffix(WRITERS, path)(tabulate(recordings), path)
+    from pyport.formats import tables
 
-
-def _by_suffix(table: dict[str, Format], path: Path) -> Format:
-    """Return the entry for a path's suffix."""
-    try:
-        return table[path.suffix.lower()]
-    except KeyError:
-        known = ", ".join(table)
-        raise BadInput(f"suffix {path.suffix!r} names no format, expected {known}", path) from None
+    tables.write(tabulate(recordings), Path(path))

@@ -13,6 +13,8 @@ from pyport.effects.base import Circumstances, Site
 from pyport.recordings import sky
 from pyport.recordings.columns import (
     ANGLES,
+    DAY,
+    HOUR_OF_DAY,
     LABELS,
     NUMBERS,
     RESERVED,
@@ -64,7 +66,9 @@ def interpret(raw: Raw) -> Recordings:
         at=Circumstances(az, el, site, columns),
         x=x,
         y=y,
-        sigma_x=angles.get("sigma_xel", blank),
+        sigma_x=angles["sigma_az"] * np.cos(el)
+        if "sigma_az" in angles
+        else angles.get("sigma_xel", blank),
         sigma_y=angles.get("sigma_el", blank),
         line=raw.line,
         file=raw.file,
@@ -123,7 +127,7 @@ def _angles(raw: Raw) -> dict[str, Array]:
         if quantity in found:
             raise raw.error(f"{found[quantity][0]!r} and {name!r} say the same, expected one")
         found[quantity] = name, radians
-    for one, other in (("d_az", "d_xel"), ("d_el", "d_zd")):
+    for one, other in (("d_az", "d_xel"), ("d_el", "d_zd"), ("sigma_az", "sigma_xel")):
         if one in found and other in found:
             both = f"{found[one][0]!r} and {found[other][0]!r}"
             raise raw.error(f"{both} say the same, expected one")
@@ -140,12 +144,11 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
             columns[name] = raw.words(name)
         elif name in NUMBERS:
             columns[name] = raw.numbers(name)
-        elif name == TIME:
-            columns["time"] = raw.seconds(name)
         elif name == SCAN_RATE:
             columns["scan_rate"] = raw.numbers(name) * SCAN_RATE_UNIT
-        elif name != SET_ASIDE and angle_of(name) is None:
+        elif name not in {TIME, SET_ASIDE} and angle_of(name) is None:
             columns[name] = raw.numbers_or_words(name)
+    columns |= _time(raw)
     if "scan_direction" in columns:
         direction = columns["scan_direction"] = np.nan_to_num(columns["scan_direction"])
         raw.refuse(~np.isin(direction, (-1, 0, 1)), "scan_direction is not +1, -1, 0 or blank")
@@ -156,6 +159,15 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
     if "scan_rate" in columns:
         raw.refuse(columns["scan_rate"] < 0, f"{SCAN_RATE} is negative, expected a positive number")
     return columns
+
+
+def _time(raw: Raw) -> dict[str, Array]:
+    """Return the time [s since 1970], from a day and its hours where that is what is told."""
+    if TIME in raw.columns:
+        return {"time": raw.seconds(TIME)}
+    if {DAY, HOUR_OF_DAY} <= set(raw.columns):
+        return {"time": raw.seconds(DAY) + 3600 * raw.numbers(HOUR_OF_DAY)}
+    return {}
 
 
 def _check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
@@ -175,7 +187,7 @@ def _check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
             np.abs(angles[name]) > LARGEST_OFFSET_DEG * DEG,
             f"offset {name} above {LARGEST_OFFSET_DEG} deg, expected a pointing offset",
         )
-    for name in {"sigma_xel", "sigma_el"} & set(angles):
+    for name in {"sigma_xel", "sigma_az", "sigma_el"} & set(angles):
         raw.refuse(
             angles[name] <= 0, f"{name} is not positive, expected a positive number or blank"
         )

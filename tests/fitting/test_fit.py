@@ -8,10 +8,9 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
-from pyport.fitting import models, waves
+from pyport.fitting import models
 from pyport.fitting.fit import fit
 from pyport.fitting.models import ALTAZ
-from pyport.recordings import read, resolve
 from pyport.recordings.schema import Recordings
 
 TRUTH = np.array([30.0, -55, 21, -13, 8, -5, 44]) * ARCSEC
@@ -47,34 +46,3 @@ def test_too_few_offsets_are_refused():
     """Seven coefficients cannot come from six numbers."""
     with pytest.raises(BadInput, match="6 measured offsets cannot determine 7"):
         fit(simulated(3, 1, 0), models.load("altaz"))
-
-
-@pytest.fixture(scope="module")
-def beside():
-    """Return the refit of the three Cyg A days beside the published coefficients."""
-    return waves.beside_table_18(fit(read(resolve("gmrt-cyg-a")), models.load("gmrt-paper")))
-
-
-@pytest.mark.parametrize("day", ["2003-06-01", "2003-06-02", "2003-06-05"])
-def test_the_papers_zero_is_recovered(beside, day):
-    """The zero a is within three combined sigmas of Table 18 for at least 80 % of the antennas."""
-    agree = [one.agrees_in_a for one in beside if one.session == day]
-
-    assert len(agree) >= 20
-    assert np.mean(agree) >= 0.8
-
-
-@pytest.mark.parametrize("day", ["2003-06-01", "2003-06-02"])
-def test_the_papers_curve_runs_through_the_printed_rows(beside, day):
-    """Its rms is within 1.5 times the refit's for at least 80 % of the antennas."""
-    good = [one.as_good for one in beside if one.session == day]
-
-    assert np.mean(good) >= 0.8
-
-
-def test_what_disagrees_is_listed_with_a_reason(beside):
-    """Every antenna that misses has its reason in the text, and only those."""
-    text = waves.text(beside)
-    for one in beside:
-        listed = f"{one.antenna} {one.session}: " in text
-        assert listed == (not (one.agrees_in_a and one.as_good))

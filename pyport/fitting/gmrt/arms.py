@@ -43,7 +43,7 @@ def mirrors(found: Sequence[Curve]) -> list[Mirror]:
     days = []
     for session in sorted({curve.track.session for curve in found}):
         odd = {
-            curve.track.antenna: curve.sine
+            curve.track.antenna: curve.odd
             for curve in found
             if curve.track.session == session and curve.track.antenna in EAST + WEST
         }

@@ -33,7 +33,7 @@ def forms(plain: Sequence[Curve], times_cos_el: Sequence[Curve]) -> str:
 def _wave(curve: Curve) -> str:
     return "  ".join(
         f"{value / unit:+6.2f} +-{min(sigma / unit, 999):6.2f}"
-        for (value, sigma), unit in ((curve.a, ARCMIN), (curve.b, ARCMIN), (curve.d, DEG))
+        for (value, sigma), unit in zip(curve.cosine.polar(), (ARCMIN, ARCMIN, DEG), strict=True)
     )
 
 
@@ -57,13 +57,12 @@ def site(times_cos_el: Sequence[Curve], dec: float, latitude: float) -> str:
             f"b = {wave.b / ARCMIN:+.1f}', d = {wave.d / DEG:+.0f} deg"
         )
     lines += [
-        "The tables are cut short where the paper's fits were not: a of E06, W05 and W06 differs.",
         "",
         "How far on in hour angle each antenna stands, from the odd part of its curve [']:",
     ]
     for antenna in sorted({curve.track.antenna for curve in times_cos_el}):
         own = [curve for curve in times_cos_el if curve.track.antenna == antenna]
-        values = [places.further_on(curve.sine, dec, latitude) for curve in own]
+        values = [places.further_on(curve.odd, dec, latitude) for curve in own]
         told = "  ".join(
             f"{curve.track.session[5:]}: {value / ARCMIN:+6.2f} +-{sigma / ARCMIN:5.2f}"
             for curve, (value, sigma) in zip(own, values, strict=True)

@@ -45,8 +45,8 @@ def comment(line: str) -> tuple[str, str] | None:
     return (key, value.strip()) if colon and key and " " not in key else None
 
 
-def read(path: Path) -> Raw:
-    """Read the cells of a CSV file.
+def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
+    """Read the cells of a CSV file; `names` are those of its columns where it has no header.
 
     Raises
     ------
@@ -68,17 +68,19 @@ def read(path: Path) -> Raw:
         skipped += 1
     else:
         raise BadInput("no line of column names, expected one such as az_deg,el_deg,...", path)
-    names = _names(header, path, skipped + 1)
-    rows, lines = _rows(text, skipped + 1, path)
+    above = skipped if names else skipped + 1
+    columns = _names(",".join(names) or header, path, above)
+    rows, lines = _rows(text, above, path)
+    told = "as named" if names else "as in the header"
     for row, line in zip(rows, lines, strict=True):
-        if len(row) != len(names):
+        if len(row) != len(columns):
             count = f"{len(row)} cell{'s' * (len(row) != 1)}"
-            raise BadInput(f"{count}, expected {len(names)} as in the header", path, line)
+            raise BadInput(f"{count}, expected {len(columns)} {told}", path, line)
     if not rows:
-        raise BadInput("no rows below the column names", path, skipped + 1)
+        raise BadInput("no rows below the column names", path, above)
     cells = [np.array(column, object) for column in zip(*rows, strict=True)]
-    columns = dict(zip(names, cells, strict=True))
-    return Raw(path, meta, skipped + 1, columns, np.array(lines, np.int64))
+    named = dict(zip(columns, cells, strict=True))
+    return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64))
 
 
 def _names(header: str, path: Path, line: int) -> list[str]:

@@ -14,7 +14,7 @@ from pyport.angles import ARCMIN, DEG, HOUR
 from pyport.cli.gmrt import command
 from pyport.fitting.gmrt import places
 from pyport.fitting.gmrt.arms import mirrors
-from pyport.fitting.gmrt.curves import curve, curves, polar
+from pyport.fitting.gmrt.curves import curve, curves
 from pyport.fitting.gmrt.repeats import NAMED, repeatability
 from pyport.fitting.gmrt.sigmas import printed_sigma_factors
 from pyport.fitting.gmrt.tracks import Track, tracks
@@ -22,6 +22,9 @@ from pyport.fitting.gmrt.transit import jumps_at_transit
 from pyport.recordings import read, sky
 
 LATITUDE, DEC = 19.1 * DEG, 40.74 * DEG
+
+#: Of -6 cos HA + 2 sin HA [arcmin].
+B_AND_D = (-(40**0.5) * ARCMIN, np.arctan2(2, 6))
 
 
 @pytest.fixture(scope="module")
@@ -52,14 +55,9 @@ def test_known_curve():
 
     fitted = curve(made_track(rng, level=12, cosine=-6, sine=2, half=3))
 
-    b, d = polar(-6, 2)
-    for (value, sigma), truth, unit in (
-        (fitted.a, 12, ARCMIN),
-        (fitted.b, b, ARCMIN),
-        (fitted.d, d, 1),
-        (fitted.half_difference, 3, ARCMIN),
-    ):
-        assert abs(value - truth * unit) < 4 * sigma
+    found = (*fitted.cosine.polar(), fitted.half_difference)
+    for (value, sigma), truth in zip(found, (12 * ARCMIN, *B_AND_D, 3 * ARCMIN), strict=True):
+        assert abs(value - truth) < 4 * sigma
     assert fitted.rms == pytest.approx(0.3 * ARCMIN, rel=0.3)
 
 
@@ -67,11 +65,12 @@ def test_sigmas_are_true():
     """Over many made days the coefficients scatter as their sigmas say."""
     rng = np.random.default_rng(2)
     fitted = [curve(made_track(rng, level=12, cosine=-6, sine=2, half=3)) for _ in range(150)]
-    b, d = polar(-6, 2)
 
-    for name, truth in (("a", 12 * ARCMIN), ("b", b * ARCMIN), ("d", d)):
-        pull = [(getattr(one, name)[0] - truth) / getattr(one, name)[1] for one in fitted]
-        assert np.std(pull) == pytest.approx(1, abs=0.2)
+    for k, truth in enumerate((12 * ARCMIN, *B_AND_D)):
+        found = [one.cosine.polar()[k] for one in fitted]
+        assert np.std([(value - truth) / sigma for value, sigma in found]) == pytest.approx(
+            1, abs=0.2
+        )
 
 
 @pytest.mark.parametrize(("north", "on"), [(3, 5), (-3, 5), (3, -5), (-1, -8)])
@@ -187,7 +186,7 @@ def test_displacements_against_the_survey(june):
         longitude = {row["name"]: float(row["dlon_deg"]) for row in csv.DictReader(file)}
     found = [one for one in curves(june, times_cos_el=True) if one.track.session == "2003-06-02"]
 
-    on = [places.further_on(one.sine, DEC, LATITUDE)[0] for one in found]
+    on = [places.further_on(one.odd, DEC, LATITUDE)[0] for one in found]
     surveyed = [longitude[one.track.antenna] * DEG for one in found]
 
     assert np.corrcoef(on, surveyed)[0, 1] > 0.9

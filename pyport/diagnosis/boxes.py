@@ -1,0 +1,113 @@
+"""Boxes: an offset in one part of the sky, bounded in azimuth and in elevation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.fields import Field
+from pyport.diagnosis.finding import Interval
+from pyport.diagnosis.refine import FEWEST, plain_view
+
+#: Cells that the sky is cut into: of equal width around, of equal counts upward.
+AROUND, UPWARD = 24, 16
+#: A box is at most so many cells wide.
+WIDEST = 16
+#: First step by which an edge is moved, and how often it is halved. [rad]
+_FIRST, _HALVED = 6 * DEG, 6
+
+Edges = tuple[float, float, float, float]
+
+
+def boxes(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> list[Field]:
+    """Return the box of each axis whose offset explains most of what a model leaves."""
+    seen = plain_view(setup, weighed, chosen)
+    at, row = setup.recordings.at, setup.stack.row
+    az, el = at.az % (2 * np.pi), at.el
+    found = []
+    for axis, is_y in (("xel", False), ("el", True)):
+        of_axis = setup.stack.is_y[seen.rows] == is_y
+        if of_axis.sum() < 4 * FEWEST:
+            continue
+        rows = row[seen.rows[of_axis]]
+        weight = seen.root[of_axis] ** 2
+        pull = seen.root[of_axis] * seen.left[of_axis]
+        start, tried = _scanned(az[rows], el[rows], weight, pull)
+        edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
+        inside = _inside(az[row], el[row], edges) & (setup.stack.is_y == is_y)
+        left, right, low, high = (float(edge / DEG) for edge in edges)
+        region = Interval("az_deg", left % 360, right % 360), Interval("el_deg", low, high)
+        words = (
+            f"{axis}: inside azimuth {left % 360:.1f} to {right % 360:.1f} deg, "
+            f"elevation {low:.1f} to {high:.1f} deg"
+        )
+        column = inside[:, None].astype(float)
+        found.append(Field("an offset", words, column, tried, region=region))
+    return found
+
+
+def _inside(az: Array, el: Array, edges: Edges) -> NDArray[np.bool_]:
+    left, right, low, high = edges
+    return ((az - left) % (2 * np.pi) <= right - left) & (el >= low) & (el <= high)
+
+
+def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, int]:
+    """Return the edges of the best box made of cells, and how many boxes were tried."""
+    steps = np.unique(np.quantile(el, np.linspace(0, 1, UPWARD + 1)))
+    column = np.minimum((az * AROUND / (2 * np.pi)).astype(int), AROUND - 1)
+    line = np.clip(np.searchsorted(steps, el, side="right") - 1, 0, len(steps) - 2)
+    sums = np.zeros((3, AROUND, len(steps) - 1))
+    for total, values in zip(sums, (np.ones(len(az)), weight, pull), strict=True):
+        np.add.at(total, (column, line), values)
+    around = np.concatenate([sums, sums[:, :WIDEST]], axis=1)
+    grown = np.pad(around, ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
+    best, edges, tried = -1.0, (0.0, 0.0, 0.0, 0.0), 0
+    whole = weight.sum()
+    lows, highs = np.triu_indices(len(steps), 1)
+    cell = 2 * np.pi / AROUND
+    for width in range(1, WIDEST + 1):
+        strip = grown[:, width : width + AROUND] - grown[:, :AROUND]
+        count, mass, moved = strip[:, :, highs] - strip[:, :, lows]
+        length = mass * (1 - mass / whole)
+        gain = np.where(count >= FEWEST, moved**2 / np.maximum(length, 1e-12), 0.0)
+        tried += gain.size
+        if gain.max() > best:
+            best = float(gain.max())
+            first, pair = np.unravel_index(int(np.argmax(gain)), gain.shape)
+            left = float(first) * cell
+            edges = left, left + width * cell, float(steps[lows[pair]]), float(steps[highs[pair]])
+    return edges, tried
+
+
+def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edges], float]:
+    whole = weight.sum()
+
+    def gain(edges: Edges) -> float:
+        inside = _inside(az, el, edges)
+        if inside.sum() < FEWEST or edges[1] - edges[0] > 2 * np.pi:
+            return 0.0
+        mass = weight[inside].sum()
+        return float(pull[inside].sum() ** 2 / max(mass * (1 - mass / whole), 1e-12))
+
+    return gain
+
+
+def _climbed(gain: Callable[[Edges], float], start: Edges) -> Edges:
+    """Move the edges, one after the other, by steps that halve, while the gain grows."""
+    best, most, step = start, gain(start), _FIRST
+    for _ in range(_HALVED):
+        moved = True
+        while moved:
+            moved = False
+            for n in range(4):
+                for way in (step, -step):
+                    tried = tuple(edge + way * (k == n) for k, edge in enumerate(best))
+                    score = gain(tried)  # type: ignore[arg-type]
+                    if tried[0] < tried[1] and tried[2] < tried[3] and score > most:
+                        best, most, moved = tried, score, True  # type: ignore[assignment]
+        step /= 2
+    return best

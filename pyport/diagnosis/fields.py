@@ -1,0 +1,310 @@
+"""Fields: misfits of no particular form, smooth over the sky, along a column or in time.
+
+A named effect predicts the form of a misfit; a field only says how quickly it
+changes. Each field is a sum of bumps whose heights are drawn from one normal
+distribution, so that its evidence, averaged over all the forms that it could
+take, can be held against a name's. Where a field wins over every name and every
+set of names, what was left out is none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.finding import Interval
+from pyport.diagnosis.noise import whiten
+from pyport.diagnosis.shapes import numbers
+from pyport.effects.base import Circumstances, Coefficient, Effect
+from pyport.fitting.gram import inverted
+from pyport.fitting.stacking import Codes
+
+#: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
+OVER_SKY = (20 * DEG, 45 * DEG)
+ALONG_AZIMUTH = (6 * DEG, 20 * DEG)
+ALONG_ELEVATION = (5 * DEG,)
+#: Bumps along a column: so many over the ranks of its values.
+ALONG_COLUMN = 10
+#: Lengths of bumps in time. [s]
+IN_TIME = (6 * 3600.0, 86400.0)
+#: More bumps in time than this say that the campaign is too long for them.
+MOST_BUMPS = 160
+#: Waves: this often around and this often up.
+AROUND, UPWARD = range(1, 6), range(4)
+#: A bump that fewer readings feel is left out.
+FEWEST = 4
+#: A stretch that holds more of the readings than this is no place.
+WIDEST = 0.35
+
+
+@dataclass(frozen=True)
+class Field:
+    """A family of forms that a misfit may take.
+
+    Attributes
+    ----------
+    family, variant
+        What kind of field it is, and which of its kind.
+    columns
+        Its bumps, shape (m, K).
+    choices
+        How many of its kind are tried.
+    along
+        The column that it follows, and the column's values, shape (m,); none for the sky's.
+    region
+        Where it is confined to, where that is known beforehand.
+    of_time
+        Whether it belongs to the moments of its recordings: no other session has it.
+    """
+
+    family: str
+    variant: str
+    columns: Array
+    choices: int = 1
+    along: tuple[str, Array] | None = None
+    region: tuple[Interval, ...] = ()
+    of_time: bool = False
+
+
+@dataclass(frozen=True)
+class Worth:
+    """What a field is worth beside a model.
+
+    Attributes
+    ----------
+    evidence
+        Twice the logarithm of how much likelier the data are with the field, the choice
+        among its kind paid for.
+    gain, dof
+        Drop of the whitened sum of squares by its kept directions, and how many they are.
+    directions, values
+        The directions among its bumps that the data determine, shape (K, dof), and how far
+        the data go along each, shape (dof,).
+    """
+
+    field: Field
+    evidence: float
+    gain: float
+    dof: int
+    directions: Array
+    values: Array
+
+
+def families(setup: Setup) -> Iterator[tuple[int, Field]]:
+    """Yield every field that these recordings could show, as if both axes measured it alike.
+
+    With each comes how many there are of its kind.
+    """
+    at, row = setup.recordings.at, setup.stack.row
+    az, el = at.az[row], at.el[row]
+    sky = [
+        Field("a smooth field over the sky", f"{w / DEG:.0f} deg wide", _over_sky(az, el, w))
+        for w in OVER_SKY
+    ]
+    waves = [
+        Field("a wave over the sky", _wave_name(m, n), _wave(az, el, m, n))
+        for m in AROUND
+        for n in UPWARD
+    ]
+    for kind in (sky, waves, [*_curves(setup, az, el), *_in_time(setup)]):
+        for one in kind:
+            yield len(kind), one
+
+
+def _over_sky(az: Array, el: Array, width: float) -> Array:
+    """Return bumps on the sphere, as far apart as they are wide, shape (m, K)."""
+    bumps = []
+    for height in np.arange(width / 2, np.pi / 2 + width / 2, width):
+        around = max(1, round(2 * np.pi * abs(np.cos(height)) / width))
+        for centre in np.arange(around) * 2 * np.pi / around:
+            cosine = np.sin(el) * np.sin(height) + np.cos(el) * np.cos(height) * np.cos(az - centre)
+            bumps.append(np.exp((cosine - 1) / width**2))
+    return np.stack(bumps, axis=1)
+
+
+def _wave_name(m: int, n: int) -> str:
+    return f"goes with {m} A" + (f" and {n} E" if n else "")
+
+
+def _wave(az: Array, el: Array, m: int, n: int) -> Array:
+    around = [np.cos(m * az), np.sin(m * az)]
+    upward = [np.cos(n * el), np.sin(n * el)] if n else [np.ones(len(el))]
+    return np.stack([a * e for a in around for e in upward], axis=1)
+
+
+def _curves(setup: Setup, az: Array, el: Array) -> Iterator[Field]:
+    """Yield bumps along azimuth, elevation and every column of numbers."""
+    row = setup.stack.row
+    for width in ALONG_AZIMUTH:
+        centres = np.arange(0, 2 * np.pi, width)
+        bumps = np.exp((np.cos(az[:, None] - centres) - 1) / width**2)
+        yield _curve("az_deg", bumps, az % (2 * np.pi) / DEG)
+    for width in ALONG_ELEVATION:
+        centres = np.arange(el.min(), el.max() + width, width)
+        yield _curve("el_deg", _bumps(el, centres, width), el / DEG)
+    for name, values in numbers(setup.recordings).items():
+        if name in ("az_deg", "el_deg", "time"):
+            continue
+        rank = np.searchsorted(np.sort(values), values) / len(values)
+        centres = np.linspace(0, 1, ALONG_COLUMN)
+        bumps = _bumps(rank, centres, 1 / (ALONG_COLUMN - 1))
+        yield _curve(name, bumps[row], values[row])
+
+
+def _curve(name: str, bumps: Array, values: Array) -> Field:
+    return Field("a smooth curve", f"follows {name}", bumps, along=(name, values))
+
+
+def _in_time(setup: Setup) -> Iterator[Field]:
+    """Yield bumps in time, where there are recordings."""
+    at, row = setup.recordings.at, setup.stack.row
+    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+        return
+    time = at.numbers("time")[row]
+    for length in IN_TIME:
+        centres = np.unique(np.round(time / length)) * length
+        if 3 <= len(centres) <= MOST_BUMPS:
+            bumps = _bumps(time, centres, length)
+            how = f"follows time, over {length / 3600:.0f} h"
+            yield Field("a smooth curve", how, bumps, of_time=True)
+
+
+def _bumps(values: Array, centres: Array, width: float) -> Array:
+    return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
+
+
+class Ground:
+    """The data beside a model, as fields meet them: whitened, the model projected out."""
+
+    def __init__(self, setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]):
+        model = setup.expanded((*setup.base, *chosen), of=weighed.white)
+        length = np.linalg.norm(model, axis=0)
+        model = model[:, length > 0] / length[length > 0]
+        basis, strength, _ = np.linalg.svd(model, full_matrices=False)
+        self.basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
+        self.setup, self.weighed = setup, weighed
+        self.left = self._without(weighed.white[:, -1:])[:, 0]
+
+    def _without(self, columns: Array) -> Array:
+        return np.asarray(columns - self.basis @ (self.basis.T @ columns))
+
+    def products(self, columns: Array) -> tuple[Array, Array]:
+        """Return the information on columns (m, K) beside the model, and their moments."""
+        setup, weighed = self.setup, self.weighed
+        seen = self._without(whiten(columns, weighed.weights, setup.parts, weighed.noises))
+        excess = weighed.evidence.common.factor
+        return seen.T @ seen / excess, seen.T @ self.left / excess
+
+    def gain(self, columns: Array) -> float:
+        """Return what columns (m, K) gain beside the model."""
+        information, moments = self.products(columns)
+        return float(moments @ inverted(information)[0] @ moments)
+
+    def worth_of(self, field: Field) -> Worth:
+        """Return what a field is worth in the readings that it has columns for."""
+        return worth(field, *self.products(field.columns))
+
+    def worths(self) -> Iterator[Worth]:
+        """Yield what every field is worth, in each axis and in both."""
+        is_y = self.setup.stack.is_y
+        axes = {"xel": ~is_y, "el": is_y}
+        measured = {name: there for name, there in axes.items() if there.any()}
+        for kind, field in families(self.setup):
+            blocks = {n: field.columns * there[:, None] for n, there in measured.items()}
+            block = np.concatenate(list(blocks.values()), axis=1)
+            of_axis = np.repeat(list(blocks), field.columns.shape[1])
+            felt = np.count_nonzero(np.abs(block) > 0.1, axis=0) >= FEWEST
+            block, of_axis = block[:, felt], of_axis[felt]
+            information, moments = self.products(block)
+            several = ["both axes"] if len(measured) > 1 else []
+            for name in [*measured, *several]:
+                own = np.flatnonzero((of_axis == name) | (name == "both axes"))
+                if len(own) == 0:
+                    continue
+                one = replace(
+                    field,
+                    variant=f"{name}: {field.variant}",
+                    columns=block[:, own],
+                    choices=kind * (len(measured) + len(several)),
+                )
+                yield worth(one, information[np.ix_(own, own)], moments[own])
+
+
+def as_candidate(worth: Worth, places: Codes) -> Candidate:
+    """Return the determined directions of a field as a candidate that nobody may name.
+
+    `places` (dof,) are where its columns stand in the design.
+    """
+    field = worth.field
+    effect = Effect(
+        "unknown",
+        f"{field.family}, {field.variant}",
+        "a field, no physics",
+        tuple(Coefficient(f"field_{n + 1}") for n in range(len(places))),
+        _no_basis,
+        physical=False,
+        variant=f"{field.variant}",
+    )
+    return Candidate(
+        effect,
+        places,
+        tuple(range(len(places))),
+        field.choices,
+        region(field, field.columns @ (worth.directions @ worth.values)),
+        field.of_time,
+    )
+
+
+def _no_basis(at: Circumstances) -> tuple[Array, Array]:
+    """Return nothing: a field's columns are made for one set of recordings only."""
+    return np.zeros((len(at), 0)), np.zeros((len(at), 0))
+
+
+def worth(field: Field, information: Array, moments: Array) -> Worth:
+    """Return what a field is worth, at the strength that suits it best."""
+    power, vectors = np.linalg.eigh(information)
+    power = np.maximum(power, 0.0)
+    along = vectors.T @ moments
+    evidence, variance = at_best(power, along)
+    kept = variance * power > 1
+    power, vectors, along = power[kept], vectors[:, kept], along[kept]
+    return Worth(
+        field,
+        evidence - 2 * float(np.log(field.choices)),
+        float((along**2 / power).sum()),
+        int(kept.sum()),
+        vectors / np.sqrt(power),
+        along / np.sqrt(power),
+    )
+
+
+def region(field: Field, curve: Array) -> tuple[Interval, ...]:
+    """Return the stretch of its column where a fitted curve (m,) stands out: beyond half its peak.
+
+    Empty for a field of the sky, and for a curve that stands out nearly everywhere.
+    """
+    used = np.abs(curve) > 0
+    if field.along is None or not used.any():
+        return field.region
+    name, values = field.along
+    values, height = values[used], curve[used] - np.median(curve[used])
+    peak = int(np.argmax(np.abs(height)))
+    high = height * np.sign(height[peak]) > abs(height[peak]) / 2
+    if name == "az_deg":
+        values = (values - values[peak] + 180) % 360 - 180 + values[peak]
+    order = np.argsort(values, kind="stable")
+    low = up = int(np.flatnonzero(order == peak)[0])
+    while low > 0 and high[order[low - 1]]:
+        low -= 1
+    while up < len(order) - 1 and high[order[up + 1]]:
+        up += 1
+    if (up - low + 1) > WIDEST * len(order):
+        return ()
+    turn = 360.0 if name == "az_deg" else np.inf
+    return (Interval(name, *(float(values[order[one]]) % turn for one in (low, up))),)

@@ -1,0 +1,1 @@
+"""Other programs' files of recordings and of models, read and written."""

@@ -1,0 +1,116 @@
+"""Files of one format into another: recordings digit for digit, models term for term."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from pyport.errors import BadInput
+from pyport.formats import models, tables
+from pyport.formats.field_system import err
+from pyport.formats.model_file import translated
+from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.interpret import interpret
+from pyport.recordings.raw import Raw
+from pyport.recordings.tabulate import Table
+
+FORMATS = (*tables.FORMATS, *models.FORMATS)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What was converted: rows or terms, the format written, and what it has no place for."""
+
+    kind: str
+    number: int
+    format: str
+    left_out: tuple[str, ...]
+
+
+def convert(
+    source: str,
+    target: Path,
+    *,
+    to: str = "",
+    given: Given = NOTHING,
+    model: str = "",
+    leave_out: bool = False,
+) -> Done:
+    """Convert a file of recordings or of a model; the suffixes tell which, or the names given.
+
+    Parameters
+    ----------
+    source, target
+        The files; `FILE.xml#RECEIVER` picks one of several models.
+    to
+        The format to write, where the suffix does not tell.
+    given
+        What the source does not say itself, its format included.
+    model
+        For the Field System's err: the mdlpo.ctl that says what to fit.
+    leave_out
+        Leave out a model's terms that the target has no counterpart of.
+
+    Raises
+    ------
+    BadInput
+        A file is not of its format, or the target cannot hold what the source has.
+    """
+    if _is_model(source, target, given.format, to):
+        return _model(source, target, given.format, to, leave_out=leave_out)
+    path = Path(source)
+    if not path.is_file():
+        raise BadInput("no such file, expected recordings or a pointing model", path)
+    raw = tables.read(path, given.format, given.columns)
+    raw = replace(raw, meta=raw.meta | dict(given.keys))
+    interpret(raw)  # what no reading could use is refused before it is spread
+    if model:
+        err.write(err.fitted(raw, models.read(model)), target)
+        return Done("recordings", len(raw.line), "fs-err", ())
+    left_out = tables.write(table_of(raw), target, to)
+    name = tables.format_of(target, to).name
+    return Done("recordings", len(raw.line), name, tuple(left_out))
+
+
+def table_of(raw: Raw) -> Table:
+    """Return the cells of a file as the writers take them."""
+    return Table(
+        raw.meta,
+        {
+            name: column.astype(np.str_) if column.dtype.kind == "O" else column
+            for name, column in raw.columns.items()
+        },
+    )
+
+
+def _is_model(source: str, target: Path, read_as: str, write_as: str) -> bool:
+    """Tell whether models are meant: the source decides, the target where it could be either."""
+    if read_as:
+        return read_as in models.FORMATS
+    suffix = models.split(source)[0].suffix.lower()
+    if suffix in {".err", ".csv"} or suffix not in tables.BY_SUFFIX:
+        is_model = suffix in models.BY_SUFFIX
+        to_model = write_as in models.FORMATS or (
+            not write_as and target.suffix.lower() in models.BY_SUFFIX
+        )
+        return is_model or to_model
+    return False
+
+
+def _model(source: str, target: Path, read_as: str, write_as: str, *, leave_out: bool) -> Done:
+    file = models.read(source, read_as)
+    chosen = models.FORMATS.get(write_as) if write_as else models.BY_SUFFIX.get(target.suffix)
+    if chosen is None or chosen.write is None:
+        known = ", ".join(models.BY_SUFFIX)
+        raise BadInput(f"this is no format of models, expected {known}, or --to", target)
+    vocabulary = chosen.vocabulary or file.vocabulary
+    try:
+        done = translated(file, vocabulary, leave_out=leave_out)
+    except BadInput as error:
+        raise BadInput(error.message, models.split(source)[0]) from None
+    chosen.write(done, target)
+    kept = len(done.entries)
+    lost = tuple(entry.name for entry in file.entries if entry.used) if not kept else ()
+    return Done("model", kept, chosen.name, lost)

@@ -1,0 +1,174 @@
+"""The pointing offsets that are measured with katpoint: CSV below an antenna's description.
+
+Degrees; azimuth offsets as a coordinate, what has to be added to point right,
+that is encoder minus true. A standard deviation of zero stands for none.
+"""
+
+from __future__ import annotations
+
+import csv
+from decimal import Decimal
+from pathlib import Path
+
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.formats import exact
+from pyport.formats.katpoint_model import MODEL_FIELD, angle
+from pyport.formats.lines import Line, lines_of, raw_of, spelled
+from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.raw import Raw
+from pyport.recordings.tabulate import Table
+
+#: Its columns -> the contract's.
+COLUMNS = {
+    "dataset": "session",
+    "target": "source",
+    "timestamp_ut": "time_utc",
+    "azimuth": "az_deg",
+    "elevation": "el_deg",
+    "delta_azimuth": "d_az_deg",
+    "delta_azimuth_std": "sigma_az_deg",
+    "delta_elevation": "d_el_deg",
+    "delta_elevation_std": "sigma_el_deg",
+    "temperature": "temperature_c",
+    "pressure": "pressure_hpa",
+    "humidity": "humidity_pct",
+    "wind_speed": "wind_speed_m_s",
+    "wind_direction": "wind_az_deg",
+    "sun_az": "sun_az_deg",
+    "sun_el": "sun_el_deg",
+}
+_OURS = {ours: theirs for theirs, ours in COLUMNS.items()}
+_NEEDED = ("azimuth", "elevation", "delta_azimuth", "delta_elevation")
+_SIGMAS = frozenset({"sigma_az_deg", "sigma_el_deg"})
+ANTENNA = "katpoint_antenna"
+#: A column that says 0 where a row is not to be kept.
+KEEP, NOT_KEPT = "keep", "not kept in the file"
+
+
+def looks_like(path: Path) -> bool:
+    """Tell whether a CSV file is one of these: by its first line, or by its columns."""
+    with path.open("rb") as file:
+        head = [line.decode("utf-8", "replace") for _, line in zip(range(3), file, strict=False)]
+    if not head:
+        return False
+    names = next((line for line in head if not line.startswith("#")), "")
+    return head[0].startswith("# antenna =") or "delta_azimuth" in names.replace(" ", "").split(",")
+
+
+def read(path: Path) -> Raw:
+    """Read the cells of such a file.
+
+    Raises
+    ------
+    BadInput
+        There is no line of names, no rows, or a row of another length.
+    """
+    meta: dict[str, str] = {}
+    rows: list[tuple[int, list[str]]] = []
+    for line in lines_of(path):
+        if line.text.startswith("#"):
+            key, equals, value = line.text[1:].partition("=")
+            if equals and key.strip() == "antenna":
+                meta |= _antenna(Line(path, line.number, value))
+        elif line.text.strip():
+            (words,) = csv.reader([line.text], skipinitialspace=True)
+            rows.append((line.number, [word.strip() for word in words]))
+    if not rows:
+        raise BadInput("no line of column names, expected azimuth, elevation, ...", path)
+    (header, names), *body = rows
+    _check(header, names, body, path)
+    columns = {
+        _name(name): [_cell(_name(name), words[n]) for _, words in body]
+        for n, name in enumerate(names)
+        if name != KEEP
+    }
+    if KEEP in names:
+        kept = [words[names.index(KEEP)] for _, words in body]
+        columns[SET_ASIDE] = ["" if word not in {"0", "False"} else NOT_KEPT for word in kept]
+    return raw_of(path, meta, columns, [number for number, _ in body], header)
+
+
+def _check(header: int, names: list[str], body: list[tuple[int, list[str]]], path: Path) -> None:
+    """Refuse a table without the columns or rows that it needs, or with a row of another length."""
+    missing = [name for name in _NEEDED if name not in names]
+    if missing or len(set(names)) < len(names):
+        wrong = f"no column {', '.join(missing)}" if missing else "two columns of one name"
+        raise BadInput(f"{wrong}, expected katpoint's names, each once", path, header)
+    if not body:
+        raise BadInput("no rows below the column names", path, header)
+    for number, words in body:
+        if len(words) != len(names):
+            count = f"{len(words)} cells, expected {len(names)} as in the header"
+            raise BadInput(count, path, number)
+
+
+def _name(theirs: str) -> str:
+    return COLUMNS.get(theirs, theirs)
+
+
+def _cell(name: str, word: str) -> str:
+    """Return a cell, blank where it is no measurement."""
+    if word.lower() == "nan" or (name in _SIGMAS and not exact.number(word)):
+        return ""
+    return word
+
+
+def _antenna(line: Line) -> dict[str, str]:
+    """Return what an antenna's description says of its place."""
+    fields = [part.strip() for part in line.text.split(",")]
+    meta = {ANTENNA: line.text.strip()}
+    if len(fields) < 4:
+        return meta
+    meta["telescope"] = fields[0]
+    for key, text in zip(("latitude_deg", "longitude_deg"), fields[1:3], strict=True):
+        degrees = angle(line, text) / 3600
+        meta[key] = spelled(exact.plain(degrees.quantize(Decimal("1e-9"))))
+    return meta | {"height_m": spelled(line.decimal(fields[3], "the height"))}
+
+
+def write(table: Table, path: Path) -> list[str]:
+    """Write such a file; nothing is left out, since it keeps any column.
+
+    Raises
+    ------
+    BadInput
+        The table lacks a position or an offset.
+    """
+    az, el = exact.position(table, path)
+    d_az, d_el = exact.offsets(table, path)
+    size = len(az)
+    sigma_az = exact.coordinate(table, "sigma_az", "sigma_xel", path) or [None] * size
+    sigma_el = exact.in_degrees(table, "sigma_el") or [None] * size
+    columns = {
+        "azimuth": _texts(az, "nan"),
+        "elevation": _texts(el, "nan"),
+        "delta_azimuth": _texts(d_az, "nan"),
+        "delta_azimuth_std": _texts(sigma_az, "0"),
+        "delta_elevation": _texts(d_el, "nan"),
+        "delta_elevation_std": _texts(sigma_el, "0"),
+    }
+    first: dict[str, list[str]] = {}
+    for name in exact.left_out(table, (*exact.OFFSETS_HELD, *exact.SIGMAS_HELD)):
+        goes_first = _OURS.get(name) in {"dataset", "target", "timestamp_ut"}
+        (first if goes_first else columns)[_OURS.get(name, name)] = exact.cells(table, name)
+    columns = first | columns
+    if any(exact.asides(table)):
+        columns[KEEP] = ["0" if why else "1" for why in exact.asides(table)]
+    with write_whole(path) as out:
+        out.write(f"# antenna = {table.meta.get(ANTENNA) or _description(table)}\n")
+        out.write(", ".join(columns) + "\n")
+        for row in zip(*columns.values(), strict=True):
+            out.write(", ".join(cell.replace(",", ";") for cell in row) + "\n")
+    return []
+
+
+def _texts(values: exact.Numbers, blank: str) -> list[str]:
+    return [blank if value is None else spelled(value) for value in values]
+
+
+def _description(table: Table) -> str:
+    """Return the description of an antenna as far as the table knows it."""
+    place = [table.meta.get(key, "0") for key in ("latitude_deg", "longitude_deg", "height_m")]
+    fields = [table.meta.get("telescope", "antenna").replace(",", " "), *place]
+    return ", ".join([*fields, *[""] * (MODEL_FIELD - len(fields)), "", ""])

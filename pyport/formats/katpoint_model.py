@@ -1,0 +1,144 @@
+"""katpoint's pointing models: description strings, its configuration files, antennas.
+
+Angles are written D:M:S, P9 and P12 are plain ratios, and what is missing at
+the end is zero.
+"""
+
+from __future__ import annotations
+
+import configparser
+import re
+from decimal import Decimal
+from pathlib import Path
+
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.formats.lines import Line, lines_of
+from pyport.formats.model_file import Entry, ModelFile
+from pyport.formats.terms.field_system import RATIOS
+
+NUMBER = 22
+#: Where an antenna's description has its pointing model.
+MODEL_FIELD = 6
+
+_VALUE = r"[-+]?(?:\d+:\d+:\d+(?:\.\d*)?|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)"
+_DESCRIPTION = re.compile(rf"{_VALUE}(?:(?:\s*,\s*|\s+){_VALUE})*")
+
+
+def is_description(text: str) -> bool:
+    """Tell whether a text is a description string of more than one parameter."""
+    return bool(_DESCRIPTION.fullmatch(text.strip())) and len(_values(text)) > 1
+
+
+def read(path: Path) -> ModelFile:
+    """Read a description string, a configuration file or an antenna's description from a file.
+
+    Raises
+    ------
+    BadInput
+        The file holds none of them.
+    """
+    lines = [line for line in lines_of(path) if line.text.strip()]
+    if lines[0].text.strip() == "[header]":
+        return _configuration(lines, path)
+    first = lines[0]
+    antenna = first.text.partition("=")[2] if first.text.startswith("#") else first.text
+    if antenna.count(",") >= MODEL_FIELD and not is_description(antenna):
+        return of_antenna(Line(path, first.number, antenna))
+    if len(lines) > 1 or not _DESCRIPTION.fullmatch(first.text.strip()):
+        wanted = "expected a katpoint description such as 0:03:12.5 0 -0:00:07.0"
+        raise first.error(f"this is {first.text.strip()[:60]!r}, {wanted}")
+    return describe(first)
+
+
+def of_antenna(line: Line) -> ModelFile:
+    """Return the pointing model in an antenna's description."""
+    fields = [part.strip() for part in line.text.split(",")]
+    return describe(Line(line.file, line.number, fields[MODEL_FIELD]), fields[0])
+
+
+def describe(line: Line, title: str = "") -> ModelFile:
+    """Return the model that a description string holds."""
+    values = _values(line.text)
+    if len(values) > NUMBER:
+        raise line.error(f"{len(values)} parameters, expected at most {NUMBER}")
+    return ModelFile("katpoint", tuple(entries(line, dict(enumerate(values, 1)))), title)
+
+
+def entries(line: Line, values: dict[int, str]) -> list[Entry]:
+    """Return P1, P2, ... that are not zero."""
+    found = []
+    for number, text in values.items():
+        name = f"P{number}"
+        unit = "" if name in RATIOS else "arcsec"
+        value = angle(line, text) if unit else line.decimal(text, name)
+        if value:
+            found.append(Entry(name, value, unit))
+    return found
+
+
+def _values(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",")] if "," in text else text.split()
+
+
+def angle(line: Line, text: str) -> Decimal:
+    """Return D:M:S, or plain degrees, in arcseconds, digit for digit."""
+    parts = text.split(":")
+    if len(parts) not in {1, 3}:
+        raise line.error(f"the angle is {text[:40]!r}, expected D:M:S or degrees")
+    numbers = [line.decimal(part, "the angle") for part in parts]
+    whole = [*map(abs, numbers), Decimal(0), Decimal(0)]
+    arcsec = whole[0] * 3600 + whole[1] * 60 + whole[2]
+    return -arcsec if text.strip().startswith("-") else arcsec
+
+
+def _configuration(lines: list[Line], path: Path) -> ModelFile:
+    """Return the model of a file with [header] and [params]."""
+    parser = configparser.ConfigParser(inline_comment_prefixes=(";", "#"), interpolation=None)
+    parser.optionxform = str  # type: ignore[assignment,method-assign]
+    try:
+        parser.read_string("\n".join(line.text for line in lines))
+        params, header = dict(parser["params"]), dict(parser["header"])
+    except (configparser.Error, KeyError) as error:
+        reason = str(error).replace("\n", " ")
+        raise BadInput(f"no katpoint model with [header] and [params]: {reason}", path) from None
+    values = {}
+    for name, text in params.items():
+        if not re.fullmatch(r"P([1-9]|1\d|2[0-2])", name):
+            raise BadInput(f"[params] has {name[:20]!r}, expected P1 to P{NUMBER}", path)
+        values[int(name[1:])] = text
+    return ModelFile("katpoint", tuple(entries(lines[0], values)), details={"header": header})
+
+
+def write(file: ModelFile, path: Path) -> None:
+    """Write a model in katpoint's vocabulary as a description string."""
+    with write_whole(path) as out:
+        out.write(description(file) + "\n")
+
+
+def description(file: ModelFile) -> str:
+    """Return the description string of a model in katpoint's vocabulary."""
+    by_name = {entry.name: entry for entry in file.entries if entry.used}
+    texts = [
+        _text(by_name[name]) if name in by_name else "0"
+        for name in (f"P{n}" for n in range(1, NUMBER + 1))
+    ]
+    last = max((n for n, text in enumerate(texts, 1) if text != "0"), default=1)
+    return " ".join(texts[:last])
+
+
+def _text(entry: Entry) -> str:
+    if not entry.value:
+        return "0"
+    return sexagesimal(entry.value) if entry.unit else f"{entry.value}"
+
+
+def sexagesimal(arcsec: Decimal) -> str:
+    """Return arcseconds as D:M:S with all digits, at least one behind the point."""
+    exponent = arcsec.as_tuple().exponent
+    decimals = max(1, -exponent if isinstance(exponent, int) else 0)
+    minutes, seconds = divmod(abs(arcsec), 60)
+    degrees, minutes = divmod(minutes, 60)
+    sign = "-" if arcsec < 0 else ""
+    width = 3 + decimals
+    return f"{sign}{int(degrees)}:{int(minutes):02d}:{seconds:0{width}.{decimals}f}"

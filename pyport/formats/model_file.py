@@ -1,0 +1,191 @@
+"""A pointing model as a file has it: names, digits, and what is fixed; and as pyport has it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
+from functools import partial
+from typing import Any
+
+from pyport.errors import BadInput
+from pyport.fitting.models import Model, Term
+from pyport.formats.terms import field_system, ska_mid, tpoint
+from pyport.formats.terms.shapes import Shape
+from pyport.formats.terms.words import SCALES, Word
+
+#: How many decimals a number gets in another unit. Degrees with ten are told exactly by
+#: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.
+DECIMALS = {"deg": 12, "arcsec": 8, "": 14}
+_RADIAN_DEG = Decimal("57.295779513082320876798")
+
+#: Vocabularies: name -> word, and shape -> name and sign.
+WORDS: dict[str, Callable[[str], Word | None]] = {
+    "tpoint": tpoint.word,
+    "field-system": field_system.word,
+    "katpoint": partial(field_system.word, ratios=True),
+    "ska-mid": ska_mid.word,
+}
+NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
+    "tpoint": tpoint.name_of,
+    "field-system": field_system.name_of,
+    "katpoint": partial(field_system.name_of, last=22),
+    "ska-mid": ska_mid.name_of,
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A term of a model file.
+
+    Attributes
+    ----------
+    name
+        In the file's vocabulary.
+    value
+        Digit for digit as the file has it, in `unit`.
+    unit
+        "arcsec", "deg", or "" for a ratio.
+    sigma
+        One sigma, None where the file tells none.
+    fixed
+        Not to be fitted.
+    used
+        False for a term that the model has switched off.
+    parallel
+        TPOINT's `&`: applied beside the term before it, not after it.
+    """
+
+    name: str
+    value: Decimal
+    unit: str
+    sigma: Decimal | None = None
+    fixed: bool = False
+    used: bool = True
+    parallel: bool = False
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A pointing model in a program's own vocabulary.
+
+    Attributes
+    ----------
+    vocabulary
+        One of `WORDS`.
+    entries
+        Its terms, in the file's order.
+    title
+        The caption, "" without one.
+    phi_deg
+        The Field System's; 90 for an alt-azimuth mount.
+    details
+        What else the file holds, for writing it again.
+    """
+
+    vocabulary: str
+    entries: tuple[Entry, ...]
+    title: str = ""
+    phi_deg: Decimal = Decimal(90)
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+    def word(self, entry: Entry) -> Word:
+        """Return what a term means.
+
+        Raises
+        ------
+        BadInput
+            The vocabulary has no such term.
+        """
+        if self.vocabulary == "field-system" and self.phi_deg != Decimal(90):
+            word = field_system.word(entry.name, float(self.phi_deg))
+        else:
+            word = WORDS[self.vocabulary](entry.name)
+        if word is None:
+            raise BadInput(f"{entry.name!r} is no term that pyport knows of {self.vocabulary}")
+        return word
+
+    def model(self, name: str) -> Model:
+        """Return the model with these values, each term fitted unless it is fixed.
+
+        Raises
+        ------
+        BadInput
+            A term is used whose formula is not known.
+        """
+        return Model(name, tuple(filter(None, map(self._term, self.entries))))
+
+    def _term(self, entry: Entry) -> Term | None:
+        word = self.word(entry)
+        if not entry.used or (not word.parts and entry.value == 0):
+            return None
+        if not word.parts:
+            raise BadInput(f"{entry.name} has no published formula: its value must be 0")
+        value = float(entry.value) * SCALES[entry.unit]
+        return Term(word.effect(), values=(value,), fixed=entry.fixed)
+
+
+def translated(file: ModelFile, vocabulary: str, *, leave_out: bool = False) -> ModelFile:
+    """Return a model in another vocabulary.
+
+    Terms that mean the same there are added up; switched-off ones are left out.
+
+    Raises
+    ------
+    BadInput
+        Terms have no counterpart, unless `leave_out`; the message names them.
+    """
+    if file.vocabulary == vocabulary:
+        return file
+    found: dict[str, Entry] = {}
+    lost: list[str] = []
+    for entry in file.entries:
+        word = file.word(entry)
+        if not entry.used or (not word.parts and entry.value == 0):
+            continue
+        names = [NAMES[vocabulary](shape) for shape, _ in word.parts]
+        if not names or None in names:
+            lost.append(entry.name)
+            continue
+        for (_, weight), (name, sign) in zip(word.parts, filter(None, names), strict=True):
+            one = _renamed(entry, name, sign * weight, vocabulary)
+            found[name] = one if name not in found else _sum(found[name], one)
+    if lost and not leave_out:
+        raise BadInput(
+            f"{vocabulary} has no counterpart of {', '.join(lost)}: leave them out with --leave-out"
+        )
+    return ModelFile(vocabulary, tuple(found.values()), file.title)
+
+
+def _renamed(entry: Entry, name: str, sign: float, vocabulary: str) -> Entry:
+    """Return a term under another name, in the unit that it has there."""
+    word = WORDS[vocabulary](name)
+    if word is None:
+        raise AssertionError(name)
+    factor = Decimal(1) if sign == 1 else Decimal(repr(sign))
+    sigma = None if entry.sigma is None else abs(in_unit(entry.sigma, entry.unit, word.unit))
+    value = in_unit(entry.value, entry.unit, word.unit) * factor
+    return replace(entry, name=name, value=value, unit=word.unit, sigma=sigma)
+
+
+def _sum(one: Entry, other: Entry) -> Entry:
+    """Return two terms that mean the same as one; its sigma is not known."""
+    both = one.fixed and other.fixed
+    return replace(one, value=one.value + other.value, sigma=None, fixed=both)
+
+
+def in_unit(value: Decimal, unit: str, wanted: str) -> Decimal:
+    """Return a number in another unit."""
+    if unit == wanted:
+        return value
+    if not unit:
+        value, unit = value * _RADIAN_DEG, "deg"
+    degrees = value / 3600 if unit == "arcsec" else value
+    found = {"deg": degrees, "arcsec": degrees * 3600, "": degrees / _RADIAN_DEG}[wanted]
+    return rounded(found, DECIMALS[wanted])
+
+
+def rounded(value: Decimal, decimals: int) -> Decimal:
+    """Return a number with so many decimals, and without the zeros at its end."""
+    short = value.quantize(Decimal(1).scaleb(-decimals)).normalize()
+    return short.quantize(Decimal(1)) if short == short.to_integral_value() else short

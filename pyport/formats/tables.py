@@ -1,0 +1,104 @@
+"""Formats of recordings: read by suffix, name or content, written by suffix or name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyport.errors import BadInput
+from pyport.formats import katpoint_csv, tpoint_dat
+from pyport.formats.field_system import xtr
+from pyport.recordings.formats import csv
+from pyport.recordings.formats import tables as typed
+from pyport.recordings.raw import Raw
+from pyport.recordings.tabulate import Table
+
+
+@dataclass(frozen=True)
+class TableFormat:
+    """A format of recordings: its name, suffix, and how it is read and written.
+
+    Writing returns the columns that the format has no place for.
+    """
+
+    name: str
+    suffix: str
+    read: Callable[[Path], Raw]
+    write: Callable[[Table, Path], list[str]] | None
+
+
+def _whole(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
+    """Return the writer of a format that holds everything."""
+
+    def written(table: Table, path: Path) -> list[str]:
+        write(table, path)
+        return []
+
+    return written
+
+
+FORMATS = {
+    one.name: one
+    for one in (
+        TableFormat("csv", ".csv", csv.read, _whole(csv.write)),
+        TableFormat("ecsv", ".ecsv", typed.read_ecsv, _whole(typed.write_ecsv)),
+        TableFormat("parquet", ".parquet", typed.read_parquet, _whole(typed.write_parquet)),
+        TableFormat("tpoint-dat", ".dat", tpoint_dat.read, tpoint_dat.write),
+        TableFormat("fs-xtr", ".xtr", xtr.read_xtr, xtr.write),
+        TableFormat("fs-err", ".err", xtr.read_err, None),
+        TableFormat("katpoint-csv", "", katpoint_csv.read, katpoint_csv.write),
+    )
+}
+BY_SUFFIX = {one.suffix: one for one in FORMATS.values() if one.suffix}
+
+
+def read(path: Path, name: str = "", columns: tuple[str, ...] = ()) -> Raw:
+    """Read the cells of a file, of a named format or of the one that it looks like.
+
+    Raises
+    ------
+    BadInput
+        There is no such format, the file is not of it, or names its columns itself.
+    """
+    one = format_of(path, name)
+    if columns:
+        if one.name != "csv":
+            raise BadInput("the format of this file names its columns itself: leave them out", path)
+        return csv.read(path, columns)
+    if one.name == "csv" and not name and katpoint_csv.looks_like(path):
+        one = FORMATS["katpoint-csv"]
+    return one.read(path)
+
+
+def write(table: Table, path: Path, name: str = "") -> list[str]:
+    """Write a table in a named format or its suffix's; return the columns left out.
+
+    Raises
+    ------
+    BadInput
+        There is no such format, or it cannot hold this.
+    """
+    one = format_of(path, name)
+    if one.write is None:
+        raise BadInput(f"{one.name} is what a fit gives: name its model with --model", path)
+    return one.write(table, path)
+
+
+def format_of(path: Path, name: str = "") -> TableFormat:
+    """Return a format by its name, or by the suffix of a path.
+
+    Raises
+    ------
+    BadInput
+        There is none.
+    """
+    if name:
+        if name not in FORMATS:
+            raise BadInput(f"no format is called {name!r}, known: {', '.join(FORMATS)}", path)
+        return FORMATS[name]
+    try:
+        return BY_SUFFIX[path.suffix.lower()]
+    except KeyError:
+        known = ", ".join(BY_SUFFIX)
+        raise BadInput(f"suffix {path.suffix!r} names no format, expected {known}", path) from None

@@ -1,0 +1,1 @@
+"""What other programs call the terms of a pointing model, as coefficients of effects."""

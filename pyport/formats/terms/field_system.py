@@ -1,0 +1,77 @@
+"""The VLBI Field System's P1..P30, which katpoint (P1..P22) and DISCOS share.
+
+Offsets are raw minus true, azimuth as a coordinate; `phi` is 90 deg for an
+alt-azimuth mount. Himwich, Mark IV Field System documentation, Pointing Model (1993).
+"""
+
+from __future__ import annotations
+
+import math
+
+from pyport.formats.terms.shapes import Shape, Wave, product
+from pyport.formats.terms.words import Word
+
+NUMBER = 30
+#: Those that scale an angle, which katpoint gives as a ratio.
+RATIOS = frozenset({"P9", "P12"})
+
+ALTAZ_PHI_DEG = 90.0
+
+_SHAPES: dict[int, tuple[Shape, int]] = {
+    1: (Shape("azimuth_zero"), 1),
+    3: (Shape("skew"), 1),
+    4: (Shape("collimation"), -1),
+    5: (Shape("tilt", 0), 1),
+    6: (Shape("tilt", 1), 1),
+    7: (Shape("elevation_zero"), 1),
+    8: (Shape("sag_cosine"), 1),
+    9: (Shape("elevation_scale"), 1),
+    10: (Shape("sag_cosine"), 1),
+    11: (Shape("sag_sine"), 1),
+    12: (Shape("azimuth_scale"), 1),
+    13: (Shape("azimuth_eccentricity", 1), 1),
+    14: (Shape("azimuth_eccentricity", 0), 1),
+    15: (product("el", Wave("C", "A", 2)), 1),
+    16: (product("el", Wave("S", "A", 2)), 1),
+    17: (product("az", Wave("C", "A", 2)), 1),
+    18: (product("az", Wave("S", "A", 2)), 1),
+    19: (product("el", Wave("C", "E", 8)), 1),
+    20: (product("el", Wave("S", "E", 8)), 1),
+    21: (product("el", Wave("C", "A")), 1),
+    22: (product("el", Wave("S", "A")), 1),
+    23: (Shape("refraction"), 1),
+}
+_NUMBER_OF = {shape: (n, sign) for n, (shape, sign) in reversed(_SHAPES.items())}
+
+#: P2 slides along the horizon, P8 sags toward the pole that phi leans to.
+_SLIDE = product("xel", Wave("S", "A"))
+_POLE = product("el", Wave("S", "E"), Wave("C", "A"))
+
+
+def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, *, ratios: bool = False) -> Word | None:
+    """Return the word of P1..P30, None for any other name; `ratios` as katpoint has P9 and P12.
+
+    P24..P30 have no part: the Field System reserves them.
+    """
+    if not (name[:1] == "P" and name[1:].isdigit() and name[1] != "0"):
+        return None
+    number = int(name[1:])
+    if number > NUMBER:
+        return None
+    unit = "" if ratios and name in RATIOS else "deg"
+    parts: tuple[tuple[Shape, float], ...] = ()
+    if number in _SHAPES:
+        parts = (_SHAPES[number],)
+    if phi_deg != ALTAZ_PHI_DEG:
+        sine, cosine = math.sin(math.radians(phi_deg)), math.cos(math.radians(phi_deg))
+        if number == 2:
+            parts = ((_SLIDE, -cosine),)
+        if number == 8:
+            parts = ((Shape("sag_cosine"), sine), (_POLE, -cosine))
+    return Word(name, parts, unit)
+
+
+def name_of(shape: Shape, last: int = 23) -> tuple[str, int] | None:
+    """Return the parameter of an alt-azimuth mount for a shape and its sign, None without one."""
+    number, sign = _NUMBER_OF.get(shape, (NUMBER + 1, 0))
+    return (f"P{number}", sign) if number <= last else None

@@ -1,0 +1,170 @@
+"""The shapes that terms have on the sky: one column of an effect, or a product of waves.
+
+A wave is "S" or "C" (sine or cosine) of a multiple of "A" (azimuth from north
+through east) or of "E". Products that the catalogue knows under a name of its
+own are told by that name, so that two programs' words for one thing are one shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
+from pyport.effects.base import stack
+from pyport.effects.encoders import (
+    azimuth_harmonics,
+    elevation_encoder_harmonics,
+    elevation_harmonics,
+)
+
+#: The id of a product of waves that no effect of the catalogue has.
+PRODUCT = "wave_product"
+
+#: Effects that come as a family, with k for the harmonic: sine in column 0, cosine in 1.
+FAMILIES: dict[str, Callable[[int], Effect]] = {
+    "azimuth_harmonics": azimuth_harmonics,
+    "elevation_harmonics": elevation_harmonics,
+    "elevation_encoder_harmonics": elevation_encoder_harmonics,
+}
+
+
+class Wave(NamedTuple):
+    """Sine ("S") or cosine ("C") of k times azimuth ("A") or elevation ("E")."""
+
+    function: str
+    of: str
+    k: int = 1
+
+    def __call__(self, at: Circumstances) -> Array:
+        """Return the wave at the pointings, shape (n,)."""
+        angle = self.k * (at.az if self.of == "A" else at.el)
+        return np.sin(angle) if self.function == "S" else np.cos(angle)
+
+    def __str__(self) -> str:
+        """Return it as a formula: `sin 2A`."""
+        return f"{'sin' if self.function == 'S' else 'cos'} {self.k if self.k > 1 else ''}{self.of}"
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What one coefficient multiplies.
+
+    Attributes
+    ----------
+    effect
+        An id of the catalogue, or `PRODUCT`.
+    column
+        Which of the effect's coefficients.
+    k
+        Which harmonic of a family; 0 where there is no choice.
+    axis, waves
+        Of a product: "az" (a coordinate, times cos E on the sky), "xel" or
+        "el", and the factors.
+    """
+
+    effect: str
+    column: int = 0
+    k: int = 0
+    axis: str = ""
+    waves: tuple[Wave, ...] = ()
+
+    def parent(self) -> Effect:
+        """Return the effect that this is a column of."""
+        if self.effect == PRODUCT:
+            return _product(self.axis, self.waves)
+        if self.k:
+            return FAMILIES[self.effect](self.k)
+        return CATALOGUE[self.effect]
+
+    def columns(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
+        x, y = self.parent().columns(at)
+        return x[:, self.column], y[:, self.column]
+
+    @property
+    def formula(self) -> str:
+        """Return what it adds to the offsets, as text."""
+        return _FORMULA.get((self.effect, self.column)) or _wave_formula(*wave_product(self))
+
+
+def _product(axis: str, waves: tuple[Wave, ...]) -> Effect:
+    """Return a product of waves as an effect that names no cause."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        value = np.prod([wave(at) for wave in waves], axis=0)
+        if axis == "el":
+            return stack(at, (0, value))
+        return stack(at, (value * (np.cos(at.el) if axis == "az" else 1.0), 0))
+
+    return Effect(
+        PRODUCT,
+        "the offset follows a product of waves of azimuth and elevation",
+        "Wallace, TPOINT Telescope Pointing Analysis System, harmonics",
+        (Coefficient("wave_product"),),
+        basis,
+        physical=False,
+        variant=_wave_formula(axis, waves),
+    )
+
+
+#: Products of waves with a name in the catalogue.
+_KNOWN: dict[tuple[str, tuple[Wave, ...]], Shape] = {
+    ("az", (Wave("S", "A"),)): Shape("azimuth_eccentricity", 0),
+    ("az", (Wave("C", "A"),)): Shape("azimuth_eccentricity", 1),
+    ("xel", (Wave("S", "E"),)): Shape("skew"),
+    ("xel", (Wave("C", "E"),)): Shape("azimuth_zero"),
+    ("el", (Wave("S", "E"),)): Shape("sag_sine"),
+    ("el", (Wave("C", "E"),)): Shape("sag_cosine"),
+}
+_WAVES_OF = {shape: product for product, shape in _KNOWN.items()}
+
+#: The families: axis and angle -> effect.
+_FAMILY = {
+    ("az", "A"): "azimuth_harmonics",
+    ("el", "A"): "elevation_harmonics",
+    ("el", "E"): "elevation_encoder_harmonics",
+}
+_ANGLE_OF = {effect: place for place, effect in _FAMILY.items()}
+
+_FORMULA = {
+    ("azimuth_zero", 0): "x = cos E",
+    ("elevation_zero", 0): "y = 1",
+    ("collimation", 0): "x = 1",
+    ("skew", 0): "x = sin E",
+    ("tilt", 0): "x = sin E sin A, y = cos A",
+    ("tilt", 1): "x = -sin E cos A, y = sin A",
+    ("refraction", 0): "y = cot E",
+    ("elevation_scale", 0): "y = E",
+    ("azimuth_scale", 0): "x = A cos E",
+}
+
+
+def product(axis: str, *waves: Wave) -> Shape:
+    """Return the shape of a product of waves, under the catalogue's name where it has one."""
+    known = _KNOWN.get((axis, waves))
+    if known is not None:
+        return known
+    if len(waves) == 1 and (axis, waves[0].of) in _FAMILY:
+        function, of, k = waves[0]
+        return Shape(_FAMILY[axis, of], 0 if function == "S" else 1, k)
+    return Shape(PRODUCT, axis=axis, waves=waves)
+
+
+def wave_product(shape: Shape) -> tuple[str, tuple[Wave, ...]]:
+    """Return the axis and waves that make a shape; no waves where it is no such product."""
+    if shape.effect == PRODUCT:
+        return shape.axis, shape.waves
+    if shape.k:
+        axis, of = _ANGLE_OF[shape.effect]
+        return axis, (Wave("SC"[shape.column], of, shape.k),)
+    return _WAVES_OF.get(shape, ("", ()))
+
+
+def _wave_formula(axis: str, waves: tuple[Wave, ...]) -> str:
+    text = " ".join(map(str, waves))
+    return f"y = {text}" if axis == "el" else f"x = {text}{' cos E' if axis == 'az' else ''}"

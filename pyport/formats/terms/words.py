@@ -1,0 +1,68 @@
+"""A word: what a program calls a coefficient, which shapes it multiplies, and its unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.effects import Circumstances, Coefficient, Effect
+from pyport.effects.base import stack
+from pyport.formats.terms.shapes import PRODUCT, Shape
+
+#: Internal units in one of a word's units.
+SCALES = {"arcsec": ARCSEC, "deg": DEG, "": 1.0}
+
+#: Exactly how many arcseconds (of a radian, for what has no unit: none) a unit has.
+ARCSECONDS = {"arcsec": Fraction(1), "deg": Fraction(3600)}
+
+
+@dataclass(frozen=True)
+class Word:
+    """A program's name for a coefficient.
+
+    Attributes
+    ----------
+    name
+        As the program spells it.
+    parts
+        The shapes that it multiplies, each with a weight; no part means that
+        the program does nothing with it.
+    unit
+        "arcsec", "deg", or "" for a ratio.
+    """
+
+    name: str
+    parts: tuple[tuple[Shape, float], ...]
+    unit: str
+
+    def columns(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
+        x, y = np.zeros(len(at)), np.zeros(len(at))
+        for shape, weight in self.parts:
+            own_x, own_y = shape.columns(at)
+            x, y = x + weight * own_x, y + weight * own_y
+        return x, y
+
+    def effect(self) -> Effect:
+        """Return the effect that this word alone is the coefficient of.
+
+        It has the id of the catalogue's effect, so that a diagnosis knows what
+        the model has.
+        """
+        parent = self.parts[0][0].parent()
+        several = len({shape.effect for shape, _ in self.parts}) > 1
+        return Effect(
+            PRODUCT if several else parent.id,
+            parent.sentence,
+            parent.citation,
+            (Coefficient(self.name, self.unit, SCALES[self.unit]),),
+            lambda at: stack(at, self.columns(at)),
+            common=parent.common,
+            physical=parent.physical and not several,
+            variant=parent.variant,
+            formula=parent.formula,
+            parameter=parent.parameter,
+        )

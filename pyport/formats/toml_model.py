@@ -1,0 +1,128 @@
+"""Models as TOML, with another program's names: what no other format loses anything in."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.formats.model_file import WORDS, Entry, ModelFile
+from pyport.formats.terms.words import SCALES
+
+#: Keys of the value and its sigma in a unit.
+_SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
+_MARKS = ("fixed", "used", "parallel")
+
+
+def names_terms(path: Path) -> bool:
+    """Tell whether a TOML file names its vocabulary; one that lists effects does not."""
+    try:
+        return "vocabulary" in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return False
+
+
+def read(path: Path) -> ModelFile:
+    """Read a model in the vocabulary that the file names.
+
+    Raises
+    ------
+    BadInput
+        The file is no such TOML, or a term is none of its vocabulary.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        tree = tomllib.loads(text, parse_float=Decimal)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadInput(f"not a TOML file: {error}", path) from None
+    vocabulary = str(tree.get("vocabulary"))
+    if vocabulary not in WORDS:
+        raise BadInput(f"no vocabulary is called {vocabulary!r}, known: {', '.join(WORDS)}", path)
+    rows = tree.get("term")
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
+        raise BadInput("no [[term]] table: a model lists its terms, one table each", path)
+    found = tuple(_entry(row, vocabulary, path) for row in rows)
+    details = tree.get("details", {})
+    title, phi = str(tree.get("name", "")), Decimal(str(tree.get("phi_deg", 90)))
+    return ModelFile(vocabulary, found, title, phi, details)
+
+
+def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
+    name = str(row.get("name"))
+    word = WORDS[vocabulary](name)
+    if word is None:
+        raise BadInput(f"{name[:20]!r} is no term that pyport knows of {vocabulary}", path)
+    units = [unit for unit, suffix in _SUFFIX.items() if f"value{suffix}" in row]
+    if len(units) != 1:
+        raise BadInput(f"{name} expects one of {_values()}", path)
+    (unit,) = units
+    value, sigma = (row.get(f"{key}{_SUFFIX[unit]}") for key in ("value", "sigma"))
+    marks = {mark: row[mark] for mark in _MARKS if mark in row}
+    number = _number(value, f"{name}'s value", path)
+    spread = None if sigma is None else _number(sigma, f"{name}'s sigma", path)
+    if not all(isinstance(mark, bool) for mark in marks.values()):
+        raise BadInput(f"{name}: {', '.join(marks)} are true or false", path)
+    return Entry(name, number, unit, spread, **marks)
+
+
+def _number(value: object, what: str, path: Path) -> Decimal:
+    if isinstance(value, Decimal | int) and not isinstance(value, bool):
+        number = Decimal(value)
+        if number.is_finite():
+            return number
+    raise BadInput(f"{what} is {value!r}, expected a number", path)
+
+
+def _values() -> str:
+    return ", ".join(f"value{suffix}" for suffix in _SUFFIX.values())
+
+
+def write(file: ModelFile, path: Path) -> None:
+    """Write a model with its digits as they stand."""
+    with write_whole(path) as out:
+        if file.title:
+            out.write(f"name = {json.dumps(file.title)}\n")
+        out.write(f"vocabulary = {json.dumps(file.vocabulary)}\n")
+        if file.phi_deg != Decimal(90):
+            out.write(f"phi_deg = {file.phi_deg:f}\n")
+        for entry in file.entries:
+            out.write(_row(entry))
+        if file.details:
+            out.write(f"\n[details]\n{_pairs(file.details)}")
+
+
+def _row(entry: Entry) -> str:
+    suffix = _SUFFIX[entry.unit]
+    text = f"\n[[term]]\nname = {json.dumps(entry.name)}\nvalue{suffix} = {_literal(entry.value)}\n"
+    if entry.sigma is not None:
+        text += f"sigma{suffix} = {_literal(entry.sigma)}\n"
+    default = Entry("", Decimal(0), "")
+    for mark in _MARKS:
+        if getattr(entry, mark) != getattr(default, mark):
+            text += f"{mark} = {str(getattr(entry, mark)).lower()}\n"
+    return text
+
+
+def _pairs(table: Any) -> str:  # noqa: ANN401 - what a file's details hold
+    return "".join(
+        f"{json.dumps(str(key))} = {_literal(value)}\n"
+        for key, value in table.items()
+        if value is not None
+    )
+
+
+def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
+    """Return a value as TOML spells it; nothing (None) cannot be spelled."""
+    if isinstance(value, Decimal):
+        text = f"{value:f}"
+        return text if "." in text else f"{text}.0" if value.as_tuple().exponent else text
+    if isinstance(value, dict):
+        pairs = (f"{json.dumps(str(k))} = {_literal(v)}" for k, v in value.items() if v is not None)
+        return f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(_literal(one) for one in value if one is not None)}]"
+    return json.dumps(value)

@@ -1,0 +1,226 @@
+"""TPOINT's observation files: a title, options, the site, one line a star, END.
+
+A star's line holds its azimuth and elevation, then those that the telescope
+read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR).
+`;` and `!` begin a comment; a star's line behind one is masked, not lost.
+"""
+
+from __future__ import annotations
+
+from decimal import ROUND_FLOOR, Decimal
+from pathlib import Path
+
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.formats import exact
+from pyport.formats.lines import Line, lines_of, raw_of, spelled
+from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.raw import Raw
+from pyport.recordings.tabulate import Table
+
+#: Why a row that was commented out is not used.
+MASKED = "masked in the file"
+
+TITLE, OPTIONS, SITE = "tpoint_title", "tpoint_options", "tpoint_site"
+#: A remark is kept under this, how many stars stand before it, and how many remarks.
+REMARK = "tpoint_remark_"
+#: What stands behind azimuth and elevation, true and as read.
+ROTATOR, AUXILIARY, NOTE = "rotator_deg", "auxiliary_", "note"
+_COMMENT = ";!"
+_NAN = "nan"
+
+
+def read(path: Path) -> Raw:
+    """Read the cells of a TPOINT observation file of an alt-azimuth mount.
+
+    Raises
+    ------
+    BadInput
+        No title, no `: ALTAZ`, no site, a line that is no star.
+    """
+    lines = lines_of(path)
+    body = [line for line in lines[1:] if line.text.strip()]
+    meta = {TITLE: lines[0].text.strip()}
+    meta |= _options(body, path)
+    found: list[tuple[Line, list[str], str, bool]] = []
+    site: Line | None = None
+    for line in body:
+        active = line.text.strip()
+        if active.startswith(":"):
+            continue
+        if active.upper() == "END":
+            break
+        masked = active[0] in _COMMENT
+        content, note = _split(active.lstrip(_COMMENT) if masked else active)
+        words = content.split()
+        if masked and not _is_star(words):
+            remark = f"{REMARK}{len(found)}_{sum(one.startswith(REMARK) for one in meta)}"
+            meta[remark] = active
+            continue
+        if site is None and not masked:
+            site = line
+            meta |= _site(line, words)
+            continue
+        found.append((line, words, note, masked))
+    if site is None:
+        raise BadInput("no line with the latitude, expected one such as 53 05 43.8", path)
+    if not found:
+        raise BadInput("no observations below the latitude", path, site.number)
+    return _tabulated(path, meta, found, site.number)
+
+
+def _options(body: list[Line], path: Path) -> dict[str, str]:
+    """Return the options of the `:` lines; a mount that is no alt-azimuth is refused."""
+    options = [
+        word.upper()
+        for line in body
+        if line.text.strip().startswith(":")
+        for word in line.text.replace(":", " ").split()
+    ]
+    if "ALTAZ" not in options:
+        raise BadInput("no line ': ALTAZ', expected azimuths and elevations in degrees", path)
+    return {OPTIONS: " ".join(options)}
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return what stands before a comment, and the comment."""
+    places = [text.find(mark) for mark in _COMMENT if mark in text]
+    cut = min(places, default=len(text))
+    return text[:cut], text[cut + 1 :].strip()
+
+
+def _is_star(words: list[str]) -> bool:
+    """Tell whether a comment is a line of numbers that was masked."""
+    try:
+        numbers = [float(_NAN if _unread(word) else word) for word in words]
+    except ValueError:
+        return False
+    return len(numbers) >= 4
+
+
+def _unread(word: str) -> bool:
+    """Tell whether a number was never read, however a program padded it."""
+    return word.lstrip("0+-").lower() == _NAN
+
+
+def _site(line: Line, words: list[str]) -> dict[str, str]:
+    """Return the latitude from degrees, minutes and seconds; what follows is kept as it stands."""
+    if len(words) < 3:
+        wanted = "expected the latitude such as 53 05 43.8"
+        raise line.error(f"this is {line.text.strip()[:60]!r}, {wanted}")
+    degrees, minutes, seconds = (line.decimal(word, "the latitude") for word in words[:3])
+    sign = -1 if words[0].startswith("-") else 1
+    latitude = sign * (abs(degrees) + minutes / 60 + seconds / 3600)
+    if minutes < 0 or minutes >= 60 or seconds < 0 or seconds >= 60 or abs(latitude) > 90:
+        raise line.error(f"the latitude is {' '.join(words[:3])}, expected such as 53 05 43.8")
+    return {SITE: " ".join(words), "latitude_deg": spelled(latitude.quantize(Decimal("1e-9")))}
+
+
+def _tabulated(
+    path: Path,
+    meta: dict[str, str],
+    found: list[tuple[Line, list[str], str, bool]],
+    header: int,
+) -> Raw:
+    """Return the columns: true place, offsets as read minus true, and all that follows."""
+    widest = max(len(words) for _, words, _, _ in found)
+    extra = [ROTATOR if n == 0 else f"{AUXILIARY}{n}" for n in range(widest - 4)]
+    columns: dict[str, list[str]] = {
+        name: [] for name in ("az_deg", "el_deg", "d_az_deg", "d_el_deg", *extra, NOTE, SET_ASIDE)
+    }
+    for line, words, note, masked in found:
+        if len(words) < 4:
+            wanted = "expected azimuth and elevation, true and as read"
+            raise line.error(f"{len(words)} number{'s' * (len(words) != 1)}, {wanted}")
+        az, el = line.decimal(words[0], "azimuth"), line.decimal(words[1], "elevation")
+        rest = words[4:] + [""] * (widest - len(words))
+        offsets = (_offset(line, words[2], az), _offset(line, words[3], el))
+        cells = [spelled(az), spelled(el), *offsets]
+        for name, cell in zip(
+            columns, [*cells, *rest, note, MASKED if masked else ""], strict=True
+        ):
+            columns[name].append(cell)
+    for name in (NOTE, SET_ASIDE):
+        if not any(columns[name]):
+            del columns[name]
+    return raw_of(path, meta, columns, [line.number for line, *_ in found], header)
+
+
+def _offset(line: Line, word: str, true: Decimal) -> str:
+    """Return an angle as read minus the true one, blank where none was read."""
+    return "" if _unread(word) else spelled(turned(line.decimal(word, "what was read") - true))
+
+
+def write(table: Table, path: Path) -> list[str]:
+    """Write recordings as TPOINT reads them; return the columns that it has no place for.
+
+    Raises
+    ------
+    BadInput
+        There is no latitude, or no offset of one axis.
+    """
+    az, el = exact.position(table, path)
+    d_az, d_el = exact.offsets(table, path)
+    read_az = [_read(a, d, wrapped=True) for a, d in zip(az, d_az, strict=True)]
+    read_el = [_read(e, d) for e, d in zip(el, d_el, strict=True)]
+    decimals = exact.decimals_of(az, el, read_az, read_el, least=7)
+    extra = [name for name in table.columns if name == ROTATOR or name.startswith(AUXILIARY)]
+    rest = [exact.cells(table, name) for name in extra]
+    notes = exact.cells(table, NOTE) if NOTE in table.columns else [""] * len(az)
+    remarks = {key: text for key, text in table.meta.items() if key.startswith(REMARK)}
+    head = [table.meta.get(TITLE, table.meta.get("telescope", "pyport"))]
+    head += [f": {option}" for option in table.meta.get(OPTIONS, "ALTAZ").split()]
+    with write_whole(path) as out:
+        out.writelines(f"{line}\n" for line in [*head, _site_line(table, path)])
+        for n, why in enumerate(exact.asides(table)):
+            out.writelines(f"{remarks[key]}\n" for key in _before(remarks, n))
+            angles = zip((az[n], el[n], read_az[n], read_el[n]), (3, 2, 3, 2), strict=True)
+            words = [_padded(value, whole, decimals) for value, whole in angles]
+            words += [column[n] for column in rest if column[n]]
+            note = f" ; {notes[n]}" if notes[n] else ""
+            out.write(f"{';' * bool(why)}{' '.join(words)}{note}\n")
+        out.writelines(f"{remarks[key]}\n" for key in _before(remarks, len(az)))
+        out.write("END\n")
+    return exact.left_out(table, (*exact.OFFSETS_HELD, *extra, NOTE))
+
+
+def _before(remarks: dict[str, str], stars: int) -> list[str]:
+    return [key for key in remarks if key.removeprefix(REMARK).partition("_")[0] == str(stars)]
+
+
+def _read(true: Decimal | None, offset: Decimal | None, *, wrapped: bool = False) -> Decimal | None:
+    """Return what the telescope read, within the turn that the true azimuth is in."""
+    if true is None or offset is None:
+        return None
+    value = true + offset
+    inside = wrapped and 0 <= true < 360
+    return value - 360 * (value / 360).to_integral_value(ROUND_FLOOR) if inside else value
+
+
+def _padded(value: Decimal | None, whole: int, decimals: int) -> str:
+    """Return a number with leading zeros, as TPOINT's users have them."""
+    if value is None:
+        return _NAN
+    return f"{value:0{whole + 1 + decimals}.{decimals}f}"
+
+
+def _site_line(table: Table, path: Path) -> str:
+    """Return the latitude in degrees, minutes and seconds: the file's own text where it has one."""
+    told = table.meta.get("latitude_deg")
+    latitude = None if told is None else exact.number(told)
+    if latitude is None:
+        raise BadInput("TPOINT needs a latitude: give --set latitude_deg=...", path)
+    own = table.meta.get(SITE, "")
+    if own:
+        line = Line(path, 1, own)
+        same = Decimal(_site(line, own.split())["latitude_deg"])
+        if abs(same - latitude) < Decimal("1e-8"):
+            return own
+    minutes, seconds = divmod(abs(latitude) * 3600, 60)
+    degrees, minutes = divmod(minutes, 60)
+    return f"{'-' if latitude < 0 else ''}{int(degrees):02d} {int(minutes):02d} {seconds:07.4f}"
+
+
+def turned(degrees: Decimal) -> Decimal:
+    """Return a difference of angles within half a turn."""
+    return degrees - 360 * ((degrees + 180) / 360).to_integral_value(ROUND_FLOOR)

@@ -1,0 +1,28 @@
+"""What a user says about a file that the file does not say itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Given:
+    """Header keys and column names that come from the command line.
+
+    Attributes
+    ----------
+    keys
+        Header keys such as `latitude_deg`; they win over the file's own.
+    columns
+        Names of the columns of a CSV file without a line of names.
+    format
+        The file's format, where its suffix does not tell it.
+    """
+
+    keys: Mapping[str, str] = field(default_factory=dict)
+    columns: tuple[str, ...] = ()
+    format: str = ""
+
+
+NOTHING = Given()
