@@ -20,6 +20,7 @@ COMMANDS = {
     "field-system": "Compare with the VLBI Field System on its own outputs.",
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
+    "look": "Tell what recordings could show, and what to observe next, before fitting.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
