@@ -24,6 +24,7 @@ COMMANDS = {
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
+    "plot": "Draw the panels of a diagnosis or fit as PDF, PNG or SVG for print.",
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
