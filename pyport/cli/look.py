@@ -62,9 +62,9 @@ def command(
     """
     from pyport.files import write_whole
     from pyport.fitting.models import load
-    from pyport.look import look
-    from pyport.look.summary import as_json as for_programs
-    from pyport.look.summary import text
+    from pyport.planning import look
+    from pyport.planning.summary import as_json as for_programs
+    from pyport.planning.summary import text
     from pyport.recordings import read
     from pyport.recordings.given import Given
 

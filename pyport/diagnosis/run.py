@@ -55,7 +55,7 @@ def requests(
         A file or model is missing, two files would share a folder, or `refit`
         names an effect that the model does not hold.
     """
-    held = _refit(load(model), refit)
+    held = ids_of(load(model), refit)
     files = [resolve(name) for name in names]
     stems = [file.stem for file in files]
     for stem in stems:
@@ -67,7 +67,7 @@ def requests(
     ]
 
 
-def _refit(model: Model, refit: str) -> tuple[str, ...] | None:
+def ids_of(model: Model, refit: str) -> tuple[str, ...] | None:
     """Return the ids of the effects to refit; None for all of them."""
     if refit == "all":
         return None

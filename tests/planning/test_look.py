@@ -17,12 +17,12 @@ from pages import recordings
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.look import command
 from pyport.fitting.models import load
-from pyport.look import look
-from pyport.look.coverage import cells, coverage, separation
-from pyport.look.design import design
-from pyport.look.separate import classes, separate
-from pyport.look.suggest import directions, suggest
-from pyport.look.summary import as_json, text
+from pyport.planning import look
+from pyport.planning.coverage import cells, coverage, separation
+from pyport.planning.design import design
+from pyport.planning.separate import classes, separate
+from pyport.planning.suggest import directions, suggest
+from pyport.planning.summary import as_json, text
 
 ALTAZ = load("altaz")
 

@@ -11,7 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.identify import ALIKE
 from pyport.fitting.gram import RANK_TOLERANCE
-from pyport.look.design import Design
+from pyport.planning.design import Design
 
 #: An effect of which the model leaves less than this share (of its square) shows nothing.
 VISIBLE = 1e-4

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 
 from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
-from pyport.look.look import Look
-from pyport.look.suggest import Direction
+from pyport.planning.look import Look
+from pyport.planning.suggest import Direction
 
 _WIDTH = 96
 _SEEN = (

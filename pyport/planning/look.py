@@ -10,10 +10,10 @@ from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.candidates import Untestable
 from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model
-from pyport.look.coverage import Coverage, coverage
-from pyport.look.design import Design, design
-from pyport.look.separate import Separation, separate
-from pyport.look.suggest import Direction, Promise, Targets, directions, of_sources, suggest
+from pyport.planning.coverage import Coverage, coverage
+from pyport.planning.design import Design, design
+from pyport.planning.separate import Separation, separate
+from pyport.planning.suggest import Direction, Promise, Targets, directions, of_sources, suggest
 from pyport.recordings.schema import Recordings
 
 #: Of more recordings than this as many are looked at, chosen at random.

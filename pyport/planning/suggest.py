@@ -9,9 +9,9 @@ import numpy as np
 
 from pyport.angles import DEG, HOUR, Array
 from pyport.effects.base import Circumstances, Effect, MissingColumn
-from pyport.look.coverage import cells, separation
-from pyport.look.design import Design
-from pyport.look.separate import Pair
+from pyport.planning.coverage import cells, separation
+from pyport.planning.design import Design
+from pyport.planning.separate import Pair
 from pyport.recordings import sky
 from pyport.recordings.schema import Recordings
 

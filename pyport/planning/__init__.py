@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from pyport.look.look import Look, look
+from pyport.planning.look import Look, look
 
 __all__ = ["Look", "look"]
