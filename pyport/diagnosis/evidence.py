@@ -113,13 +113,6 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     return float(evidence[best]), float(variance[best, 0])
 
 
-def _independent(information: Array, moments: Array) -> tuple[Array, Array]:
-    """Return information (K,) and moments (K,) on independent directions of scaled columns."""
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    power, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-    return np.maximum(power, 0.0), vectors.T @ (moments / scale)
-
-
 class Evidence:
     """Whitened products of all columns, and draws of the noise that they would meet."""
 
@@ -191,10 +184,6 @@ class _Left:
     seen: Array
     drawn: Array
 
-    def left_of(self, columns: Codes) -> Array:
-        """Return the products of some columns with the data's residuals, (G k)."""
-        return self.seen[:, columns].ravel()
-
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
         groups, model = self.cross.shape[:2]
@@ -260,6 +249,7 @@ class Beside:
             return None
         root = (vectors[:, good] / np.sqrt(eigenvalues[good])).T / length
         seen = root @ left.seen[:, columns].ravel()
+        along = seen * np.sqrt(eigenvalues[good])
         drawn = root @ left.drawn[:, columns].reshape(len(length), -1)
         dof = int(good.sum())
         # What the antennas share they cannot average out.
@@ -273,8 +263,7 @@ class Beside:
             gain,
             dof,
             gain - dof * np.log(max(evidence.pointings, 3)) - 2 * np.log(candidate.choices),
-            at_best(*_independent(information / excess, left.left_of(columns) / excess))[0]
-            - 2 * np.log(candidate.choices),
+            at_best(eigenvalues[good] / excess, along / excess)[0] - 2 * np.log(candidate.choices),
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,

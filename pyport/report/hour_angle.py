@@ -49,23 +49,24 @@ def draw(number: int, session: str, day: dict[str, Track]) -> Figure:
     panels = figure.subplots(6, 5, sharex=True)
     for antenna, axes in zip(ANTENNAS, panels.flat, strict=True):
         _panel(axes, antenna, day.get(antenna), published.get(antenna))
-    figure.supxlabel("hour angle [h]", y=0.02)
-    figure.supylabel("elevation offset, encoder minus true [arcmin]", x=0.01)
+    figure.supxlabel("hour angle [h]", x=0.25, y=0.012, fontsize=13)
+    figure.supylabel("elevation offset, encoder minus true [arcmin]", x=0.008, fontsize=13)
     figure.suptitle(f"Figure {number}: elevation offsets against hour angle, {session}", y=0.985)
     fullest = max(day, key=lambda antenna: len(day[antenna]))
     figure.legend(
         *panels.flat[ANTENNAS.index(fullest)].get_legend_handles_labels(),
         loc="lower right",
         ncols=4,
-        fontsize=9,
+        fontsize=11,
     )
     return figure
 
 
 def _panel(axes: Axes, antenna: str, track: Track | None, published: Wave | None) -> None:
     """Draw one antenna, or say that there are no offsets of it."""
-    axes.set_title(antenna, fontsize=9, pad=2)
-    axes.tick_params(labelsize=7)
+    axes.set_title(antenna, fontsize=11, pad=2)
+    axes.tick_params(labelsize=9)
+    axes.locator_params(axis="y", nbins=5)
     if track is None:
         axes.text(0.5, 0.5, "no offsets", ha="center", va="center", transform=axes.transAxes)
         axes.set_yticks([])
@@ -79,7 +80,7 @@ def _panel(axes: Axes, antenna: str, track: Track | None, published: Wave | None
             track.hour_angle[own] / HOUR,
             track.offset[own] / ARCMIN,
             marker,
-            ms=3.5,
+            ms=4,
             color=colour,
             label=name,
         )

@@ -149,7 +149,7 @@ def distributions(fit: Rt32Fit) -> Figure:
             axes.axhline(0, color=GREY, lw=0.8)
             for level in (-fit.level, fit.level):
                 axes.axhline(level / DEG, color=RED, lw=0.8, ls="--")
-            axes.plot(where / DEG, left.value / DEG, ".", ms=2.5, mew=0, alpha=0.5, color=BLUE)
+            axes.plot(where / DEG, left.value / DEG, ".", ms=4, mew=0, alpha=0.6, color=BLUE)
             axes.set_ylim(-_REACH_DEG, _REACH_DEG)
         row[0].set_ylabel(f"{name} residual [deg]")
         row[1].set_title(f"{beyond} beyond the panel", fontsize=9, loc="right")

@@ -98,7 +98,7 @@ def test_a_drift_is_found_with_its_time():
     (found,), _ = noise_fit.fit(white + slow, base, nothing, parts)
     (plain,), _ = noise_fit.fit(white, base, nothing, parts)
 
-    assert plain.drift == 0
+    assert plain.drift < 0.1e-4
     assert found.drift == pytest.approx(drift, rel=0.35)
     assert found.time_s == pytest.approx(time_s, rel=0.6)
     assert found.between == pytest.approx(1e-4, rel=0.15)

@@ -13,6 +13,7 @@ from pyport.fitting.gmrt.reasons import SHOWN, reasons
 from pyport.fitting.gmrt.sigmas import printed_sigma_factors
 
 _UNITS = (ARCMIN, ARCMIN, DEG)
+_HEADS = "".join(f"{head:18s}" for head in ("a [arcmin]", "b [arcmin]", "d [deg]"))
 
 #: What the paper's curves of two days in a row say of their own sigmas.
 _SAME_AGAIN = ("2003-06-01", "2003-06-02")
@@ -34,10 +35,9 @@ def text(days: Sequence[Day]) -> str:
 
 def _refits(found: Sequence[Beside]) -> str:
     """Return the refit's coefficients beside the published ones, and what either leaves."""
-    heads = "".join(f"{head:18s}" for head in ("a [arcmin]", "b [arcmin]", "d [deg]"))
     lines = [
         f"{'':18s}{'refit':54s}{'Table 18':54s}rms [arcmin]   ratio",
-        f"{'':18s}{heads}{heads}T. 18  refit   plain  per d.o.f.  condition",
+        f"{'':18s}{_HEADS}{_HEADS}T. 18  refit   plain  per d.o.f.  condition",
     ]
     for one in found:
         wave = one.published
@@ -52,11 +52,10 @@ def _refits(found: Sequence[Beside]) -> str:
 
 def _differences(found: Sequence[Beside]) -> str:
     """Return by how many combined sigmas each kind of refit differs from the published curve."""
-    heads = "".join(f"{head:18s}" for head in ("a [arcmin]", "b [arcmin]", "d [deg]"))
     lines = [
         "By how many combined sigmas a, b and d differ from Table 18: forward and reverse in one",
         "curve (the refit above); apart; apart, and continued over the hours that the paper had",
-        f"{'':16s}scans    " + "".join(f"{name:17s}" for name in SHOWN.values()) + f" {heads}",
+        f"{'':16s}scans    " + "".join(f"{name:17s}" for name in SHOWN.values()) + f" {_HEADS}",
     ]
     for one in found:
         forward = int((one.track.direction > 0).sum())

@@ -1,7 +1,9 @@
 """The document's fit: both axes as one list, votes weighed anew until they settle.
 
-Azimuth offsets count times cos H, which makes them offsets on the sky, and both
-axes share the tilts (and, in the exact form, skew and box offset too).
+Azimuth offsets are taken times cos H, which makes them offsets on the sky, and
+both axes share the tilts (and, in the exact form, skew and box offset too). The
+document weighted the squares of its azimuth offsets, not those on the sky, by
+cos H; the robust methods weight both axes alike.
 """
 
 from __future__ import annotations
@@ -19,6 +21,9 @@ from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.fitting.stacking import Stack, stack
 from pyport.pointing import PARAMETERS, Rt32Model
 from pyport.recordings.schema import Recordings
+
+#: The document's weights are no larger than at this cosine of altitude.
+_LEAST_COSINE = 0.01
 
 #: Linearisations: from zero the third one changes nothing that is measured.
 _LINEARISATIONS = 4
@@ -47,6 +52,8 @@ class Rt32Fit:
         Offsets of one radian of each, shape (m, P).
     residual, weight
         What is left [rad] and its vote, shape (m,).
+    prior
+        What a square on the sky counts before any vote, shape (m,).
     tuned
         The loss with its scale.
     rounds
@@ -66,6 +73,7 @@ class Rt32Fit:
     columns: Array
     residual: Array
     weight: Array
+    prior: Array
     tuned: Tuned
     rounds: int
     condition: float
@@ -135,6 +143,10 @@ def fit_rt32(
             f"{len(data)} measured offsets cannot determine {size} parameters", recordings.file
         )
     tune = METHODS[method](level)
+    prior = np.ones(len(data))
+    if method == "document":
+        cosine = np.cos(recordings.at.el[data.row])
+        prior = np.where(data.is_y, 1.0, 1 / np.maximum(cosine, _LEAST_COSINE))
     p = np.zeros(size)
     for _ in range(_LINEARISATIONS):
         model = Rt32Model(p[: len(PARAMETERS)], exact)
@@ -143,7 +155,7 @@ def fit_rt32(
         left = left - (p[-1] if step is None else step) * stepped
         if step is None:
             columns = np.column_stack([columns, stepped])
-        change, tuned, rounds = settle(columns, left, tune)
+        change, tuned, rounds = settle(columns, left, tune, prior)
         p = p + change
     residual = left - columns @ change
     inside = int((np.abs(residual) <= level).sum())
@@ -154,19 +166,17 @@ def fit_rt32(
             recordings.file,
         )
     weight = tuned.weight(residual)
-    inverse, _, condition, known = inverted((columns * weight[:, None]).T @ columns)
+    inverse, _, condition, known = inverted((columns * (weight * prior)[:, None]).T @ columns)
     open_or_not = np.where(known, 1.0, np.nan)
     return Rt32Fit(
         recordings, data, method, level, exact, np.nan if step is None else step,
         p * open_or_not,
-        inverse * variance(residual, tuned) * np.outer(open_or_not, open_or_not),
-        columns, residual, weight, tuned, rounds, condition,
+        inverse * variance(residual, tuned, prior) * np.outer(open_or_not, open_or_not),
+        columns, residual, weight, prior, tuned, rounds, condition,
     )  # fmt: skip
 
 
-def settle(
-    columns: Array, value: Array, tune: Tune, times: Array | None = None
-) -> tuple[Array, Tuned, int]:
+def settle(columns: Array, value: Array, tune: Tune, times: Array) -> tuple[Array, Tuned, int]:
     """Return the coefficients at which votes and residuals agree, the loss, and the rounds it took.
 
     Parameters
@@ -176,12 +186,11 @@ def settle(
     tune
         What sets the votes by the residuals; all are equal at first.
     times
-        How often each datum counts, shape (m,); once where None.
+        How often each datum counts, shape (m,).
     """
-    counts = np.ones(len(value)) if times is None else times
     weight = np.ones(len(value))
     for rounds in range(1, _ROUNDS + 1):
-        weighted = columns * (weight * counts)[:, None]
+        weighted = columns * (weight * times)[:, None]
         inverse, _, _, _ = inverted(weighted.T @ columns)
         solution = inverse @ (weighted.T @ value)
         residual = value - columns @ solution

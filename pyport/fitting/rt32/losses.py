@@ -118,16 +118,16 @@ METHODS: dict[str, Callable[[float], Tune]] = {
 }
 
 
-def variance(residual: Array, tuned: Tuned) -> float:
+def variance(residual: Array, tuned: Tuned, prior: Array) -> float:
     """Return what the inverse of the weighted normal matrix is to be multiplied with [rad^2].
 
-    mean(w) mean(psi^2) / mean(psi')^2, psi = w r: the variance of an M-estimate
-    with independent errors. For the document's cut it is the mean square of the
-    kept residuals, as in the document.
+    mean(w) mean(g psi^2) / mean(psi')^2, psi = w r and g what a square counts
+    before any vote: the variance of an M-estimate with independent errors. For
+    the document's cut it is the weighted mean square of the kept residuals.
     """
     weight = tuned.weight(residual)
     psi = weight * residual
-    return float(weight.mean() * np.mean(psi**2) / tuned.slope(residual).mean() ** 2)
+    return float(weight.mean() * np.mean(prior * psi**2) / tuned.slope(residual).mean() ** 2)
 
 
 def cut_factor(residual: Array, level: float) -> float:

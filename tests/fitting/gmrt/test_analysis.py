@@ -197,7 +197,7 @@ def test_command(tmp_path):
     done = CliRunner().invoke(command, ["--out", str(tmp_path)])
 
     assert done.exit_code == 0
-    for part in ("Curves", "Places", "Repeatability", "Mirror images", "Transit"):
+    for part in ("Recovery", "Curves", "Places", "Repeatability", "Mirror images", "Transit"):
         assert f"\n{part}" in f"\n{done.output}"
     assert [path.name for path in sorted(tmp_path.iterdir())] == [
         f"figure-{n}.png" for n in (1, 2, 3, 4)

@@ -50,7 +50,7 @@ def test_variance_with_normal_noise(method, efficiency):
     """With normal noise the variance of the mean is that of the loss's known efficiency."""
     tuned = METHODS[method](LEVEL)(NORMAL)
     weight = tuned.weight(NORMAL)
-    of_the_mean = variance(NORMAL, tuned) / weight.mean()
+    of_the_mean = variance(NORMAL, tuned, np.ones(len(NORMAL))) / weight.mean()
 
     assert of_the_mean / np.var(NORMAL) == pytest.approx(1 / efficiency, rel=0.05)
 

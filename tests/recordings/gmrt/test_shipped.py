@@ -11,6 +11,7 @@ import pytest
 from pyport.angles import ARCMIN, DEG
 from pyport.recordings import read
 from pyport.recordings.gmrt import DATA, NAMES, build, notes, path, printed
+from pyport.recordings.gmrt.recovery import recovery
 from pyport.recordings.gmrt.sessions import ANTENNAS, SESSIONS, utc_seconds
 
 DAYS = [session for session in SESSIONS if session.table != 13]
@@ -92,14 +93,12 @@ def test_no_antenna_has_two_offsets_in_a_row():
 
 def test_june_rows_are_usable():
     """At least 90 % of the printed rows of June keep offsets of half the antennas or more."""
-    usable = printed_rows = 0
-    for session in JUNE:
-        used = Counter(row["printed_row"] for row in rows_of(session.date) if not row["set_aside"])
-        usable += sum(count >= len(ANTENNAS) / 2 for count in used.values())
-        printed_rows += len(printed.day(session.table))
+    found = [recovery(session) for session in JUNE]
 
-    assert printed_rows == 132
-    assert usable >= 0.9 * printed_rows
+    assert [one.rows for one in found] == [len(printed.day(session.table)) for session in JUNE]
+    assert sum(one.usable for one in found) >= 0.9 * sum(one.rows for one in found)
+    assert [one.used for one in found] == [len(read(path(session.date))) for session in JUNE]
+    assert all(one.used < one.vouched < one.cells for one in found)
 
 
 def test_three_days_together():
