@@ -9,10 +9,12 @@ import sys
 import click
 
 from pyport import __version__
+from pyport.cli.manners import STATUSES, with_quiet
 from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
+    "completion": "Print what a shell needs to complete commands, options and names.",
     "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
@@ -44,8 +46,7 @@ class Lazy(click.Group):
         if name not in COMMANDS:
             return None
         module = name.replace("-", "_")
-        command: click.Command = importlib.import_module(f"pyport.cli.{module}").command
-        return command
+        return with_quiet(importlib.import_module(f"pyport.cli.{module}").command)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """List the commands from the table above, importing none."""
@@ -53,7 +54,11 @@ class Lazy(click.Group):
             formatter.write_dl(sorted(COMMANDS.items()))
 
 
-@click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=Lazy,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=STATUSES,
+)
 @click.version_option(__version__, prog_name="pyport")
 def pyport() -> None:
     """Pointing models of radio telescopes: ported, tabulated, and their gaps explained."""
@@ -64,7 +69,9 @@ def main() -> None:
     # The matrices here are small: threads of the linear algebra cost more than they bring.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        status = pyport.main(standalone_mode=False)
+        status = pyport.main(
+            prog_name="pyport", standalone_mode=False, complete_var="_PYPORT_COMPLETE"
+        )
     except (BadInput, click.ClickException) as error:
         text = error.format_message() if isinstance(error, click.ClickException) else str(error)
         click.echo(f"pyport: error: {' '.join(text.split())}", err=True)

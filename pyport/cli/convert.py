@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import in_json, say
 
 
 @click.command(
@@ -20,6 +21,7 @@ from pyport.cli.about import about_file
 @click.option("--model", default="", help="For the Field System's err: the mdlpo.ctl to fit.")
 @click.option("--leave-out", is_flag=True, help="Leave out terms that the target cannot name.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@in_json
 def command(
     source: str,
     target: Path,
@@ -31,6 +33,7 @@ def command(
     *,
     leave_out: bool,
     quiet: bool,
+    as_json: bool,
 ) -> None:
     """Convert SOURCE to TARGET; the suffixes say which formats.
 
@@ -47,6 +50,9 @@ def command(
     given = Given(about, columns, read_as)
     done = convert(source, target, to=to, given=given, model=model, leave_out=leave_out)
     if quiet:
+        return
+    if as_json:
+        say("", {"file": target, **vars(done)}, as_json=True)
         return
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")

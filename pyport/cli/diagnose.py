@@ -7,14 +7,22 @@ from pathlib import Path
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 
 @click.command(
     "diagnose",
     epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
 )
-@click.argument("recordings", nargs=-1, required=True)
-@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.argument("recordings", nargs=-1, required=True, shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
 @click.option(
     "--refit",
     default="all",

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
     from pyport.recordings.given import Given
 
 
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
-@click.argument("recordings")
-@click.option("--model", required=True, help="A built-in model or a file.")
+@click.argument("recordings", shell_complete=named)
+@click.option("--model", required=True, shell_complete=models, help="A built-in model or a file.")
 @click.option(
     "--method",
     help="For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.",
@@ -68,9 +70,11 @@ def command(
     from pyport.fitting import table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
+    from pyport.progress import working
     from pyport.recordings import read
 
-    done = fit(read(recordings, given), load(model))
+    with working("fitting"):
+        done = fit(read(recordings, given), load(model))
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
     if out is not None:
         page.write(*page.of_fit(done), out / "report.html")
@@ -89,12 +93,14 @@ def _fit_rt32(
     from pyport.angles import DEG
     from pyport.fitting.rt32 import box_step, fit_rt32, table
     from pyport.fitting.rt32.bootstrap import honest_sigmas
+    from pyport.progress import working
     from pyport.recordings import read
 
     measured = read(recordings, given)
     box = box_step(measured, choice)
-    done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
-    honest = honest_sigmas(done)
+    with working("fitting"):
+        done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
+        honest = honest_sigmas(done)
     text = f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}"
     return table.as_json(done, honest), text
 

@@ -8,11 +8,19 @@ from pathlib import Path
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")
-@click.argument("recordings")
-@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.argument("recordings", shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
 @click.option(
     "--noise",
     "noise_arcsec",

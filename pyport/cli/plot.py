@@ -8,14 +8,22 @@ from pathlib import Path
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 
 @click.command(
     "plot",
     epilog="Example: pyport plot offsets.csv --panel sky --panel against-el --out figures",
 )
-@click.argument("recordings")
-@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.argument("recordings", shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
 @click.option(
     "--of",
     "what",
@@ -67,7 +75,7 @@ def command(
     """
     from pyport import page, plots
     from pyport.fitting.models import load
-    from pyport.progress import track
+    from pyport.progress import track, working
     from pyport.recordings import read
     from pyport.recordings.given import Given
 
@@ -79,7 +87,9 @@ def command(
     else:
         from pyport.diagnosis.diagnose import diagnose
 
-        picture, story = page.of_diagnosis(diagnose(measured, wanted, seed=seed))
+        with working("diagnosing") as tell:
+            found_out = diagnose(measured, wanted, seed=seed, tell=tell)
+        picture, story = page.of_diagnosis(found_out)
     found = plots.panels(picture, story)
     for name in names:
         if name not in found:
