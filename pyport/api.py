@@ -5,7 +5,7 @@
 >>> found.mismatch
 True
 
-A table is a file's name, a data frame (pandas, Polars), an astropy or Arrow
+A table is a file's name, a data frame (pandas), an astropy or Arrow
 table, or a dictionary of columns; its columns are called as in a file of
 recordings, units and all: `az_deg`, `el_deg`, `d_xel_arcsec`, `d_el_arcsec`.
 """

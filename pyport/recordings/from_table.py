@@ -62,7 +62,8 @@ def _cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column of any table
     if isinstance(column, np.ma.MaskedArray):
         if column.dtype.kind in "iuf":
             return np.asarray(np.ma.filled(column.astype(float), np.nan))
-        return np.asarray(np.ma.filled(column, ""))
+        blank = np.datetime64("NaT") if column.dtype.kind == "M" else ""
+        return np.asarray(np.ma.filled(column, blank))
     cells = np.asarray(column)
     if cells.dtype.kind == "O":
         return np.array(["" if _blank(one) else str(one) for one in cells.tolist()], np.str_)
