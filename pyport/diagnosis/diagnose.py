@@ -20,6 +20,7 @@ from pyport.diagnosis.significance import gain_needed, threshold
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Below this many measured numbers beyond the model's own parameters nothing can be said.
 FEWEST_SPARE = 5
@@ -80,6 +81,7 @@ class Diagnosis:
         return self.setup.residual - fit.predicted
 
 
+@one_thread
 def diagnose(
     recordings: Recordings,
     model: Model,

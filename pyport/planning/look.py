@@ -15,6 +15,7 @@ from pyport.planning.design import Design, design
 from pyport.planning.separate import Separation, separate
 from pyport.planning.suggest import Direction, Promise, Targets, directions, of_sources, suggest
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Of more recordings than this as many are looked at, chosen at random.
 MOST = 4000
@@ -61,6 +62,7 @@ class Look:
         return float(el.min()), float(el.max())
 
 
+@one_thread
 def look(
     recordings: Recordings,
     model: Model,
