@@ -24,6 +24,7 @@ COMMANDS = {
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
     "look": "Tell what recordings could show, and what to observe next, before fitting.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
+    "mask": "Mask recordings of a file, kept beside it and undone step by step.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "plot": "Draw the panels of a diagnosis or fit as PDF, PNG or SVG for print.",

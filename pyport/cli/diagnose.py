@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
 from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command(
@@ -43,9 +47,7 @@ def command(
     seed: int,
     jobs: int,
     out: Path,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    given: Given,
     *,
     quiet: bool,
     as_json: bool,
@@ -56,9 +58,7 @@ def command(
     needs no network, report.json, rows.csv and a picture per finding.
     """
     from pyport.diagnosis import run
-    from pyport.recordings.given import Given
 
-    given = Given(about, columns, read_as)
     requests = run.requests(recordings, model=model, refit=refit, seed=seed, out=out, given=given)
     for done in run.run_all(requests, jobs=jobs):
         if as_json:

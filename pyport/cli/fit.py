@@ -37,8 +37,14 @@ if TYPE_CHECKING:
     show_default=True,
     help="With --method document: residuals beyond so many degrees lose their vote.",
 )
+@click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a term: IE=0, P7=0.06deg.")
+@click.option("--add", multiple=True, metavar="NAME", help="Fit a further term: TF, P11, sag_sine.")
+@click.option("--drop", multiple=True, metavar="NAME", help="Leave a term of the model out.")
 @about_file
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json and report.html.")
+@click.option("--save", type=click.Path(path_type=Path), help="The fitted model: .mod, .ctl, ...")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder: fit.json, report.html, residuals.csv."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
     recordings: str,
@@ -46,18 +52,24 @@ def command(
     method: str | None,
     box_step: str,
     level_deg: float,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    fix: tuple[str, ...],
+    add: tuple[str, ...],
+    drop: tuple[str, ...],
+    given: Given,
+    save: Path | None,
     out: Path | None,
     *,
     as_json: bool,
 ) -> None:
-    """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
-    from pyport.recordings.given import Given
+    """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas.
 
-    given = Given(about, columns, read_as)
+    Terms go by TPOINT's names, the Field System's, or the ids of `pyport effects`.
+    """
     if method is not None:
+        if fix or add or drop or save:
+            raise click.UsageError(
+                "--method fits all twelve: leave --fix, --add, --drop, --save out"
+            )
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(
                 f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
@@ -67,14 +79,23 @@ def command(
         _show(report, text, out, as_json=as_json)
         return
     from pyport import page
-    from pyport.fitting import table
+    from pyport.files import write_whole
+    from pyport.fitting import leftover, table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
+    from pyport.formats.fitted import save_fit
+    from pyport.formats.terms.editing import edited
     from pyport.progress import working
     from pyport.recordings import read
 
+    chosen = edited(load(model), fix=fix, add=add, drop=drop)
     with working("fitting"):
-        done = fit(read(recordings, given), load(model))
+        done = fit(read(recordings, given), chosen)
+    if save is not None:
+        save_fit(done, save)
+    if out is not None:
+        with write_whole(out / "residuals.csv") as file:
+            leftover.write(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
     if out is not None:
         page.write(*page.of_fit(done), out / "report.html")

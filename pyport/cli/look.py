@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
 from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")
@@ -54,9 +58,7 @@ def command(
     noise_arcsec: float | None,
     count: int,
     elevations: tuple[float, float] | None,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    given: Given,
     out: Path | None,
     *,
     sources: bool,
@@ -74,12 +76,11 @@ def command(
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text
     from pyport.recordings import read
-    from pyport.recordings.given import Given
 
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
     done = look(
-        read(recordings, Given(about, columns, read_as)),
+        read(recordings, given),
         load(model),
         noise_arcsec=noise_arcsec,
         count=count,

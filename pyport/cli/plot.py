@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
 from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command(
@@ -61,9 +65,7 @@ def command(
     names: tuple[str, ...],
     kinds: tuple[str, ...],
     seed: int,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    given: Given,
     out: Path,
     *,
     quiet: bool,
@@ -77,9 +79,8 @@ def command(
     from pyport.fitting.models import load
     from pyport.progress import track, working
     from pyport.recordings import read
-    from pyport.recordings.given import Given
 
-    measured, wanted = read(recordings, Given(about, columns, read_as)), load(model)
+    measured, wanted = read(recordings, given), load(model)
     if what == "fit":
         from pyport.fitting.fit import fit
 

@@ -15,8 +15,9 @@ from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
-from pyport.diagnosis.search import FAMILY_ERROR, Outcome, Step, search
-from pyport.diagnosis.significance import gain_needed, threshold
+from pyport.diagnosis.search import search
+from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
+from pyport.diagnosis.steps import Outcome, Step
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings

@@ -20,11 +20,15 @@ IDENTICAL = 0.99
 DECISIVE, DECISIVE_SHARE = 60.0, 0.02
 #: An effect that falls behind by less than this in evidence is not excluded.
 NOT_EXCLUDED = 8.0
+#: A class of more effects than this says nothing.
+MOST_MEMBERS = 6
 #: One whose evidence is less than this explains nothing.
 WORTHLESS = -2.0
 
 #: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
 KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
+#: What else was left out may bend a known coefficient by up to this factor.
+BENT = 2.0
 #: An effect of known size whose sigma is a larger share of it than this could not have been seen.
 KNOWN_SIGHT = 0.5
 
@@ -92,6 +96,22 @@ def fits_physics(trial: Trial) -> bool:
         known, sigma_of = coefficient.expected, error / coefficient.scale
         unseen = sigma_of > KNOWN_SIGHT * known
         if unseen or not agrees(value / coefficient.scale, sigma_of, known):
+            return False
+    return True
+
+
+def seen(trial: Trial) -> bool:
+    """Tell whether a trial's coefficients of known size come out with the right sign, and large."""
+    candidate = trial.candidate
+    sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
+    for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
+        which = candidate.coefficients[n % len(candidate.coefficients)]
+        coefficient = candidate.effect.coefficients[which]
+        known = coefficient.expected
+        if known is None:
+            continue
+        share = value / coefficient.scale / known
+        if error / coefficient.scale > KNOWN_SIGHT * known or not 1 / BENT < share < BENT:
             return False
     return True
 

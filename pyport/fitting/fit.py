@@ -31,7 +31,8 @@ class Coefficients:
     labels
         Values of the labels that the term is split by.
     value, sigma
-        In internal units, shape (k,); NaN where the data leave them open.
+        In internal units, shape (k,), what the model gave included; NaN where
+        the data leave them open.
     """
 
     term: Term
@@ -100,7 +101,8 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     start = 0
     for term, labels in owners:
         stop = start + len(term.effect.coefficients)
-        found.append(Coefficients(term, labels, values[start:stop], sigma[start:stop]))
+        given = 0.0 if term.values is None else np.array(term.values)
+        found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
     return Fit(recordings, model, data, tuple(found), inverse, left, weight, condition)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pyport import __version__
 from pyport.files import write_whole
-from pyport.page import sections, tables
+from pyport.page import groups, sections, tables
 from pyport.page.markup import Markup, tag
 from pyport.page.payload import MOST_DRAWN, payload
 from pyport.page.picture import Picture
@@ -92,6 +92,7 @@ def _main(picture: Picture, story: Story) -> list[Markup | None]:
             else "",
             tag("div", class_="panels two", id="spread-panels"),
             sections.unseen(story),
+            *groups.by_label(picture),
         ),
         tables.parameters(story),
         tables.candidates(story),

@@ -9,7 +9,7 @@ from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.joint import sigmas
-from pyport.diagnosis.search import Step
+from pyport.diagnosis.steps import Step
 from pyport.diagnosis.words import number
 from pyport.files import sha256
 from pyport.page.against import columns

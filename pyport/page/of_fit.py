@@ -7,16 +7,15 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
+from pyport.fitting import advice
 from pyport.fitting.fit import Fit
+from pyport.fitting.table import fixed
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Bar, Row, Story
 
-#: Pairs of coefficients correlated by more than this are told of.
-CLOSE = 0.95
 #: A heat map of more coefficients than this cannot be read.
 MOST_NAMES = 40
-MOST_WARNINGS = 8
 
 
 def of_fit(fit: Fit) -> tuple[Picture, Story]:
@@ -49,7 +48,7 @@ def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
 def _story(fit: Fit, picture: Picture) -> Story:
     recordings = fit.recordings
     names, matrix = _correlation(fit)
-    warnings = _warnings(fit, names, matrix)
+    warnings = tuple(f"{one[:1].upper()}{one[1:]}." for one in advice.warnings(fit))
     sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
     said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
     facts = [
@@ -99,45 +98,24 @@ def _rows(fit: Fit) -> tuple[Row, ...]:
         )
         for one in fit.coefficients
         for n, coefficient in enumerate(one.term.effect.coefficients)
+    ) + tuple(
+        Row(one.name, "", value / one.scale, None, f"{one.unit}, fixed")
+        for one, value in fixed(fit)
     )
 
 
 def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
     """Return names and correlations of the coefficients of one group, the first of each term."""
-    names, places, start = [], [], 0
     first: dict[str, tuple[str, ...]] = {}
     for one in fit.coefficients:
-        effect = one.term.effect
-        labels = first.setdefault(effect.id, one.labels)
-        for n, coefficient in enumerate(effect.coefficients):
-            if labels == one.labels and math.isfinite(one.value[n]):
-                names.append(coefficient.name)
-                places.append(start + n)
-        start += len(effect.coefficients)
-    places = places[:MOST_NAMES]
-    covariance = fit.covariance[np.ix_(places, places)]
-    sigma = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    return names[:MOST_NAMES], np.clip(covariance / np.outer(sigma, sigma), -1, 1).tolist()
-
-
-def _warnings(fit: Fit, names: list[str], matrix: list[list[float]]) -> tuple[str, ...]:
-    """Return what to beware of: coefficients left open, and pairs that stand for each other."""
-    said = [
-        f"{' of '.join([coefficient.name, *filter(None, [' '.join(one.labels)])])} "
-        "is not determined by these recordings."
-        for one in fit.coefficients
-        for n, coefficient in enumerate(one.term.effect.coefficients)
-        if not math.isfinite(one.value[n])
-    ]
-    for i, row in enumerate(matrix):
-        said += [
-            f"{names[i]} and {names[j]} are correlated by {row[j]:+.3f}: "
-            "only their combination is well known."
-            for j in range(i)
-            if abs(row[j]) >= CLOSE
-        ]
-    more = len(said) - MOST_WARNINGS
-    return (*said[:MOST_WARNINGS], *([f"{more} more like these."] if more > 0 else []))
+        first.setdefault(one.term.effect.id, one.labels)
+    kept = [
+        (place, one.term.effect.coefficients[n].name)
+        for place, (_, one, n) in enumerate(advice.named(fit))
+        if one.labels == first[one.term.effect.id] and math.isfinite(one.value[n])
+    ][:MOST_NAMES]
+    places = [place for place, _ in kept]
+    return [name for _, name in kept], advice.correlation(fit)[np.ix_(places, places)].tolist()
 
 
 def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:

@@ -33,7 +33,10 @@ class Bar:
 
 @dataclass(frozen=True)
 class Row:
-    """A coefficient: value and sigma in its unit; None where the data leave it open."""
+    """A coefficient: value and sigma in its unit; no value where the data leave it open.
+
+    One without sigma was held.
+    """
 
     name: str
     group: str

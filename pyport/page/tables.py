@@ -52,8 +52,10 @@ def _listed(rows: Sequence[Row]) -> Markup:
 
     def cells(row: Row) -> list[str]:
         name = [row.name.replace("_", " "), *([row.group] if grouped else [])]
-        if row.value is None or row.sigma is None:
+        if row.value is None:
             return [*name, "not determined", "", row.unit, ""]
+        if row.sigma is None:
+            return [*name, _signed(row.value, 3), "", row.unit, ""]
         digits = _digits(row.sigma)
         size = f"{abs(row.value) / row.sigma:.1f}" if row.sigma > 0 else ""
         return [*name, _signed(row.value, digits), f"{row.sigma:.{digits}f}", row.unit, size]

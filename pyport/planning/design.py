@@ -92,7 +92,7 @@ def design(recordings: Recordings, model: Model, noise: float | None = None) -> 
 
 def _base(recordings: Recordings, data: Stack, model: Model) -> tuple[Array, list[Column]]:
     arrays, found = [np.zeros((len(data), 0))], []
-    for term in model.terms:
+    for term in model.fitted():
         basis = data.columns(term.effect, recordings.at)
         codes, names = group(recordings, term.per)
         for code, labels in enumerate(names):
