@@ -13,7 +13,14 @@ from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
+    from pyport.page.picture import Picture
+    from pyport.page.story import Story
     from pyport.recordings.given import Given
+
+    Drawn: TypeAlias = Callable[[], tuple[Picture, Story]]
 
 
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
@@ -75,16 +82,17 @@ def command(
                 f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
             )
         exact = model == "rt32-exact"
-        report, text = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
+        report, text, drawn = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
         _show(report, text, out, as_json=as_json)
+        _write_page(drawn, out)
         return
-    from pyport import page
     from pyport.files import write_whole
     from pyport.fitting import leftover, table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
     from pyport.formats.fitted import save_fit
     from pyport.formats.terms.editing import edited
+    from pyport.page.of_fit import of_fit
     from pyport.progress import working
     from pyport.recordings import read
 
@@ -97,8 +105,7 @@ def command(
         with write_whole(out / "residuals.csv") as file:
             leftover.write(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
-    if out is not None:
-        page.write(*page.of_fit(done), out / "report.html")
+    _write_page(lambda: of_fit(done), out)
     if not as_json and model == "gmrt-paper":
         from pyport.fitting.gmrt import comparison
         from pyport.fitting.gmrt.beside import beside_table_18
@@ -107,13 +114,22 @@ def command(
             click.echo("\n" + comparison.text(days))
 
 
+def _write_page(drawn: Drawn, out: Path | None) -> None:
+    """Leave the page in a folder where one is asked for."""
+    if out is not None:
+        from pyport.page import write
+
+        write(*drawn(), out / "report.html")
+
+
 def _fit_rt32(
     recordings: str, given: Given, method: str, choice: str, level_deg: float, *, exact: bool
-) -> tuple[dict[str, object], str]:
-    """Fit p1..p12 from nothing; return the fit for programs and the RT32's table."""
+) -> tuple[dict[str, object], str, Drawn]:
+    """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG
     from pyport.fitting.rt32 import box_step, fit_rt32, table
     from pyport.fitting.rt32.bootstrap import honest_sigmas
+    from pyport.page.of_rt32 import of_rt32
     from pyport.progress import working
     from pyport.recordings import read
 
@@ -123,7 +139,7 @@ def _fit_rt32(
         done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
         honest = honest_sigmas(done)
     text = f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}"
-    return table.as_json(done, honest), text
+    return table.as_json(done, honest), text, lambda: of_rt32(done, honest)
 
 
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:

@@ -16,10 +16,12 @@ from pages import HOSTILE, recordings
 from pyport import page
 from pyport.fitting.fit import fit
 from pyport.fitting.models import load
+from pyport.fitting.rt32 import fit_rt32
 from pyport.page import pack
 from pyport.page.against import _azimuth, columns
 from pyport.page.clock import MOST_STRETCHES, stretches
 from pyport.page.markup import tag
+from pyport.page.of_rt32 import of_rt32
 from pyport.page.payload import MOST_DRAWN
 
 
@@ -105,6 +107,16 @@ def test_a_fit_has_a_page_with_its_terms_as_layers():
     np.testing.assert_allclose(picture.y.after, done.residual[done.stack.is_y], atol=1e-12)
     np.testing.assert_allclose(picture.y.before, done.recordings.y, atol=1e-12)
     assert "altaz fits to" in page.html(picture, story)
+
+
+def test_the_rt32s_own_fit_has_a_page_with_its_twelve_parameters():
+    """Before less all layers is what is left."""
+    done = fit_rt32(recordings(), exact=False, level=0.01)
+    picture, story = of_rt32(done, done.sigmas)
+
+    assert len(picture.layers) == len(done.values)
+    np.testing.assert_allclose(picture.y.after, done.residual[done.stack.is_y], atol=1e-12)
+    assert "The approximate form fits to" in page.html(picture, story)
 
 
 def test_a_page_of_many_recordings_stays_small():
