@@ -61,6 +61,7 @@ function frame(svg, axis, n, column, scale, left, right) {
   }
   const marks = el("g", {}, group);
   const kinds = ["before", "after"];
+  const outs = kinds.map((name) => cloud(group, `cloud ${name} out`));
   const clouds = kinds.map((name) => cloud(group, `cloud ${name}`));
   const dims = kinds.map((name) => cloud(group, `cloud ${name} dim`));
   const lines = kinds.map((name) => el("path", { class: `median ${name}` }, group));
@@ -86,9 +87,10 @@ function frame(svg, axis, n, column, scale, left, right) {
     kinds.forEach((name, k) => {
       const values = axis[name];
       const there = shown(name) ? everyone : [];
-      const chosen = state.chosen ? there.filter((i) => state.chosen[i]) : there;
+      const bright = state.chosen ? there.filter((i) => state.chosen[i]) : there;
       const rest = state.chosen ? there.filter((i) => !state.chosen[i]) : [];
-      fill(clouds[k], chosen, px, (i) => py(values[i]));
+      fill(outs[k], bright.filter((i) => !(axis.share[i] > 0)), px, (i) => py(values[i]));
+      fill(clouds[k], bright.filter((i) => axis.share[i] > 0), px, (i) => py(values[i]));
       fill(dims[k], rest, px, (i) => py(values[i]));
       const line = lined && shown(name) ? medians(px, values, axis.share, bins) : [];
       lines[k].setAttribute("d", line.map(([x, y], j) =>

@@ -71,7 +71,7 @@ function timeScale(column, left, right) {
         const text = step >= 86400 ? clock(t).slice(0, 10) : clock(t).slice(11, 16);
         found.push([at(t), text]);
       }
-    } else if (start - last > 74) {
+    } else if (start - last > 74 && start + 66 < right + 12) {
       found.push([start + 1, clock(a).slice(0, 10), "start"]);
       last = start;
     }

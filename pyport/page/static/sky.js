@@ -41,7 +41,7 @@ function sky(host, name, polar) {
       const [x, y] = foot[i];
       const [tx, ty] = grid.turn(rows.az[i], dx, dy);
       const long = Math.hypot(tx, ty);
-      const cut = Math.min(1, 2.5 * grid.long / (long || 1));
+      const cut = Math.min(1, 2.5 * grid.long / (long || 1), grid.room(x, y, tx, ty));
       const text = `M${x.toFixed(1)} ${y.toFixed(1)}l${(tx * cut).toFixed(1)} ${(ty * cut).toFixed(1)}`;
       parts[state.chosen && !state.chosen[i] ? "out" : "in"].push(text);
     }
@@ -91,7 +91,7 @@ function polarGrid(svg, wide, tall) {
     const a = az * Math.PI / 180;
     return [dx * Math.cos(a) - dy * Math.sin(a), dx * Math.sin(a) + dy * Math.cos(a)];
   };
-  return { at, turn, long: radius * 0.13, low: 0, polar: true };
+  return { at, turn, room: () => 1, long: radius * 0.13, low: 0, polar: true };
 }
 
 function flatGrid(svg, wide, tall) {
@@ -114,7 +114,11 @@ function flatGrid(svg, wide, tall) {
   }
   el("text", { class: "title", x: left, y: tall - 5 }, svg, "azimuth, elevation [deg]");
   el("rect", { class: "edge", x: left, y: top, width: right - left, height: bottom - top }, svg);
-  return { at, turn: (az, dx, dy) => [dx, -dy], long: (bottom - top) * 0.12, low, polar: false };
+  // Vectors end at the frame: the share of one that is inside.
+  const room = (x, y, dx, dy) => Math.max(0, Math.min(
+    dx > 0 ? (right - x) / dx : dx < 0 ? (left - x) / dx : 1,
+    dy > 0 ? (bottom - y) / dy : dy < 0 ? (top - y) / dy : 1));
+  return { at, room, turn: (az, dx, dy) => [dx, -dy], long: (bottom - top) * 0.12, low, polar: false };
 }
 
 // Where findings are confined to on the sky, and edges across it.
