@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
     from pyport.recordings.given import Given
@@ -41,6 +42,7 @@ def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # 
     callback=_signs,
     help="Print what every program's terms are, with their signs, and leave.",
 )
+@in_json
 def command(
     source: str,
     target: Path,
@@ -50,6 +52,7 @@ def command(
     *,
     leave_out: bool,
     quiet: bool,
+    as_json: bool,
 ) -> None:
     """Convert SOURCE to TARGET; the suffixes say which formats.
 
@@ -68,6 +71,9 @@ def command(
             raise click.UsageError(f"{option}: no format {name!r}, known: {', '.join(FORMATS)}")
     done = convert(source, target, to=to, given=given, model=model, leave_out=leave_out)
     if quiet:
+        return
+    if as_json:
+        say("", {"file": target, **vars(done)}, as_json=True)
         return
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
     from pyport.recordings.given import Given
@@ -17,8 +19,14 @@ if TYPE_CHECKING:
     "diagnose",
     epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
 )
-@click.argument("recordings", nargs=-1, required=True)
-@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.argument("recordings", nargs=-1, required=True, shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
 @click.option(
     "--refit",
     default="all",
@@ -52,10 +60,10 @@ def command(
 ) -> None:
     """Find, name and model what a pointing model leaves out of RECORDINGS.
 
-    Each file of recordings gets a folder OUT/STEM with report.json, rows.csv
-    and a picture per finding. Recordings of several antennas also tell what the
-    antennas share, what repeats, and how far each stands from where its offsets
-    were computed for.
+    Each file of recordings gets a folder OUT/STEM with report.html, a page that
+    needs no network, report.json, rows.csv and a picture per finding. Recordings
+    of several antennas also tell what the antennas share, what repeats, and how
+    far each stands from where its offsets were computed for.
     """
     from pyport.diagnosis import run
     from pyport.recordings.antennas import read_survey

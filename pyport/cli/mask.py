@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
     from pyport.recordings.given import Given
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 @click.option("--unmask", is_flag=True, help="Use the lines again instead of masking them.")
 @click.option("--undo", is_flag=True, help="Take the last step back.")
 @about_file
+@in_json
 def command(
     recordings: Path,
     lines: str,
@@ -33,6 +35,7 @@ def command(
     *,
     unmask: bool,
     undo: bool,
+    as_json: bool,
 ) -> None:
     """Mask RECORDINGS by lines, by --where or as outliers; without any, tell what is masked.
 
@@ -46,23 +49,27 @@ def command(
 
     if sum(map(bool, (lines, outliers, given.where, undo))) > 1:
         raise click.UsageError("take one of --lines, --outliers, --where and --undo")
+    told: list[str] = []
     if undo:
         step = masks.undo(recordings)
-        click.echo(f"undone: {'masked' if step.masks else 'unmasked'} {masks.spelled(step.lines)}")
+        told.append(f"undone: {'masked' if step.masks else 'unmasked'} {masks.spelled(step.lines)}")
     raw = tables.read(recordings, given.format, given.columns)
     raw = replace(raw, meta=raw.meta | dict(given.keys))
     chosen = _chosen(raw, lines, outliers, given)
     if chosen:
         masks.add(raw, chosen, reason or given.where, masks=not unmask)
         verb = "unmasked" if unmask else "masked"
-        click.echo(f"{verb} {masks.spelled(chosen)} ({len(chosen)} lines)")
+        told.append(f"{verb} {masks.spelled(chosen)} ({len(chosen)} lines)")
     elif lines or outliers or given.where:
-        click.echo("no such recordings: nothing was changed")
+        told.append("no such recordings: nothing was changed")
     standing = masks.standing(raw, masks.steps(recordings))
     for why in sorted(set(standing.values())):
         those = [line for line, own in standing.items() if own == why]
-        click.echo(f"masked{': ' + why if why else ''}: {masks.spelled(those)}")
-    click.echo(f"{len(standing)} of {len(raw.line)} recordings are masked")
+        told.append(f"masked{': ' + why if why else ''}: {masks.spelled(those)}")
+    told.append(f"{len(standing)} of {len(raw.line)} recordings are masked")
+    lines_masked = [{"line": line, "reason": why} for line, why in sorted(standing.items())]
+    answer = {"recordings": len(raw.line), "changed": list(chosen), "masked": lines_masked}
+    say("\n".join(told), answer, as_json=as_json)
 
 
 def _chosen(raw: Raw, lines: str, outliers: str, given: Given) -> tuple[int, ...]:

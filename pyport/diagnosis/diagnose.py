@@ -17,10 +17,11 @@ from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
-from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.steps import Outcome, Step
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Below this many measured numbers beyond the model's own parameters nothing can be said.
 FEWEST_SPARE = 5
@@ -53,6 +54,8 @@ class Diagnosis:
         Predictions of unseen readings by both fits.
     unseen
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
+    steps
+        The turns of the search, each with everything that was tried in it.
     """
 
     setup: Setup
@@ -67,6 +70,7 @@ class Diagnosis:
     wild: tuple[str, ...]
     heldout: HeldOut
     unseen: tuple[Array, Array]
+    steps: tuple[Step, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -78,6 +82,7 @@ class Diagnosis:
         return self.setup.residual - fit.predicted
 
 
+@one_thread
 def diagnose(
     recordings: Recordings,
     model: Model,
@@ -139,6 +144,7 @@ def diagnose(
             rms(scene.floor[both], scene.share[both]),
         ),
         unseen=unseen,
+        steps=outcome.steps,
     )
 
 

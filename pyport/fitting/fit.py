@@ -14,6 +14,7 @@ from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Residuals beyond this many sigmas have no weight (Tukey's biweight, flat up to three).
 REACH = 6.0
@@ -68,6 +69,7 @@ class Fit:
     condition: float
 
 
+@one_thread
 def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = None) -> Fit:
     """Fit a model's terms to recordings.
 
