@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.page.clock import stretches
@@ -115,10 +116,17 @@ def _vectors(picture: Picture, name: str) -> tuple[Array, Array]:
 def _typical(picture: Picture, name: str) -> float:
     """Return a long vector's length; both kinds share one unless it were too short to see."""
     sizes = {
-        kind: float(np.quantile(np.hypot(*_vectors(picture, kind)), 0.9)) or 1.0
+        kind: float(np.quantile(np.hypot(*_vectors(picture, kind))[_counted(picture)], 0.9)) or 1.0
         for kind, _ in _kinds(picture)
     }
     return sizes[name] if sizes["before"] > APART * sizes[name] else sizes["before"]
+
+
+def _counted(picture: Picture) -> NDArray[np.bool_]:
+    """Tell which recordings count on every axis that was measured in them."""
+    lost = [np.isfinite(side.before) & ~(side.share > 0) for side in (picture.x, picture.y)]
+    counted = ~(lost[0] | lost[1])
+    return counted if counted.any() else np.ones(len(counted), bool)
 
 
 def _arrows(

@@ -92,6 +92,7 @@ function toolbar() {
       box.type = "checkbox";
       box.dataset.layer = n;
       html("span", "", label, layer.name);
+      label.title = layer.name;
     });
   }
   const told = html("p", "told", bar);
