@@ -56,6 +56,18 @@ def test_pointing_at_a_recording_tells_it_in_every_panel(written, look):
     assert rings.count() >= 4
 
 
+def test_a_tap_tells_a_recording_on_a_telephone(written, look):
+    """On a touch screen a tap near a point shows the tip, which stays."""
+    tab = look(written, width=390, has_touch=True)
+    x, y = middle(tab, "#sky-panels svg")
+    for step in range(12):
+        tab.touchscreen.tap(x - 60 + 10 * step, y + 40)
+        if tab.locator(".tip").is_visible():
+            break
+
+    assert "source" in tab.locator(".tip b").inner_text()
+
+
 def test_a_hostile_label_is_text(written, look):
     """An antenna called <script> is shown by its name and does nothing."""
     tab = look(written)
