@@ -61,11 +61,12 @@ def _plain(name: str) -> str:
 def _kinds(picture: Picture) -> list[tuple[str, str]]:
     """Return which residuals there are, each with its colour."""
     kinds = [("before", BEFORE), ("after", AFTER)]
-    return kinds if picture.layers else kinds[:1]
+    return kinds if picture.layers else kinds[1:]
 
 
 def _titles(picture: Picture) -> dict[str, str]:
-    return dict(zip(("before", "after"), picture.names, strict=True))
+    names = picture.names if picture.layers else ("residuals", "residuals")
+    return dict(zip(("before", "after"), names, strict=True))
 
 
 def sky(picture: Picture) -> Figure:
@@ -119,7 +120,8 @@ def _typical(picture: Picture, name: str) -> float:
         kind: float(np.quantile(np.hypot(*_vectors(picture, kind))[_counted(picture)], 0.9)) or 1.0
         for kind, _ in _kinds(picture)
     }
-    return sizes[name] if sizes["before"] > APART * sizes[name] else sizes["before"]
+    largest = max(sizes.values())
+    return sizes[name] if largest > APART * sizes[name] else largest
 
 
 def _counted(picture: Picture) -> NDArray[np.bool_]:

@@ -1,6 +1,14 @@
 """The page in a browser: it draws, answers the pointer, prints, and fits a phone."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from pages import recordings
+
+from pyport import page
+from pyport.diagnosis.diagnose import diagnose
+from pyport.fitting.models import load
 
 pytestmark = pytest.mark.browser
 
@@ -172,3 +180,16 @@ def test_show_before_alone(written, look):
 
     assert points(tab) == 0
     assert points(tab, "#against-panels .cloud.before:not(.dim)") > 0
+
+
+def test_where_nothing_is_missing_there_are_residuals_and_no_switches(look, tmp_path):
+    """A page without findings has one set of residuals, called so, and no console message."""
+    quiet = replace(recordings(), y=np.random.default_rng(2).normal(0, 2.4e-5, 240))
+    path = page.write(*page.of_diagnosis(diagnose(quiet, load("altaz"))), tmp_path / "r.html")
+    tab = look(path)
+    captions = tab.locator("#sky-panels figcaption").all_inner_texts()
+
+    assert tab.said == []
+    assert captions == ["residuals", "residuals, over azimuth and elevation"]
+    assert tab.locator(".segments, .chip, .card").count() == 0
+    assert points(tab) == 2 * 240 * tab.locator("#against-panels svg").count()
