@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small docs golden clean
+.PHONY: demo test lint format proof proof-small docs api tutorial screenshots golden clean
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -39,6 +39,22 @@ format: $(BIN)/tox
 
 docs: $(BIN)/pyport
 	$(BIN)/pyport effects --markdown -o docs/physics.md
+
+# The reference of every public name, from the docstrings.
+api: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet 'pdoc>=15'
+	$(BIN)/pdoc --docformat numpy --output-directory $(OUT)/api pyport
+
+# The tutorial with its answers, to be read in a browser.
+tutorial: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet nbconvert ipykernel
+	$(BIN)/jupyter nbconvert --execute --to html --output-dir $(OUT) docs/tutorial.ipynb
+
+# The README's pictures of the page.
+screenshots: $(BIN)/pyport
+	@sh .ci/install chromium
+	$(BIN)/python -m pip install --quiet playwright
+	$(BIN)/python docs/pictures/screenshots.py
 
 # The compiled Fortran, and what the long checks of parity need.
 $(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pyport.api import diagnose, fit, look
+    from pyport.api import diagnose as diagnose
+    from pyport.api import fit as fit
+    from pyport.api import look as look
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "diagnose", "fit", "look"]
 
 _LAZY = frozenset({"diagnose", "fit", "look"})
 
@@ -24,4 +25,4 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever the name stands fo
 
 def __dir__() -> list[str]:
     """Return the public names, those not imported yet among them."""
-    return sorted(__all__)
+    return sorted({"__version__", *_LAZY})

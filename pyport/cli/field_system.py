@@ -19,9 +19,9 @@ def command(folder: Path, *, as_json: bool) -> None:
     fitted by mdlpo.ctl beside NAME.err.
     """
     from pyport.formats.field_system import agreement
+    from pyport.progress import working
 
-    if as_json:
-        say("", agreement.as_json(folder), as_json=True)
-        return
-    for line in agreement.text(folder):
-        click.echo(line)
+    with working("comparing"):
+        told = agreement.as_json(folder) if as_json else {}
+        lines = [] if as_json else list(agreement.text(folder))
+    say("\n".join(lines), told, as_json=as_json)

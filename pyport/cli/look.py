@@ -75,18 +75,20 @@ def command(
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text
+    from pyport.progress import working
     from pyport.recordings import read
 
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
-    done = look(
-        read(recordings, given),
-        load(model),
-        noise_arcsec=noise_arcsec,
-        count=count,
-        elevations=elevations,
-        sources=sources,
-    )
+    with working("looking"):
+        done = look(
+            read(recordings, given),
+            load(model),
+            noise_arcsec=noise_arcsec,
+            count=count,
+            elevations=elevations,
+            sources=sources,
+        )
     whole = json.dumps(for_programs(done), indent=1, allow_nan=False)
     if out is not None:
         with write_whole(out / "look.json") as file:

@@ -18,17 +18,18 @@ def command() -> None:
 @in_json
 def sizes(*, as_json: bool) -> None:
     """Print how large each step was in the RT32's campaigns, beside the document's figures."""
+    from pyport.progress import working
     from pyport.recordings import reduction_sizes as all_of_them
 
-    if not as_json:
-        click.echo(all_of_them.text())
-        return
-    told = {
-        "sizes_arcsec": all_of_them.sizes(),
-        "orientations": all_of_them.orientations(),
-        "against_astropy_arcsec": all_of_them.against_astropy(),
-    }
-    say("", told, as_json=True)
+    told: dict[str, object] = {}
+    with working("sizing each step"):
+        if as_json:
+            told["sizes_arcsec"] = all_of_them.sizes()
+            told["orientations"] = all_of_them.orientations()
+            told["against_astropy_arcsec"] = all_of_them.against_astropy()
+        else:
+            text = all_of_them.text()
+    say(text if not as_json else "", told, as_json=as_json)
 
 
 @command.command(epilog="Example: pyport reduction apply raw.csv reduced.csv --steps nutation,ut1")

@@ -109,7 +109,8 @@ def _azimuth(
     parts = []
     for low, high, layer in regions:
         start = (low - first) % 360 + first
-        stop = start + min(high - low, 360.0)
+        # A stretch across the north may come as from 300 to 7 deg.
+        stop = start + (360.0 if high - low >= 360 else (high - low) % 360)
         parts.append((start, min(stop, first + 360), layer))
         if stop > first + 360:
             parts.append((first, stop - 360, layer))

@@ -79,9 +79,10 @@ def _main(picture: Picture, story: Story) -> list[Markup | None]:
         sections.section(
             "against",
             "Against what they may follow",
-            "Lines are medians of bins with equally many points: dashed before, solid after. "
-            "Yellow is where a finding is confined to. Points beyond the frame lie on its edge; grey "
-            "ones are not counted.",
+            "Lines are medians of bins with equally many points"
+            + (": dashed before, solid after. " if picture.layers else ". ")
+            + ("Yellow is where a finding is confined to. " if story.cards else "")
+            + "Points beyond the frame lie on its edge; grey ones are not counted.",
             tag("div", class_="panels", id="against-panels"),
             tag("div", id="chosen"),
         ),

@@ -48,7 +48,7 @@ def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
 def _story(fit: Fit, picture: Picture) -> Story:
     recordings = fit.recordings
     names, matrix = _correlation(fit)
-    warnings = tuple(f"{one[:1].upper()}{one[1:]}." for one in advice.warnings(fit))
+    warnings = tuple(f"{one}." for one in advice.warnings(fit))
     sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
     said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
     facts = [

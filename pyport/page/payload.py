@@ -23,8 +23,8 @@ def payload(picture: Picture) -> dict[str, object]:
     return {
         "unit": unit,
         "total": len(picture),
-        "names": list(picture.names),
-        "show": picture.show if picture.layers else "before",
+        "names": list(picture.names if picture.layers else ("residuals", "residuals")),
+        "show": picture.show if picture.layers else "after",
         "line": pack.numbers(picture.line[rows].astype(float), step=1.0),
         "time": _time(picture, rows),
         "columns": [_column(one, rows) for one in picture.columns],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -155,7 +156,7 @@ def _known(made: Design) -> tuple[tuple[Known, ...], float]:
                 coefficient.name + (f"[{labels}]" if labels else ""),
                 float(sigma[n] / abs(coefficient.scale)),
                 coefficient.unit,
-                float(sigma[n] * length[n]),
+                float(sigma[n] * length[n]) if known[n] else math.inf,
             )
         )
     return tuple(found), condition

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.page.clock import stretches
@@ -60,11 +61,12 @@ def _plain(name: str) -> str:
 def _kinds(picture: Picture) -> list[tuple[str, str]]:
     """Return which residuals there are, each with its colour."""
     kinds = [("before", BEFORE), ("after", AFTER)]
-    return kinds if picture.layers else kinds[:1]
+    return kinds if picture.layers else kinds[1:]
 
 
 def _titles(picture: Picture) -> dict[str, str]:
-    return dict(zip(("before", "after"), picture.names, strict=True))
+    names = picture.names if picture.layers else ("residuals", "residuals")
+    return dict(zip(("before", "after"), names, strict=True))
 
 
 def sky(picture: Picture) -> Figure:
@@ -115,10 +117,18 @@ def _vectors(picture: Picture, name: str) -> tuple[Array, Array]:
 def _typical(picture: Picture, name: str) -> float:
     """Return a long vector's length; both kinds share one unless it were too short to see."""
     sizes = {
-        kind: float(np.quantile(np.hypot(*_vectors(picture, kind)), 0.9)) or 1.0
+        kind: float(np.quantile(np.hypot(*_vectors(picture, kind))[_counted(picture)], 0.9)) or 1.0
         for kind, _ in _kinds(picture)
     }
-    return sizes[name] if sizes["before"] > APART * sizes[name] else sizes["before"]
+    largest = max(sizes.values())
+    return sizes[name] if largest > APART * sizes[name] else largest
+
+
+def _counted(picture: Picture) -> NDArray[np.bool_]:
+    """Tell which recordings count on every axis that was measured in them."""
+    lost = [np.isfinite(side.before) & ~(side.share > 0) for side in (picture.x, picture.y)]
+    counted = ~(lost[0] | lost[1])
+    return counted if counted.any() else np.ones(len(counted), bool)
 
 
 def _arrows(

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import os
+import pty
 import subprocess
 import sys
 
@@ -184,3 +185,18 @@ def test_plain_takes_arrays_and_dataclasses_apart():
 
     assert plain(Two(np.arange(3), math.inf)) == {"one": [0, 1, 2], "other": None}
     assert plain((np.float64(1.5), np.bool_(True))) == [1.5, True]  # noqa: FBT003 - numpy's
+
+
+def test_what_is_being_done_is_told_on_a_terminal_only():
+    """On a terminal standard error says what goes on; into a file it says nothing."""
+    words = [sys.executable, "-m", "pyport", "look", "gmrt-2003-06-02", "--model", "gmrt-paper"]
+    ours, theirs = pty.openpty()
+    shown = subprocess.run(words, stdout=subprocess.PIPE, stderr=theirs, check=True, text=True)
+    os.close(theirs)
+    told = os.read(ours, 100_000).decode()
+    os.close(ours)
+    into_a_file = subprocess.run(words, capture_output=True, check=True, text=True)
+
+    assert "looking" in told
+    assert into_a_file.stderr == ""
+    assert shown.stdout == into_a_file.stdout

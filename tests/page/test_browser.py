@@ -1,6 +1,14 @@
 """The page in a browser: it draws, answers the pointer, prints, and fits a phone."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from pages import recordings
+
+from pyport import page
+from pyport.diagnosis.diagnose import diagnose
+from pyport.fitting.models import load
 
 pytestmark = pytest.mark.browser
 
@@ -54,6 +62,18 @@ def test_pointing_at_a_recording_tells_it_in_every_panel(written, look):
     assert "line" in tab.locator(".tip").inner_text()
     rings = tab.locator("#against-panels .hot[visibility=visible]")
     assert rings.count() >= 4
+
+
+def test_a_tap_tells_a_recording_on_a_telephone(written, look):
+    """On a touch screen a tap near a point shows the tip, which stays."""
+    tab = look(written, width=390, has_touch=True)
+    x, y = middle(tab, "#sky-panels svg")
+    for step in range(12):
+        tab.touchscreen.tap(x - 60 + 10 * step, y + 40)
+        if tab.locator(".tip").is_visible():
+            break
+
+    assert "source" in tab.locator(".tip b").inner_text()
 
 
 def test_a_hostile_label_is_text(written, look):
@@ -160,3 +180,16 @@ def test_show_before_alone(written, look):
 
     assert points(tab) == 0
     assert points(tab, "#against-panels .cloud.before:not(.dim)") > 0
+
+
+def test_where_nothing_is_missing_there_are_residuals_and_no_switches(look, tmp_path):
+    """A page without findings has one set of residuals, called so, and no console message."""
+    quiet = replace(recordings(), y=np.random.default_rng(2).normal(0, 2.4e-5, 240))
+    path = page.write(*page.of_diagnosis(diagnose(quiet, load("altaz"))), tmp_path / "r.html")
+    tab = look(path)
+    captions = tab.locator("#sky-panels figcaption").all_inner_texts()
+
+    assert tab.said == []
+    assert captions == ["residuals", "residuals, over azimuth and elevation"]
+    assert tab.locator(".segments, .chip, .card").count() == 0
+    assert points(tab) == 2 * 240 * tab.locator("#against-panels svg").count()

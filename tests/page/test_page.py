@@ -199,6 +199,7 @@ def test_a_stretch_across_the_north_is_drawn_in_one_piece():
     assert regions == ((-20.0, 20.0, 0), (90.0, 100.0, 1))
     _, whole = _azimuth(np.array([10.0, 100, 190, 300]), ((350.0, 370.0, 0),))
     assert whole == ((350.0, 360.0, 0), (0.0, 10.0, 0))
+    assert _azimuth(np.array([10.0, 100, 190, 300]), ((350.0, 10.0, 0),))[1] == whole
 
 
 def test_the_data_of_the_page_are_json(written):

@@ -30,7 +30,7 @@ function add(parent, className, caption, what) {
 
 function lay() {
   const skies = document.getElementById("sky-panels");
-  const kinds = data.layers.length ? ["before", "after"] : ["before"];
+  const kinds = data.layers.length ? ["before", "after"] : ["after"];
   for (const polar of [true, false]) {
     for (const name of kinds) {
       add(skies, "panel", `${NAMES[name]}${polar ? "" : ", over azimuth and elevation"}`,
@@ -92,6 +92,7 @@ function toolbar() {
       box.type = "checkbox";
       box.dataset.layer = n;
       html("span", "", label, layer.name);
+      label.title = layer.name;
     });
   }
   const told = html("p", "told", bar);
@@ -143,15 +144,14 @@ function listChosen() {
     if (what !== "chosen" && what !== "layers") return;
     host.replaceChildren();
     if (!state.chosen) return;
-    const left = data.layers.length ? "after" : "before";
     const found = everyone.filter((i) => state.chosen[i])
-      .sort((a, b) => size(b, left) - size(a, left)).slice(0, MOST);
+      .sort((a, b) => size(b, "after") - size(a, "after")).slice(0, MOST);
     html("h3", "", host, `Chosen recordings${found.length === MOST ? `, the ${MOST} furthest off` : ""}`);
     const table = html("table", "", html("div", "scroll", host));
     const head = html("tr", "", html("thead", "", table));
     const body = html("tbody", "", table);
     const names = ["line", ...rows.labels.map(([name]) => name), "az", "el",
-      ...axes.flatMap((axis) => [`${axis.name}, before`, ...(data.layers.length ? ["after"] : [])])];
+      ...axes.flatMap((axis) => (data.layers.length ? [`${axis.name}, before`, "after"] : [axis.name]))];
     for (const name of names) html("th", "", head, name);
     for (const i of found) {
       const row = html("tr", "", body);

@@ -47,6 +47,15 @@ function listen(svg, places, box) {
     }
     return best;
   };
+  const point = (event) => {
+    const i = nearest(event);
+    if (i < 0) return quiet();
+    if (i !== state.at) {
+      state.at = i;
+      changed("at");
+    }
+    tell(i, event);
+  };
   svg.addEventListener("pointermove", (event) => {
     if (from) {
       const [x, y] = inside(svg, event);
@@ -58,17 +67,15 @@ function listen(svg, places, box) {
       if (wide + tall > 6) choose(places(), left, top, left + wide, top + tall);
       return;
     }
-    const i = nearest(event);
-    if (i < 0) return quiet();
-    if (i !== state.at) {
-      state.at = i;
-      changed("at");
-    }
-    tell(i, event);
+    point(event);
   });
-  svg.addEventListener("pointerleave", quiet);
+  // A finger that leaves has tapped: what it told stays until the next tap or until one scrolls.
+  svg.addEventListener("pointerleave", (event) => {
+    if (event.pointerType !== "touch") quiet();
+  });
   svg.addEventListener("pointerdown", (event) => {
-    if (event.pointerType === "touch" || event.button !== 0 || !box) return;
+    if (event.pointerType === "touch") return point(event);
+    if (event.button !== 0 || !box) return;
     from = inside(svg, event);
     quiet();
     rubber = el("rect", { class: "rubber" }, svg);

@@ -4,9 +4,15 @@ const [across, along] = ["x", "y"].map((letter) => axes.find((axis) => axis.lett
 const size = (i, name) => Math.hypot(
   across ? across[name][i] || 0 : 0, along ? along[name][i] || 0 : 0);
 
+// What is not counted on an axis where it was measured.
+const uncounted = (i) =>
+  axes.some((axis) => !Number.isNaN(axis.before[i]) && !(axis.share[i] > 0));
+
 // How long a long vector is. Both kinds share a scale unless one would be too short to see.
-const long = (name) =>
-  everyone.map((i) => size(i, name)).sort((a, b) => a - b)[Math.floor(0.9 * (count - 1))] || 1;
+function long(name) {
+  const sizes = everyone.filter((i) => !uncounted(i)).map((i) => size(i, name));
+  return sizes.sort((a, b) => a - b)[Math.floor(0.9 * (sizes.length - 1))] || 1;
+}
 const LONG = { before: long("before"), after: long("after") };
 if (LONG.before < 8 * LONG.after) LONG.after = LONG.before;
 
@@ -18,6 +24,7 @@ function sky(host, name, polar) {
   regions(svg, grid);
   const group = el("g", { class: `vectors ${name}` }, svg);
   const dim = el("path", { class: "dim" }, group);
+  const out = el("path", { class: "out" }, group);
   const line = el("path", {}, group);
   const feet = cloud(group, `cloud feet ${name}`);
   const hot = el("circle", { class: `hot ${name}`, r: 5, visibility: "hidden" }, svg);
@@ -34,7 +41,7 @@ function sky(host, name, polar) {
       }
       return;
     }
-    const parts = { in: [], out: [] };
+    const parts = { in: [], out: [], dim: [] };
     for (const i of everyone) {
       const dx = (across ? across[name][i] || 0 : 0) * state.stretch / scale;
       const dy = (along ? along[name][i] || 0 : 0) * state.stretch / scale;
@@ -43,10 +50,11 @@ function sky(host, name, polar) {
       const long = Math.hypot(tx, ty);
       const cut = Math.min(1, 2.5 * grid.long / (long || 1), grid.room(x, y, tx, ty));
       const text = `M${x.toFixed(1)} ${y.toFixed(1)}l${(tx * cut).toFixed(1)} ${(ty * cut).toFixed(1)}`;
-      parts[state.chosen && !state.chosen[i] ? "out" : "in"].push(text);
+      parts[state.chosen && !state.chosen[i] ? "dim" : uncounted(i) ? "out" : "in"].push(text);
     }
     line.setAttribute("d", parts.in.join(""));
-    dim.setAttribute("d", parts.out.join(""));
+    out.setAttribute("d", parts.out.join(""));
+    dim.setAttribute("d", parts.dim.join(""));
     fill(feet, state.chosen ? everyone.filter((i) => state.chosen[i]) : everyone,
       (i) => foot[i][0], (i) => foot[i][1]);
     drawKey(key, wide, tall, scale);

@@ -33,12 +33,12 @@ function spread(host, axis) {
   }
   function draw(what) {
     if (what === "at") return;
-    const [before, total] = tally(axis.before), [after] = tally(axis.after);
     const both = data.layers.length > 0;
-    let high = 1;
-    for (let b = 0; b < bins; b++) high = Math.max(high, before[b], both ? after[b] : 0);
+    const [after, total] = tally(axis.after);
+    const before = both ? tally(axis.before)[0] : new Float64Array(0);
+    const high = Math.max(1, ...before, ...after);
     const py = (value) => bottom - value / high * (bottom - top) * 0.96;
-    [before, both ? after : new Float64Array(0)].forEach((tallied, n) => {
+    [before, after].forEach((tallied, n) => {
       let text = "";
       tallied.forEach((value, b) => {
         const x = left + b / bins * (right - left), y = py(value).toFixed(1);
