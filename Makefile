@@ -1,5 +1,5 @@
-# Everything a newcomer runs. `make demo` needs Python and a network to the
-# package index; `make test` also needs gfortran and installs it when missing.
+# Everything a newcomer runs. `make demo` needs Python and a network to the package index;
+# `make test` also needs gfortran, and Chromium for the page, and installs them when missing.
 
 PYTHON ?= python3
 VENV := .venv
@@ -25,7 +25,8 @@ $(BIN)/tox: $(BIN)/pyport
 	@touch $@
 
 test: $(BIN)/tox
-	@sh .ci/install-gfortran
+	@sh .ci/install gfortran
+	@sh .ci/install chromium || [ "$$PYPORT_BROWSER" != required ]
 	$(BIN)/tox run
 
 lint: $(BIN)/tox
@@ -41,7 +42,7 @@ docs: $(BIN)/pyport
 
 # The compiled Fortran, and what the long checks of parity need.
 $(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)
-	@sh .ci/install-gfortran
+	@sh .ci/install gfortran
 	$(BIN)/python -m pip install --quiet --editable '.[test]' ./legacy_fortran
 	@touch $@
 

@@ -9,11 +9,13 @@ import sys
 import click
 
 from pyport import __version__
+from pyport.cli.manners import STATUSES, with_quiet
 from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
     "array": "Take the GMRT's recordings apart as those of one array; compare with a survey.",
+    "completion": "Print what a shell needs to complete commands, options and names.",
     "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
@@ -21,9 +23,12 @@ COMMANDS = {
     "field-system": "Compare with the VLBI Field System on its own outputs.",
     "fit": "Fit a pointing model to recordings.",
     "gmrt": "Repeat the GMRT paper's analysis on its own tables.",
+    "look": "Tell what recordings could show, and what to observe next, before fitting.",
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
+    "mask": "Mask recordings of a file, kept beside it and undone step by step.",
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
+    "plot": "Draw the panels of a diagnosis or fit as PDF, PNG or SVG for print.",
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
@@ -43,8 +48,7 @@ class Lazy(click.Group):
         if name not in COMMANDS:
             return None
         module = name.replace("-", "_")
-        command: click.Command = importlib.import_module(f"pyport.cli.{module}").command
-        return command
+        return with_quiet(importlib.import_module(f"pyport.cli.{module}").command)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
         """List the commands from the table above, importing none."""
@@ -52,7 +56,11 @@ class Lazy(click.Group):
             formatter.write_dl(sorted(COMMANDS.items()))
 
 
-@click.group(cls=Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=Lazy,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog=STATUSES,
+)
 @click.version_option(__version__, prog_name="pyport")
 def pyport() -> None:
     """Pointing models of radio telescopes: ported, tabulated, and their gaps explained."""
@@ -63,7 +71,9 @@ def main() -> None:
     # The matrices here are small: threads of the linear algebra cost more than they bring.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        status = pyport.main(standalone_mode=False)
+        status = pyport.main(
+            prog_name="pyport", standalone_mode=False, complete_var="_PYPORT_COMPLETE"
+        )
     except (BadInput, click.ClickException) as error:
         text = error.format_message() if isinstance(error, click.ClickException) else str(error)
         click.echo(f"pyport: error: {' '.join(text.split())}", err=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -25,26 +26,51 @@ def _names(_: click.Context, __: click.Parameter, given: str | None) -> tuple[st
 
 
 def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add `--set KEY=VALUE` (as `about`), `--columns` and `--from` (as `read_as`) to a command."""
-    keys = click.option(
+    """Add options on a file of recordings; the command gets them as `given`, a `Given`."""
+
+    @functools.wraps(command)
+    def bundled(
+        about: dict[str, str],
+        columns: tuple[str, ...],
+        read_as: str,
+        where: str,
+        **others: Any,  # noqa: ANN401 - whatever the command takes
+    ) -> Any:  # noqa: ANN401 - whatever the command returns
+        from pyport.recordings.given import Given
+
+        return command(given=Given(about, columns, read_as, where), **others)
+
+    for option in reversed(_OPTIONS):
+        bundled = option(bundled)
+    return bundled
+
+
+_OPTIONS = (
+    click.option(
         "--set",
         "about",
         multiple=True,
         callback=_pairs,
         metavar="KEY=VALUE",
         help="A header key that the file lacks, such as latitude_deg=53.0955; repeat for more.",
-    )
-    columns = click.option(
+    ),
+    click.option(
         "--columns",
         callback=_names,
         metavar="NAME,NAME",
         help="Names of the columns of a CSV file without a header, units and all.",
-    )
-    read_as = click.option(
+    ),
+    click.option(
         "--from",
         "read_as",
         default="",
         metavar="FORMAT",
         help="The file's format, where its suffix does not tell: see `pyport convert`.",
-    )
-    return keys(columns(read_as(command)))
+    ),
+    click.option(
+        "--where",
+        default="",
+        metavar="EXPRESSION",
+        help='Use only these: --where "wind_speed_m_s < 5 and sun_el_deg < 0".',
+    ),
+)

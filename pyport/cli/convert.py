@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import in_json, say
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
+
+
+def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
+    """Print the table of signs and leave."""
+    if value:
+        from pyport.formats.conventions import table
+
+        click.echo("\n".join(table()))
+        context.exit()
 
 
 @click.command(
@@ -20,33 +34,46 @@ from pyport.cli.about import about_file
 @click.option("--model", default="", help="For the Field System's err: the mdlpo.ctl to fit.")
 @click.option("--leave-out", is_flag=True, help="Leave out terms that the target cannot name.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option(
+    "--signs",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_signs,
+    help="Print what every program's terms are, with their signs, and leave.",
+)
+@in_json
 def command(
     source: str,
     target: Path,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    given: Given,
     to: str,
     model: str,
     *,
     leave_out: bool,
     quiet: bool,
+    as_json: bool,
 ) -> None:
     """Convert SOURCE to TARGET; the suffixes say which formats.
 
     Recordings: .csv .ecsv .parquet, TPOINT .dat, Field System .xtr .err,
     katpoint CSV (--to katpoint-csv). Models: .toml, TPOINT .mod, Field System
     .ctl, katpoint .txt, SKA-Mid .json, DISCOS .xml (SOURCE.xml#RECEIVER).
+
+    Names for --from and --to: csv, ecsv, parquet, tpoint-dat, fs-xtr, fs-err,
+    katpoint-csv, tpoint-mod, fs-ctl, fs-err-model, katpoint, ska-mid, discos,
+    toml.
     """
     from pyport.formats.convert import FORMATS, convert
-    from pyport.recordings.given import Given
 
-    for option, name in (("--from", read_as), ("--to", to)):
+    for option, name in (("--from", given.format), ("--to", to)):
         if name and name not in FORMATS:
             raise click.UsageError(f"{option}: no format {name!r}, known: {', '.join(FORMATS)}")
-    given = Given(about, columns, read_as)
     done = convert(source, target, to=to, given=given, model=model, leave_out=leave_out)
     if quiet:
+        return
+    if as_json:
+        say("", {"file": target, **vars(done)}, as_json=True)
         return
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")

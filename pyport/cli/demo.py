@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
+
+from pyport.cli.manners import in_json, say
 
 #: The paper left physics out of these; each is diagnosed against the paper's own model.
 RECORDINGS = (
@@ -24,23 +27,43 @@ RECORDINGS = (
     type=click.Path(path_type=Path),
     help="Folder for the table, the reports and the pictures.",
 )
-def command(out: Path) -> None:
+@in_json
+def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, the steering table, a diagnosis of real recordings."""
     from pyport import parity, steering
     from pyport.diagnosis import run
+    from pyport.progress import working
 
-    click.secho("1. Is the port the published program?\n", bold=True)
-    click.echo(parity.summary())
+    tell = click.echo if not as_json else (lambda *_, **__: None)
+    tell(click.style("1. Is the port the published program?\n", bold=True))
+    with working("asking both ports"):
+        agreement = parity.summary()
+    tell(agreement)
 
-    click.secho("\n2. The steering table, made anew\n", bold=True)
+    tell(click.style("\n2. The steering table, made anew\n", bold=True))
     table = out / "3model.txt"
-    steering.write_ascii(steering.tabulate("rt32-3model", steering.DEFAULT_REFRACTION), table)
-    click.echo(f"{table}: {len(steering.RT32_GRID)} rows")
-    for result in steering.check():
-        click.echo(f"  {result.block.name:<38}{result.agree:4d} of {result.total} printed cells")
+    with working("tabulating"):
+        made = steering.tabulate("rt32-3model", steering.DEFAULT_REFRACTION)
+        steering.write_ascii(made, table)
+        checked = steering.check()
+    tell(f"{table}: {len(steering.RT32_GRID)} rows")
+    for result in checked:
+        tell(f"  {result.block.name:<38}{result.agree:4d} of {result.total} printed cells")
 
-    click.secho("\n3. What did the paper's model leave out of the GMRT's recordings?", bold=True)
+    tell(
+        click.style(
+            "\n3. What did the paper's model leave out of the GMRT's recordings?", bold=True
+        )
+    )
     wanted = run.requests(RECORDINGS, model="gmrt-paper", refit="all", seed=0, out=out)
+    reports = []
     for done in run.run_all(wanted):
-        click.echo("\n" + done.summary)
-    click.echo(f"\nReports, rows and pictures: {out}/gmrt-*/")
+        reports.append(json.loads(done.report))
+        tell("\n" + done.summary)
+    tell(f"\nReports, rows and pictures: {out}/gmrt-*/ (open report.html in a browser)")
+    if as_json:
+        blocks = [
+            {"name": one.block.name, "agree": one.agree, "total": one.total} for one in checked
+        ]
+        told = {"parity": agreement, "table": table, "check": blocks, "diagnoses": reports}
+        say("", told, as_json=True)

@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
+
+if TYPE_CHECKING:
+    from pyport.recordings.given import Given
 
 
 @click.command(
     "diagnose",
     epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
 )
-@click.argument("recordings", nargs=-1, required=True)
-@click.option("--model", default="altaz", show_default=True, help="A built-in model or a file.")
+@click.argument("recordings", nargs=-1, required=True, shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
 @click.option(
     "--refit",
     default="all",
@@ -40,26 +52,22 @@ def command(
     seed: int,
     jobs: int,
     out: Path,
+    given: Given,
     antennas: Path | None,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
     *,
     quiet: bool,
     as_json: bool,
 ) -> None:
     """Find, name and model what a pointing model leaves out of RECORDINGS.
 
-    Each file of recordings gets a folder OUT/STEM with report.json, rows.csv
-    and a picture per finding. Recordings of several antennas also tell what the
-    antennas share, what repeats, and how far each stands from where its offsets
-    were computed for.
+    Each file of recordings gets a folder OUT/STEM with report.html, a page that
+    needs no network, report.json, rows.csv and a picture per finding. Recordings
+    of several antennas also tell what the antennas share, what repeats, and how
+    far each stands from where its offsets were computed for.
     """
     from pyport.diagnosis import run
     from pyport.recordings.antennas import read_survey
-    from pyport.recordings.given import Given
 
-    given = Given(about, columns, read_as)
     survey = None if antennas is None else read_survey(antennas)
     requests = run.requests(
         recordings, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey

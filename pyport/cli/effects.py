@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
+from pyport.cli.manners import effects, in_json, plain
 
-@click.command("effects")
-@click.argument("names", nargs=-1, metavar="[EFFECT]...")
+
+@click.command("effects", epilog="Examples: pyport effects refraction; pyport effects --json")
+@click.argument("names", nargs=-1, metavar="[EFFECT]...", shell_complete=effects)
 @click.option("--markdown", is_flag=True, help="The document on the physics instead of a list.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
-def command(names: tuple[str, ...], output: str | None, *, markdown: bool) -> None:
+@in_json
+def command(names: tuple[str, ...], output: str | None, *, markdown: bool, as_json: bool) -> None:
     """List the catalogue of effects: what each is, needs, and is not to be told from.
 
     With the name of one or more effects, those alone.
@@ -19,7 +24,10 @@ def command(names: tuple[str, ...], output: str | None, *, markdown: bool) -> No
 
     if markdown and names:
         raise click.UsageError("the document is of the whole catalogue: give --markdown alone")
-    text = describe.markdown() if markdown else describe.listing(names)
+    if as_json:
+        text = json.dumps(plain(describe.entries(names)), indent=1) + "\n"
+    else:
+        text = describe.markdown() if markdown else describe.listing(names)
     if output:
         with write_whole(output) as file:
             file.write(text)

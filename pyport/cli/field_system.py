@@ -6,10 +6,13 @@ from pathlib import Path
 
 import click
 
+from pyport.cli.manners import in_json, say
+
 
 @click.command("field-system", epilog="Example: pyport field-system field_system")
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
-def command(folder: Path) -> None:
+@in_json
+def command(folder: Path, *, as_json: bool) -> None:
     """Compare pyport with what the Field System computed, as kept in FOLDER.
 
     Unit responses of P1..P30 (fs_fln_flt_grid.csv) and fits: each NAME.xtr
@@ -17,5 +20,8 @@ def command(folder: Path) -> None:
     """
     from pyport.formats.field_system import agreement
 
+    if as_json:
+        say("", agreement.as_json(folder), as_json=True)
+        return
     for line in agreement.text(folder):
         click.echo(line)

@@ -9,14 +9,23 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
+from pyport.cli.manners import models
+from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
+    from pyport.page.picture import Picture
+    from pyport.page.story import Story
     from pyport.recordings.given import Given
+
+    Drawn: TypeAlias = Callable[[], tuple[Picture, Story]]
 
 
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
-@click.argument("recordings")
-@click.option("--model", required=True, help="A built-in model or a file.")
+@click.argument("recordings", shell_complete=named)
+@click.option("--model", required=True, shell_complete=models, help="A built-in model or a file.")
 @click.option(
     "--method",
     help="For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.",
@@ -35,8 +44,14 @@ if TYPE_CHECKING:
     show_default=True,
     help="With --method document: residuals beyond so many degrees lose their vote.",
 )
+@click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a term: IE=0, P7=0.06deg.")
+@click.option("--add", multiple=True, metavar="NAME", help="Fit a further term: TF, P11, sag_sine.")
+@click.option("--drop", multiple=True, metavar="NAME", help="Leave a term of the model out.")
 @about_file
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for fit.json.")
+@click.option("--save", type=click.Path(path_type=Path), help="The fitted model: .mod, .ctl, ...")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder: fit.json, report.html, residuals.csv."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(
     recordings: str,
@@ -44,33 +59,53 @@ def command(
     method: str | None,
     box_step: str,
     level_deg: float,
-    about: dict[str, str],
-    columns: tuple[str, ...],
-    read_as: str,
+    fix: tuple[str, ...],
+    add: tuple[str, ...],
+    drop: tuple[str, ...],
+    given: Given,
+    save: Path | None,
     out: Path | None,
     *,
     as_json: bool,
 ) -> None:
-    """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas."""
-    from pyport.recordings.given import Given
+    """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas.
 
-    given = Given(about, columns, read_as)
+    Terms go by TPOINT's names, the Field System's, or the ids of `pyport effects`.
+    """
     if method is not None:
+        if fix or add or drop or save:
+            raise click.UsageError(
+                "--method fits all twelve: leave --fix, --add, --drop, --save out"
+            )
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(
                 f"--method fits rt32-exact or rt32-approximate, not {model}: leave it out"
             )
         exact = model == "rt32-exact"
-        report, text = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
+        report, text, drawn = _fit_rt32(recordings, given, method, box_step, level_deg, exact=exact)
         _show(report, text, out, as_json=as_json)
+        _write_page(drawn, out)
         return
-    from pyport.fitting import table
+    from pyport.files import write_whole
+    from pyport.fitting import leftover, table
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
+    from pyport.formats.fitted import save_fit
+    from pyport.formats.terms.editing import edited
+    from pyport.page.of_fit import of_fit
+    from pyport.progress import working
     from pyport.recordings import read
 
-    done = fit(read(recordings, given), load(model))
+    chosen = edited(load(model), fix=fix, add=add, drop=drop)
+    with working("fitting"):
+        done = fit(read(recordings, given), chosen)
+    if save is not None:
+        save_fit(done, save)
+    if out is not None:
+        with write_whole(out / "residuals.csv") as file:
+            leftover.write(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
+    _write_page(lambda: of_fit(done), out)
     if not as_json and model == "gmrt-paper":
         from pyport.fitting.gmrt import comparison
         from pyport.fitting.gmrt.beside import beside_table_18
@@ -79,21 +114,32 @@ def command(
             click.echo("\n" + comparison.text(days))
 
 
+def _write_page(drawn: Drawn, out: Path | None) -> None:
+    """Leave the page in a folder where one is asked for."""
+    if out is not None:
+        from pyport.page import write
+
+        write(*drawn(), out / "report.html")
+
+
 def _fit_rt32(
     recordings: str, given: Given, method: str, choice: str, level_deg: float, *, exact: bool
-) -> tuple[dict[str, object], str]:
-    """Fit p1..p12 from nothing; return the fit for programs and the RT32's table."""
+) -> tuple[dict[str, object], str, Drawn]:
+    """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG
     from pyport.fitting.rt32 import box_step, fit_rt32, table
     from pyport.fitting.rt32.bootstrap import honest_sigmas
+    from pyport.page.of_rt32 import of_rt32
+    from pyport.progress import working
     from pyport.recordings import read
 
     measured = read(recordings, given)
     box = box_step(measured, choice)
-    done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
-    honest = honest_sigmas(done)
+    with working("fitting"):
+        done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
+        honest = honest_sigmas(done)
     text = f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}"
-    return table.as_json(done, honest), text
+    return table.as_json(done, honest), text, lambda: of_rt32(done, honest)
 
 
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+from pyport.cli.manners import in_json, say
+
+if TYPE_CHECKING:
+    from pyport.fitting.gmrt.tracks import Track
 
 
 @click.command("gmrt", epilog="Example: pyport gmrt --out gmrt")
@@ -16,13 +22,36 @@ import click
     help="So often garble good rows on purpose, to see how right the realignment is.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for figures 1 to 4.")
-def command(seeds: int, out: Path | None) -> None:
+@in_json
+def command(seeds: int, out: Path | None, *, as_json: bool) -> None:
     """Repeat the GMRT paper's analysis on its own tables, shipped with pyport.
 
     How much of them was recovered, both functional forms for each antenna and
     day, what they say of the antennas' places, which antennas repeat from day to
     day, whether the arms are mirror images, and whether offsets jump at transit.
     """
+    from pyport.progress import working
+    from pyport.recordings import read
+    from pyport.report.hour_angle import write_figures
+
+    with working("repeating the paper's analysis"):
+        june, sections = _analysis(seeds)
+    drawn = []
+    if out is not None:
+        from pyport.fitting.gmrt.tracks import tracks
+
+        drawn = write_figures([*tracks(read("gmrt-2003-05-31")), *june], out)
+    if as_json:
+        say("", {"sections": sections, "figures": drawn}, as_json=True)
+        return
+    for title, text in sections.items():
+        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
+    for path in drawn:
+        click.echo(str(path))
+
+
+def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
+    """Return the tracks of June, and what each part of the analysis says of them."""
     from pyport.angles import DEG
     from pyport.fitting.gmrt import summary
     from pyport.fitting.gmrt.arms import mirrors
@@ -33,20 +62,15 @@ def command(seeds: int, out: Path | None) -> None:
     from pyport.recordings import read
     from pyport.recordings.gmrt import recovery
     from pyport.recordings.gmrt.sessions import LATITUDE_DEG, SESSIONS, apparent_place
-    from pyport.report.hour_angle import write_figures
 
     june = tracks(read("gmrt-cyg-a"))
     times_cos_el = curves(june, times_cos_el=True)
     _, dec = apparent_place(SESSIONS[2])
-    for title, text in (
-        ("Recovery", recovery.text(seeds)),
-        ("Curves, forward and reverse apart", summary.forms(curves(june), times_cos_el)),
-        ("Places", summary.site(times_cos_el, dec, LATITUDE_DEG * DEG)),
-        ("Repeatability", summary.repeatability(repeatability(june))),
-        ("Mirror images", summary.mirrors(mirrors(times_cos_el))),
-        ("Transit", summary.jumps(jumps_at_transit(june))),
-    ):
-        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
-    if out is not None:
-        for path in write_figures([*tracks(read("gmrt-2003-05-31")), *june], out):
-            click.echo(str(path))
+    return june, {
+        "Recovery": recovery.text(seeds),
+        "Curves, forward and reverse apart": summary.forms(curves(june), times_cos_el),
+        "Places": summary.site(times_cos_el, dec, LATITUDE_DEG * DEG),
+        "Repeatability": summary.repeatability(repeatability(june)),
+        "Mirror images": summary.mirrors(mirrors(times_cos_el)),
+        "Transit": summary.jumps(jumps_at_transit(june)),
+    }

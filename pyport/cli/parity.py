@@ -7,7 +7,7 @@ import json
 import click
 
 
-@click.command("parity")
+@click.command("parity", epilog="Example: pyport parity --points 100000 --report PARITY.md")
 @click.option(
     "--points",
     type=click.IntRange(min=0),

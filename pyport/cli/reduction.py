@@ -6,25 +6,37 @@ from pathlib import Path
 
 import click
 
+from pyport.cli.manners import in_json, say
+
 
 @click.group("reduction")
 def command() -> None:
     """Take nutation, aberration, UT1, polar motion, refraction out of offsets, each by its name."""
 
 
-@command.command()
-def sizes() -> None:
+@command.command(epilog="Example: pyport reduction sizes")
+@in_json
+def sizes(*, as_json: bool) -> None:
     """Print how large each step was in the RT32's campaigns, beside the document's figures."""
-    from pyport.recordings.reduction_sizes import text
+    from pyport.recordings import reduction_sizes as all_of_them
 
-    click.echo(text())
+    if not as_json:
+        click.echo(all_of_them.text())
+        return
+    told = {
+        "sizes_arcsec": all_of_them.sizes(),
+        "orientations": all_of_them.orientations(),
+        "against_astropy_arcsec": all_of_them.against_astropy(),
+    }
+    say("", told, as_json=True)
 
 
 @command.command(epilog="Example: pyport reduction apply raw.csv reduced.csv --steps nutation,ut1")
 @click.argument("recordings")
 @click.argument("out", type=click.Path(path_type=Path))
 @click.option("--steps", help="Names with commas between; the document's six when not given.")
-def apply(recordings: str, out: Path, steps: str | None) -> None:
+@in_json
+def apply(recordings: str, out: Path, steps: str | None, *, as_json: bool) -> None:
     """Write RECORDINGS to OUT with offsets free of what the steering program left out."""
     from pyport.recordings import read, resolve, write
     from pyport.recordings.reduction import DOCUMENT, reduced
@@ -32,4 +44,5 @@ def apply(recordings: str, out: Path, steps: str | None) -> None:
     taken = DOCUMENT if steps is None else tuple(filter(None, steps.split(",")))
     done = reduced(read(resolve(recordings)), taken)
     write(done, out)
-    click.echo(f"{len(done)} recordings in {out}, free of {', '.join(taken)}")
+    told = {"file": out, "recordings": len(done), "taken_out": taken}
+    say(f"{len(done)} recordings in {out}, free of {', '.join(taken)}", told, as_json=as_json)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pyport.cli.manners import in_json, say
+
 if TYPE_CHECKING:
     from pyport.angles import Array
     from pyport.recordings import Recordings
@@ -29,8 +31,15 @@ if TYPE_CHECKING:
     help="The box offset before 2004 less that after; known (0.017 deg), fit or degrees.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for figures 3 to 5.")
+@in_json
 def command(
-    recordings: str | None, seed: int, campaigns: int, box_step: str, out: Path | None
+    recordings: str | None,
+    seed: int,
+    campaigns: int,
+    box_step: str,
+    out: Path | None,
+    *,
+    as_json: bool,
 ) -> None:
     """Repeat the fit of the RT32 Pointing Model, with robust ones beside it.
 
@@ -41,6 +50,7 @@ def command(
     from pyport.fitting.rt32 import METHODS, document, fit_rt32, table
     from pyport.fitting.rt32 import box_step as chosen_step
     from pyport.fitting.rt32.bootstrap import honest_sigmas
+    from pyport.progress import track, working
     from pyport.recordings import read, resolve
 
     if recordings is None:
@@ -48,8 +58,12 @@ def command(
     else:
         measured, error = read(resolve(recordings)), None
     box = chosen_step(measured, box_step)
-    fits = [fit_rt32(measured, method=method, box=box) for method in METHODS]
-    honest = [honest_sigmas(fit) for fit in fits]
+    with working("fitting") as tell:
+        fits, honest = [], []
+        for method in METHODS:
+            tell(method)
+            fits.append(fit_rt32(measured, method=method, box=box))
+            honest.append(honest_sigmas(fits[-1]))
     parts = [
         ("Parameters", table.text(fits[0], honest[0])),
         ("Correlations", table.correlations(fits[0])),
@@ -57,19 +71,25 @@ def command(
     ]
     if error is not None:
         made = [(fits[0], honest[0], error)]
-        for other in range(seed + 1, seed + campaigns):
+        for other in track(range(seed + 1, seed + campaigns), "campaigns", campaigns - 1):
             measured, error = _simulated(other, None)
             fit = fit_rt32(measured, box=chosen_step(measured, box_step))
             made.append((fit, honest_sigmas(fit), error))
         parts.append(("What was put in, and found", document.recovered(made)))
     parts.append(("Other methods, sigmas by sessions [arcsec]", table.compared(fits, honest)))
-    for title, text in parts:
-        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
+    drawn = []
     if out is not None:
         from pyport.report.rt32_sky import write_figures
 
-        for path in write_figures(fits[0], out):
-            click.echo(str(path))
+        drawn = write_figures(fits[0], out)
+    if as_json:
+        told = [table.as_json(one, own) for one, own in zip(fits, honest, strict=True)]
+        say("", {"fits": told, "sections": dict(parts), "figures": drawn}, as_json=True)
+        return
+    for title, text in parts:
+        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
+    for path in drawn:
+        click.echo(str(path))
 
 
 def _simulated(seed: int, out: Path | None) -> tuple[Recordings, Array]:

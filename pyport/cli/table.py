@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from pyport.cli.manners import in_json, say
+
 if TYPE_CHECKING:
     from pyport.steering import Table
 
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     help="Write the published extracts as recordings (CSV), for pyport diagnose.",
 )
 @click.option("--refractions", is_flag=True, help="Hold every refraction to the published digits.")
+@in_json
 def command(
     model: str,
     refraction: str | None,
@@ -59,9 +62,11 @@ def command(
     picture: str | None,
     recordings: str | None,
     refractions: bool,  # noqa: FBT001 - click's
+    as_json: bool,  # noqa: FBT001 - click's
 ) -> None:
     """Write the steering table of a pointing model, refraction included."""
     from pyport import steering
+    from pyport.progress import working
     from pyport.steering.grid import span
     from pyport.steering.published import write_recordings
 
@@ -69,58 +74,104 @@ def command(
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
     if picture and not against:
         raise click.UsageError("--picture draws a comparison: give --against OLD")
+    told: dict[str, object] = {}
+    lines: list[str] = []
     if check:
-        _print_check(refraction or steering.DEFAULT_REFRACTION, reading)
+        lines += _checked(refraction or steering.DEFAULT_REFRACTION, reading, told)
     if refractions:
-        _print_refractions()
+        lines += _refractions(told)
     if recordings:
         write_recordings(recordings)
-        click.echo(f"{recordings}: the published extracts as recordings")
-    if not (output or against):
-        return
-    grid = steering.Grid(
-        span(az) if az else steering.RT32_GRID.az_deg, span(zd) if zd else steering.RT32_GRID.zd_deg
-    )
-    table = steering.tabulate(model, refraction, grid, reading)
-    if output:
-        write = steering.write_binary if layout == "binary" else steering.write_ascii
-        write(table, output)
-        click.echo(f"{output}: {len(grid)} rows, model {model}, refraction {table.refraction}")
-    if against:
-        _print_difference(table, against, refraction, reading, picture)
+        told["recordings"] = recordings
+        lines.append(f"{recordings}: the published extracts as recordings")
+    if output or against:
+        grid = steering.Grid(
+            span(az) if az else steering.RT32_GRID.az_deg,
+            span(zd) if zd else steering.RT32_GRID.zd_deg,
+        )
+        with working("tabulating"):
+            table = steering.tabulate(model, refraction, grid, reading)
+        if output:
+            write = steering.write_binary if layout == "binary" else steering.write_ascii
+            write(table, output)
+            told["table"] = {
+                "file": output,
+                "rows": len(grid),
+                "model": model,
+                "refraction": table.refraction,
+            }
+            lines.append(
+                f"{output}: {len(grid)} rows, model {model}, refraction {table.refraction}"
+            )
+        if against:
+            lines += _difference(table, against, refraction, reading, picture, told)
+    say("\n".join(lines), told, as_json=as_json)
 
 
-def _print_check(refraction: str, reading: str) -> None:
-    """Print how many cells of each published block agree in their last digit, and the others."""
+def _checked(refraction: str, reading: str, told: dict[str, object]) -> list[str]:
+    """Return how many cells of each published block agree in their last digit, and the others."""
     from pyport.steering import check
 
+    lines, blocks = [], []
     for result in check(refraction, reading):
         block = result.block
-        click.echo(f"{block.name:<38}{result.agree:4d} of {result.total}")
-        for i in result.misses:
-            click.echo(
-                f"    azimuth {block.az_deg[i]:g}, zenith distance {block.zd_deg[i]:g}: "
-                f"{result.computed[i]:.2f}, printed {block.printed[i]}"
-            )
+        lines.append(f"{block.name:<38}{result.agree:4d} of {result.total}")
+        misses = [
+            {
+                "az_deg": block.az_deg[i],
+                "zd_deg": block.zd_deg[i],
+                "computed": result.computed[i],
+                "printed": block.printed[i],
+            }
+            for i in result.misses
+        ]
+        lines += [
+            f"    azimuth {one['az_deg']:g}, zenith distance {one['zd_deg']:g}: "
+            f"{one['computed']:.2f}, printed {one['printed']}"
+            for one in misses
+        ]
+        blocks.append(
+            {"name": block.name, "agree": result.agree, "total": result.total, "misses": misses}
+        )
+    told["check"] = blocks
+    return lines
 
 
-def _print_refractions() -> None:
-    """Print how far each formula stays from the refraction that the published digits tell."""
+def _refractions(told: dict[str, object]) -> list[str]:
+    """Return how far each formula stays from the refraction that the published digits tell."""
     from pyport.steering.recover import candidates
 
-    click.echo("formula             iterated   farthest off   rms off [mdeg]   cells that agree")
+    lines = ["formula             iterated   farthest off   rms off [mdeg]   cells that agree"]
+    found = []
     for one in candidates():
         worst, rms = 1e3 * one.outside_deg.max(), 1e3 * (one.outside_deg**2).mean() ** 0.5
-        click.echo(
+        lines.append(
             f"{one.name:<20}{one.iterations:8d}{worst:15.4f}{rms:17.4f}"
             f"{one.agree:12d} of {one.total}"
         )
+        found.append(
+            {
+                "name": one.name,
+                "iterations": one.iterations,
+                "worst_mdeg": worst,
+                "rms_mdeg": rms,
+                "agree": one.agree,
+                "total": one.total,
+            }
+        )
+    told["refractions"] = found
+    return lines
 
 
-def _print_difference(
-    table: Table, against: str, refraction: str | None, reading: str, picture: str | None
-) -> None:
-    """Print where `table` differs from another, a file or a model, and draw it."""
+def _difference(
+    table: Table,
+    against: str,
+    refraction: str | None,
+    reading: str,
+    picture: str | None,
+    told: dict[str, object],
+) -> list[str]:
+    """Return where `table` differs from another, a file or a model, and draw it."""
     from pyport import steering
     from pyport.steering.compare import describe
     from pyport.steering.compare import picture as draw
@@ -130,8 +181,24 @@ def _print_difference(
     else:
         old = steering.tabulate(against, refraction, table.grid, reading)
     difference = steering.compare(table, old)
-    for line in describe(difference):
-        click.echo(line)
+    lines = describe(difference)
+    told["against"] = {
+        "old": against,
+        "points": len(difference.grid),
+        **{
+            f"{name}_deg": {
+                "rms": float((values**2).mean() ** 0.5),
+                "largest": float(abs(values).max()),
+            }
+            for name, values in (
+                ("azimuth", difference.az_deg),
+                ("azimuth_on_the_sky", difference.on_sky_deg),
+                ("zenith_distance", difference.zd_deg),
+            )
+        },
+    }
     if picture:
         draw(difference, picture, f"{table.model} - {old.model or Path(against).name}")
-        click.echo(f"picture: {picture}")
+        told["picture"] = picture
+        lines.append(f"picture: {picture}")
+    return lines

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
     from pyport.trials.examine import Score
@@ -40,7 +45,7 @@ def command() -> None:
     """
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials make --kind one --effect refraction -o cases")
 @click.option("--kind", required=True, help="null, one, two, held, unknown, degenerate, ...")
 @click.option("--effect", help="Which cause, by its name; drawn when not given.")
 @click.option("--rho", default=0.5, show_default=True, help="Rms over the noise, base apart.")
@@ -53,6 +58,7 @@ def command() -> None:
 )
 @click.option("--count", default=1, show_default=True, help="How many cases.")
 @click.option("-o", "--out", type=_A_PATH, required=True, help="Folder to write to.")
+@in_json
 def make(
     *,
     kind: str,
@@ -65,6 +71,7 @@ def make(
     seed: int,
     count: int,
     out: Path,
+    as_json: bool,
 ) -> None:
     """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
     from pyport.progress import track
@@ -78,14 +85,15 @@ def make(
         stem = "-".join(filter(None, [kind, effect, f"{each:05d}"]))
         write_recordings(case, out / "recordings" / f"{stem}.csv")
         write_truth(case, out / "truth" / f"{stem}.json")
-    click.echo(f"{count} cases in {out}")
+    say(f"{count} cases in {out}", {"cases": count, "folder": out}, as_json=as_json)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials seal out/set")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_which
 @_ledger
-def seal(folder: Path, which: str, ledger: Path) -> None:
+@in_json
+def seal(folder: Path, which: str, ledger: Path, *, as_json: bool = False) -> None:
     """Draw truths, hide them, and publish the hashes that fix them."""
     from pyport.trials import ledger as book
     from pyport.trials.protocol import SETS
@@ -93,67 +101,85 @@ def seal(folder: Path, which: str, ledger: Path) -> None:
 
     sealed = seal_set(folder, folder.resolve().name, SETS[which]())
     book.enter_seal(ledger, folder, sealed)
-    click.echo(f"{len(sealed['cases'])} cases sealed: publish {folder / 'sealed.json'}")
+    text = f"{len(sealed['cases'])} cases sealed: publish {folder / 'sealed.json'}"
+    told = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
+    say(text, told, as_json=as_json)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials run out/set --jobs 2")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_jobs
-def run(folder: Path, jobs: int) -> None:
+@in_json
+def run(folder: Path, jobs: int, *, as_json: bool = False) -> None:
     """Solve what is not solved yet, each case in a process that cannot see the truth."""
     from pyport.trials.solve import run as solve
 
-    click.echo(f"{solve(folder, jobs)} cases solved")
+    solved = solve(folder, jobs)
+    say(f"{solved} cases solved", {"solved": solved}, as_json=as_json)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials reveal out/set")
 @click.argument("folder", metavar="SET", type=_A_PATH)
-def reveal(folder: Path) -> None:
+@in_json
+def reveal(folder: Path, *, as_json: bool = False) -> None:
     """Fix the answers and open the truths."""
     from pyport.trials.seal import reveal as open_set
 
-    click.echo(f"{open_set(folder)} truths opened in {folder / 'opened'}")
+    opened = open_set(folder)
+    text = f"{opened} truths opened in {folder / 'opened'}"
+    say(text, {"opened": opened, "folder": folder / "opened"}, as_json=as_json)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials score out/set")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_jobs
 @_ledger
-def score(folder: Path, jobs: int, ledger: Path) -> None:
+@in_json
+def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> None:
     """Check every seal, print the score and write it down, good or bad."""
     from pyport.trials import ledger as book
     from pyport.trials.examine import examine
 
     whole = examine(folder, jobs)
     book.enter_score(ledger, folder, whole)
-    show(whole)
+    if as_json:
+        from pyport.trials.examine import as_json as told
+
+        say("", told(whole), as_json=True)
+    else:
+        show(whole)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials prove out/set --set small --jobs 2")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_which
 @_jobs
 @_ledger
+@in_json
 @click.pass_context
-def prove(context: click.Context, folder: Path, which: str, jobs: int, ledger: Path) -> None:
+def prove(
+    context: click.Context, folder: Path, which: str, jobs: int, ledger: Path, *, as_json: bool
+) -> None:
     """Seal, run, reveal and score, from wherever that was interrupted."""
-    if not (folder / "sealed.json").exists():
-        context.invoke(seal, folder=folder, which=which, ledger=ledger)
-    if not (folder / "answers.json").exists():
-        context.invoke(run, folder=folder, jobs=jobs)
-    context.invoke(reveal, folder=folder)
-    context.invoke(score, folder=folder, jobs=jobs, ledger=ledger)
+    with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):
+        if not (folder / "sealed.json").exists():
+            context.invoke(seal, folder=folder, which=which, ledger=ledger)
+        if not (folder / "answers.json").exists():
+            context.invoke(run, folder=folder, jobs=jobs)
+        context.invoke(reveal, folder=folder)
+    context.invoke(score, folder=folder, jobs=jobs, ledger=ledger, as_json=as_json)
 
 
-@command.command()
+@command.command(epilog="Example: pyport trials page out/set -o docs/proof.md")
 @click.argument("folders", metavar="SET...", type=_A_PATH, nargs=-1, required=True)
 @click.option("-o", "--out", type=_A_PATH, default=PAGE, show_default=True, help="The page.")
-def page(folders: tuple[Path, ...], out: Path) -> None:
+@in_json
+def page(folders: tuple[Path, ...], out: Path, *, as_json: bool) -> None:
     """Write the public record of sets that were scored: numbers, pictures, one case by hand."""
     from pyport.trials.page import write
 
     write(folders, out)
-    click.echo(f"{out}")
+    say(f"{out}", {"page": out}, as_json=as_json)
 
 
 def show(whole: Score) -> None:

@@ -21,7 +21,7 @@ from pyport.diagnosis.scene import (
     size,
     wild_antennas,
 )
-from pyport.diagnosis.search import Step
+from pyport.diagnosis.steps import Step
 
 #: Columns this parallel are one and the same.
 PARALLEL = 0.999

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from pyport.diagnosis.evidence import Blocks, Evidence
 from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
+from pyport.fitting.refit import Refit
 from pyport.fitting.stacking import Codes, Stack, group, stack
 from pyport.recordings.schema import Recordings
 
@@ -24,6 +26,10 @@ OUTLIER_WEIGHT = 0.05
 DRAWS = 300
 #: Sessions of a single antenna up to which an effect of the sky may differ between them.
 MOST_SESSIONS = 12
+
+
+#: The noise of each series, and robust weights of the readings.
+_Fitted = tuple[tuple[Noise, ...], Array]
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,8 @@ class Setup:
         The series that noise is fitted to.
     seed
         Of the draws of noise.
+    noises
+        Noise that was fitted before, by what was chosen, with what it was fitted beside.
     """
 
     recordings: Recordings
@@ -79,6 +87,14 @@ class Setup:
     scan: Codes
     parts: tuple[Series, ...]
     seed: int
+    noises: dict[tuple[tuple[int, str], ...], tuple[tuple[Chosen, ...], _Fitted]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+
+    @cached_property
+    def data(self) -> Array:
+        """Return the columns and, last, the residuals, shape (m, K + 1)."""
+        return np.concatenate([self.columns, self.residual[:, None]], axis=1)
 
     def part(self, chosen: Chosen) -> Part:
         """Return the columns of a choice and who shares their coefficients."""
@@ -93,9 +109,13 @@ class Setup:
         block = np.resize(self.block, len(source))
         out = [np.zeros((len(source), 0))]
         for chosen in choices:
-            groups = self.blocks.groups(chosen.scope)[block]
-            columns = source[:, chosen.candidate.columns]
-            out += [columns * (groups == one)[:, None] for one in range(int(groups.max()) + 1)]
+            groups = self.blocks.groups(chosen.scope)
+            columns = source.take(chosen.candidate.columns, axis=1)
+            width = columns.shape[1]
+            wide = np.zeros((len(source), width * (int(groups.max()) + 1)))
+            places = groups[block][:, None] * width + np.arange(width)
+            np.put_along_axis(wide, places, columns, axis=1)
+            out.append(wide)
         return np.concatenate(out, axis=1)
 
 
@@ -186,24 +206,34 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
-    known = setup.expanded([*setup.base, *chosen])
-    candidates = setup.columns[:, np.concatenate([c.columns for c in setup.candidates])]
-    noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
-    data = np.concatenate([setup.columns, setup.residual[:, None]], axis=1)
-    white = whiten(data, weights, setup.parts, noises)
-    block = np.concatenate([setup.block, setup.block])
-    one = whiten(np.ones((len(data), 1)), weights, setup.parts, noises)[len(data) :, 0]
+    noises, weights = _noise(setup, chosen)
+    white = whiten(setup.data, weights, setup.parts, noises)
     evidence = Evidence(
         white,
-        block,
+        np.concatenate([setup.block, setup.block]),
+        np.concatenate([setup.stack.is_y, setup.stack.is_y]).astype(np.intp),
         setup.blocks,
-        common=_common_excess(setup, (*setup.base, *chosen), white, one),
+        common=_common_excess(setup, (*setup.base, *chosen), white, weights, noises),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
         draws=DRAWS,
         dof=_dof(setup.parts, noises, setup.blocks),
         rng=np.random.default_rng(setup.seed),
     )
-    return Weighed(tuple(noises), weights, white, evidence)
+    return Weighed(noises, weights, white, evidence)
+
+
+def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], Array]:
+    """Fit the noise beside some effects, or remember it: columns that join later do not touch it.
+
+    Effects are told apart by what they are, not by what they look like.
+    """
+    key = tuple((id(one.candidate), one.scope) for one in chosen)
+    if key not in setup.noises:
+        known = setup.expanded([*setup.base, *chosen])
+        candidates = setup.columns[:, np.concatenate([c.columns for c in setup.candidates])]
+        noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
+        setup.noises[key] = tuple(chosen), (tuple(noises), weights)
+    return setup.noises[key][1]
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:
@@ -217,15 +247,20 @@ def _scans(recordings: Recordings, data: Stack) -> Codes:
 
 
 def _common_excess(
-    setup: Setup, fitted: Sequence[Chosen], white: Array, weight: Array
+    setup: Setup,
+    fitted: Sequence[Chosen],
+    white: Array,
+    weights: Array,
+    noises: Sequence[Noise],
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
     if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
         return common_mode.Excess()
     columns = setup.expanded(fitted, of=white)
-    left = white[:, -1] - columns @ np.linalg.lstsq(columns, white[:, -1], rcond=1e-9)[0]
+    left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
     means = slice(len(setup.columns), None)
-    return common_mode.excess(left[means], weight, white[means, :-1], setup.scan)
+    one = whiten(np.ones((len(setup.columns), 1)), weights, setup.parts, noises)[means, 0]
+    return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
 
 
 def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:

@@ -15,11 +15,13 @@ from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
-from pyport.diagnosis.search import FAMILY_ERROR, Outcome, search
-from pyport.diagnosis.significance import gain_needed, threshold
+from pyport.diagnosis.search import search
+from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
+from pyport.diagnosis.steps import Outcome, Step
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Below this many measured numbers beyond the model's own parameters nothing can be said.
 FEWEST_SPARE = 5
@@ -52,6 +54,8 @@ class Diagnosis:
         Predictions of unseen readings by both fits.
     unseen
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
+    steps
+        The turns of the search, each with everything that was tried in it.
     """
 
     setup: Setup
@@ -66,6 +70,7 @@ class Diagnosis:
     wild: tuple[str, ...]
     heldout: HeldOut
     unseen: tuple[Array, Array]
+    steps: tuple[Step, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -77,6 +82,7 @@ class Diagnosis:
         return self.setup.residual - fit.predicted
 
 
+@one_thread
 def diagnose(
     recordings: Recordings,
     model: Model,
@@ -138,6 +144,7 @@ def diagnose(
             rms(scene.floor[both], scene.share[both]),
         ),
         unseen=unseen,
+        steps=outcome.steps,
     )
 
 

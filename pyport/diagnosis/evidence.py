@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.common_mode import Excess
-from pyport.fitting.gram import Gram, Part, index, inverted
+from pyport.fitting.gram import Gram, Part, index, inverse_of
+from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes
 
 #: Shares of a coefficient's holders that a candidate is tried with.
@@ -120,6 +122,7 @@ class Evidence:
         self,
         white: Array,
         block: Codes,
+        kind: Codes,
         blocks: Blocks,
         pointings: int,
         *,
@@ -128,18 +131,41 @@ class Evidence:
         dof: Array,
         rng: np.random.Generator,
     ):
-        self.gram = Gram.of(white, block, len(blocks))
         self.blocks = blocks
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self.noise = self._draw(white, block, draws, rng)
-        self.luck = np.ones(draws)
-        if np.isfinite(common.dof):
-            self.luck = common.dof / rng.chisquare(common.dof, draws)
+        self._given = white, block, kind, draws, rng
 
-    def _draw(self, white: Array, block: Codes, draws: int, rng: np.random.Generator) -> Array:
-        """Return products of the columns with drawn noise, shape (blocks, K, draws).
+    @property
+    def gram(self) -> Gram:
+        """Return the products of all columns and the data."""
+        return self._products[0]
+
+    @property
+    def noise(self) -> Array:
+        """Return the products of the columns with drawn noise, shape (blocks, K, draws)."""
+        return self._products[1]
+
+    @property
+    def luck(self) -> Array:
+        """Return by what each draw's gain is off because the common mode is, shape (draws,)."""
+        return self._products[2]
+
+    @cached_property
+    def _products(self) -> tuple[Gram, Array, Array]:
+        """Return what is made of the whitened columns when it is first asked for; let those go."""
+        white, block, kind, draws, rng = self._given
+        del self._given
+        cut = slabs(white, block, kind)
+        noise = self._draw(cut, white.shape[1] - 1, draws, rng)
+        luck = np.ones(draws)
+        if np.isfinite(self.common.dof):
+            luck = self.common.dof / rng.chisquare(self.common.dof, draws)
+        return Gram.summed(cut, len(self.blocks), white.shape[1]), noise, luck
+
+    def _draw(self, cut: Sequence[Slab], size: int, draws: int, rng: np.random.Generator) -> Array:
+        """Return products of the columns with drawn noise, shape (blocks, size, draws).
 
         The scale of each block's noise is known from `dof` deviations only,
         which the draws repeat. Rows that are zero but for rounding get none: rounding
@@ -147,14 +173,13 @@ class Evidence:
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
-        out = np.empty((len(self.blocks), white.shape[1] - 1, draws))
+        out = np.zeros((len(self.blocks), size, draws))
         for one in range(len(self.blocks)):
-            columns = white[block == one, :-1]
-            power = np.einsum("nk,nk->n", columns, columns)
-            columns = columns[power > 1e-18 * power.max(initial=0.0)]
-            out[one] = columns.T @ (
-                rng.standard_normal((len(columns), draws)) * scale[antenna[one]]
-            )
+            own = without([slab for slab in cut if slab.block == one], last=size)
+            rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))
+            drawn = rng.standard_normal((len(rows), draws)) * scale[antenna[one]]
+            for slab in own:
+                out[one, slab.columns] += slab.values.T @ drawn[np.searchsorted(rows, slab.rows)]
         return out
 
     def beside(self, model: Sequence[Part]) -> Beside:
@@ -171,7 +196,7 @@ class _Left:
     own
         Products of the columns within each group, shape (G, K, K).
     cross, solved
-        Products with the model's columns, and the model's inverse times them, (G, M, K).
+        Products with the model's columns, and the model's inverse times them, (K, M, G).
     seen
         Products with the data's residuals, shape (G, K).
     drawn
@@ -186,15 +211,13 @@ class _Left:
 
     def between(self, some: Codes, others: Codes) -> Array:
         """Return the projected products of two choices of columns, (G k, G l)."""
-        groups, model = self.cross.shape[:2]
-        left = self.cross[:, :, some].transpose(1, 0, 2).reshape(model, groups * len(some))
-        right = self.solved[:, :, others].transpose(1, 0, 2).reshape(model, groups * len(others))
-        out = -(left.T @ right)
-        for group in range(groups):
-            rows = slice(group * len(some), (group + 1) * len(some))
-            columns = slice(group * len(others), (group + 1) * len(others))
-            out[rows, columns] += self.own[group][np.ix_(some, others)]
-        return out
+        _, model, groups = self.cross.shape
+        left = self.cross[some].transpose(2, 0, 1).reshape(groups * len(some), model)
+        right = self.solved[others].transpose(1, 2, 0).reshape(model, groups * len(others))
+        out = -(left @ right).reshape(groups, len(some), groups, len(others))
+        each = np.arange(groups)
+        out[each, :, each] += self.own[:, some[:, None], others]
+        return out.reshape(groups * len(some), groups * len(others))
 
 
 class Beside:
@@ -203,7 +226,7 @@ class Beside:
     def __init__(self, evidence: Evidence, model: Sequence[Part]):
         self.evidence = evidence
         self.model = model
-        self.inverse = inverted(evidence.gram.cross(model, model))[0]
+        self.inverse = inverse_of(evidence.gram.cross(model, model))[0]
         self.values = self.inverse @ evidence.gram.moments(model)
         self.drawn_values = self.inverse @ evidence.gram.moments(model, evidence.noise)
         self._left: dict[str, _Left] = {}
@@ -222,15 +245,22 @@ class Beside:
         seen = np.zeros((count, size))
         drawn = np.zeros((count, size, evidence.noise.shape[2]))
         cross = np.zeros((count, len(self.values), size))
+        solved = np.empty_like(cross)
+        places, columns = index(self.model, len(groups))
         for block, (group, matrix) in enumerate(zip(groups, evidence.gram.matrices, strict=True)):
             own[group] += matrix[:-1, :-1]
             seen[group] += matrix[:-1, -1]
             drawn[group] += evidence.noise[block]
-            places, columns = index(self.model, block)
-            cross[group, places] += matrix[columns, :-1]
-        seen -= np.einsum("gmk,m->gk", cross, self.values)
-        drawn -= cross.transpose(0, 2, 1) @ self.drawn_values
-        return _Left(own, cross, self.inverse @ cross, seen, drawn)
+            cross[group, places[block]] += matrix[columns, :-1]
+        for group in range(count):
+            # A group meets no more of the model than its own blocks' coefficients.
+            met = np.unique(places[groups == group])
+            within = cross[group, met]
+            seen[group] -= within.T @ self.values[met]
+            drawn[group] -= within.T @ self.drawn_values[met]
+            solved[group] = self.inverse[:, met] @ within
+        cross, solved = (np.ascontiguousarray(one.transpose(2, 1, 0)) for one in (cross, solved))
+        return _Left(own, cross, solved, seen, drawn)
 
     def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
         """Return what each (candidate, scope) would gain, if it shows at all."""
@@ -280,5 +310,5 @@ class Beside:
         own, rival = winner.candidate.columns, other.candidate.columns
         drawn = left.between(rival, own) @ winner.values
         length = float(winner.values @ left.between(own, own) @ winner.values)
-        nearest = float(drawn @ inverted(left.between(rival, rival))[0] @ drawn)
+        nearest = float(drawn @ inverse_of(left.between(rival, rival))[0] @ drawn)
         return nearest / max(length, 1e-300)

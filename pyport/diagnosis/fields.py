@@ -190,6 +190,9 @@ class Ground:
         self.basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
         self.setup, self.weighed = setup, weighed
         self.left = self._without(weighed.white[:, -1:])[:, 0]
+        is_y = np.concatenate([setup.stack.is_y, setup.stack.is_y])
+        there = np.any(self.basis != 0, axis=1) | (self.left != 0)
+        self.rows = [np.flatnonzero((is_y == axis) & there) for axis in (False, True)]
 
     def _without(self, columns: Array) -> Array:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
@@ -200,6 +203,21 @@ class Ground:
         seen = self._without(whiten(columns, weighed.weights, setup.parts, weighed.noises))
         excess = weighed.evidence.common.factor
         return seen.T @ seen / excess, seen.T @ self.left / excess
+
+    def axis_by_axis(self, columns: Array) -> tuple[Array, Array]:
+        """Return the same for columns (m, K) that act on each axis apart: on x first, then on y."""
+        from scipy.linalg import block_diag
+
+        setup, weighed = self.setup, self.weighed
+        white = whiten(columns, weighed.weights, setup.parts, weighed.noises)
+        of_axis = [white[rows] for rows in self.rows]
+        own = [one.T @ one for one in of_axis]
+        shared = [self.basis[rows].T @ one for rows, one in zip(self.rows, of_axis, strict=True)]
+        seen = [self.left[rows] @ one for rows, one in zip(self.rows, of_axis, strict=True)]
+        modelled = np.concatenate(shared, axis=1)
+        information = block_diag(*own) - modelled.T @ modelled
+        excess = weighed.evidence.common.factor
+        return information / excess, np.concatenate(seen) / excess
 
     def gain(self, columns: Array) -> float:
         """Return what columns (m, K) gain beside the model."""
@@ -214,14 +232,14 @@ class Ground:
         """Yield what every field is worth, in each axis and in both."""
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
-        measured = {name: there for name, there in axes.items() if there.any()}
+        measured = [name for name, there in axes.items() if there.any()]
         for kind, field in families(self.setup):
-            blocks = {n: field.columns * there[:, None] for n, there in measured.items()}
-            block = np.concatenate(list(blocks.values()), axis=1)
-            of_axis = np.repeat(list(blocks), field.columns.shape[1])
+            block = np.concatenate([field.columns * one[:, None] for one in axes.values()], axis=1)
+            of_axis = np.repeat(list(axes), field.columns.shape[1])
             felt = np.count_nonzero(np.abs(block) > 0.1, axis=0) >= FEWEST
             block, of_axis = block[:, felt], of_axis[felt]
-            information, moments = self.products(block)
+            information, moments = self.axis_by_axis(field.columns)
+            information, moments = information[np.ix_(felt, felt)], moments[felt]
             several = ["both axes"] if len(measured) > 1 else []
             for name in [*measured, *several]:
                 own = np.flatnonzero((of_axis == name) | (name == "both axes"))

@@ -21,7 +21,7 @@ from pyport.diagnosis.scene import (
     parameters_of,
     size,
 )
-from pyport.diagnosis.search import Step
+from pyport.diagnosis.steps import Step
 
 
 def collect(scene: Scene) -> list[Finding]:
@@ -54,7 +54,8 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         if p.expected is not None
     ]
     heldout = held_out(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
-    named = effect.physical and all(one.passed for one in checks)
+    few = len(called.members) <= identify.MOST_MEMBERS
+    named = effect.physical and few and all(one.passed for one in checks)
     verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
     where = Where(
         axes(setup, seen),

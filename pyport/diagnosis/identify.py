@@ -11,6 +11,9 @@ from pyport.diagnosis.evidence import Beside, Trial
 from pyport.effects import degeneracies
 from pyport.fitting.gram import inverted
 
+#: Evidence is compared to so many decimals: of effects that draw one and the same curve the
+#: catalogue's first stands, whatever rounding says.
+TIE = 6
 #: Squared cosine from which two curves count as one: a cosine of 0.95.
 ALIKE = 0.95**2
 #: Squared cosine from which they are one and the same, whatever sizes physics allows them.
@@ -20,11 +23,15 @@ IDENTICAL = 0.99
 DECISIVE, DECISIVE_SHARE = 60.0, 0.02
 #: An effect that falls behind by less than this in evidence is not excluded.
 NOT_EXCLUDED = 8.0
+#: A class of more effects than this says nothing.
+MOST_MEMBERS = 6
 #: One whose evidence is less than this explains nothing.
 WORTHLESS = -2.0
 
 #: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
 KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
+#: What else was left out may bend a known coefficient by up to this factor.
+BENT = 2.0
 #: An effect of known size whose sigma is a larger share of it than this could not have been seen.
 KNOWN_SIGHT = 0.5
 
@@ -50,7 +57,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in trials if t.candidate.effect.physical),
-        key=lambda t: -t.evidence,
+        key=lambda t: -round(t.evidence, TIE),
     )
     outside: list[Trial] = []
     for rival in rivals:
@@ -83,6 +90,9 @@ def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:
 def fits_physics(trial: Trial) -> bool:
     """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
     candidate = trial.candidate
+    known_of = [candidate.effect.coefficients[n].expected for n in candidate.coefficients]
+    if all(known is None for known in known_of):
+        return True
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
     for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
         which = candidate.coefficients[n % len(candidate.coefficients)]
@@ -92,6 +102,22 @@ def fits_physics(trial: Trial) -> bool:
         known, sigma_of = coefficient.expected, error / coefficient.scale
         unseen = sigma_of > KNOWN_SIGHT * known
         if unseen or not agrees(value / coefficient.scale, sigma_of, known):
+            return False
+    return True
+
+
+def seen(trial: Trial) -> bool:
+    """Tell whether a trial's coefficients of known size come out with the right sign, and large."""
+    candidate = trial.candidate
+    sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
+    for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
+        which = candidate.coefficients[n % len(candidate.coefficients)]
+        coefficient = candidate.effect.coefficients[which]
+        known = coefficient.expected
+        if known is None:
+            continue
+        share = value / coefficient.scale / known
+        if error / coefficient.scale > KNOWN_SIGHT * known or not 1 / BENT < share < BENT:
             return False
     return True
 

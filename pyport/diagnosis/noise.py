@@ -181,17 +181,19 @@ def whiten(
 
 def _whiten_series(out: Array, columns: Array, weights: Array, part: Series, noise: Noise) -> None:
     means, variance, deviations = by_pointing(columns[part.rows], weights[part.rows], part, noise)
-    out[part.rows] = deviations
+    if deviations is not None:
+        out[part.rows] = deviations
     first = part.rows[np.unique(part.pointing, return_index=True)[1]]
     out[len(columns) + first] = decorrelate(means, variance, part, noise)
 
 
 def by_pointing(
     columns: Array, weights: Array, part: Series, noise: Noise
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Array | None]:
     """Return each pointing's mean, the variance of that mean, and whitened deviations from it.
 
     A lone reading has no deviation; its scatter is `within` and `between` together.
+    Where all stand alone there are no deviations.
     """
     count = np.bincount(part.pointing)
     if count.max() == 1:
@@ -199,7 +201,7 @@ def by_pointing(
         weights = weights[order]
         variance = (noise.between**2 + noise.within**2) / np.maximum(weights, 1e-12)
         variance = np.where(weights < OUTLIER, FAR, variance)
-        return columns[order], variance, np.zeros_like(columns)
+        return columns[order], variance, None
     within = np.where(noise.within > 0, noise.within, 1.0)
     precision = np.maximum(weights, 1e-12) / within**2
     total = np.bincount(part.pointing, precision)
@@ -255,4 +257,5 @@ def factor(
     driver.factor(time, rate, variance + power.sum(axis=1), power, ones, d, w)
     z = np.ascontiguousarray(columns)
     z = driver.solve_lower(time, rate, power, w, z, np.empty_like(z))
-    return d, z / np.sqrt(d)[:, None]
+    z /= np.sqrt(d)[:, None]
+    return d, z

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,9 @@ from pyport.diagnosis.noise import (
 from pyport.fitting import robust
 from pyport.fitting.stacking import Codes
 
+#: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
+#: below 1e-13.
+BEYOND = 60.0
 #: Strengths of a drift, over the scatter of pointings, that are weighed against each other.
 RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5)
 #: So many memories are, from this many steps between pointings on.
@@ -87,10 +91,10 @@ def draft(
     within = _within(residual, weight, part, count, floor)
     data = np.concatenate([columns, value[:, None]], axis=1)
     means, variance, _ = by_pointing(data, weight, part, Noise(0.0, 1.0))
-    likelihood = _Likelihood(means, np.where(variance >= FAR, np.inf, variance), part.time)
+    likelihood = _Likelihood.of(means, np.where(variance >= FAR, np.inf, variance), part.time)
     if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
         grid = grid[:1]
-    lack, scale = np.array([likelihood.at(*one) for one in grid]).T
+    lack, scale = _weighed(likelihood, grid)
     # No drift is as likely beforehand as all drifts together.
     prior = np.full(len(grid), 1 / max(len(grid) - 1, 1))
     prior[0] = 1.0
@@ -105,6 +109,28 @@ def draft(
         float(likelihood.dof),
         "replicates" if count.max() > 1 else "reml",
     )
+
+
+def _weighed(likelihood: _Likelihood, grid: Array) -> tuple[Array, Array]:
+    """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
+
+    For each memory the strengths are gone through upward and downward from
+    where the last one's likeliest was; one that is out of the question and
+    further off than another such is not tried: its lack is infinite.
+    """
+    lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
+    lack[0], scale[0] = likelihood.at(*grid[0])
+    start = 0
+    for memory in dict.fromkeys(grid[1:, 1]):
+        own = 1 + np.flatnonzero(grid[1:, 1] == memory)
+        lack[own[start]], scale[own[start]] = likelihood.at(*grid[own[start]])
+        for way in (own[start:], own[start::-1]):
+            for last, one in itertools.pairwise(way):
+                lack[one], scale[one] = likelihood.at(*grid[one])
+                if lack[one] > max(lack[last], lack.min() + BEYOND):
+                    break
+        start = int(np.argmin(lack[own]))
+    return lack, scale
 
 
 def grid_of(parts: Sequence[Series]) -> Array:
@@ -144,27 +170,30 @@ class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
 
     `means` holds the design and, last, the data, shape (n, q + 1); `variance`
-    is relative, infinite for outliers.
+    is relative.
     """
 
     means: Array
     variance: Array
     time: Array | None
 
+    @classmethod
+    def of(cls, means: Array, variance: Array, time: Array | None) -> _Likelihood:
+        """Return the likelihood of pointings' means; those of infinite variance are outliers."""
+        kept = np.isfinite(variance)
+        return cls(
+            np.ascontiguousarray(means[kept]), variance[kept], None if time is None else time[kept]
+        )
+
     @property
     def dof(self) -> int:
         """Return the deviations that tell of the noise."""
-        return max(1, int(np.isfinite(self.variance).sum()) - self.means.shape[1] + 1)
+        return max(1, len(self.variance) - self.means.shape[1] + 1)
 
     def at(self, ratio: float, time_s: float) -> tuple[float, float]:
         """Return minus twice the log-likelihood and the scale, for a drift `ratio` times it."""
-        kept = np.isfinite(self.variance)
-        d, white = factor(
-            self.means[kept],
-            self.variance[kept],
-            None if self.time is None else self.time[kept],
-            [(ratio, time_s)] if ratio > 0 else [],
-        )
+        drifts = [(ratio, time_s)] if ratio > 0 else []
+        d, white = factor(self.means, self.variance, self.time, drifts)
         gram = white.T @ white
         triangle = np.linalg.cholesky(gram[:-1, :-1] + 1e-12 * np.eye(len(gram) - 1))
         projected = np.linalg.solve(triangle, gram[:-1, -1])

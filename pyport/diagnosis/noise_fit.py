@@ -128,15 +128,15 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     base = base[:, np.any(base != 0, axis=0)]
     orthonormal = _orthonormal(base)
     room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
-    length = np.linalg.norm(shapes, axis=0)
+    shapes = shapes[:, np.any(shapes != 0, axis=0)]
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
-    new = new[:, left > 1e-3 * np.maximum(length, 1e-300)]
-    if room == 0 or new.shape[1] == 0:
+    kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)
+    if room == 0 or not kept.any():
         return orthonormal
-    new /= np.linalg.norm(new, axis=0)
+    new = new[:, kept] / left[kept]
     room = min(room, MOST_SHAPES)
-    slow = (new[1:] * new[:-1]).sum(axis=0) > SLOW
+    slow = np.einsum("nk,nk->k", new[1:], new[:-1]) > SLOW
     first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
     rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
     second = most_different(rest, room - first.shape[1], DIFFERENT)

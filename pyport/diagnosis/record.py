@@ -39,7 +39,7 @@ def write(diagnosis: Diagnosis, folder: Path, array: ArrayReport | None = None) 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the report of a diagnosis."""
     recordings, model = diagnosis.setup.recordings, diagnosis.setup.model
-    correlation, names = _correlation(diagnosis)
+    names, matrix = correlation(diagnosis)
     return {
         "schema": SCHEMA,
         "input": _input(recordings, diagnosis),
@@ -66,7 +66,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "antennas": _antennas(diagnosis),
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
-        "correlation": {"names": names, "matrix": correlation},
+        "correlation": {"names": names, "matrix": matrix},
         "condition_number": diagnosis.after.solution.condition,
     }
 
@@ -142,8 +142,8 @@ def _antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return antennas(diagnosis) if len(named) > 1 else []
 
 
-def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
-    """Return the correlations of what one antenna in one session sees, base and findings.
+def correlation(diagnosis: Diagnosis) -> tuple[list[str], list[list[float]]]:
+    """Return names and correlations of what one antenna in one session sees, base and findings.
 
     Coefficients of other antennas are independent of these, so one block, the
     one with the most readings, shows what hangs together.
@@ -163,7 +163,7 @@ def _correlation(diagnosis: Diagnosis) -> tuple[list[list[float]], list[str]]:
     sigma = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     kept = np.flatnonzero(known)
     matrix = (covariance / np.outer(sigma, sigma))[np.ix_(kept, kept)]
-    return np.clip(matrix, -1, 1).tolist(), [names[n] for n in kept]
+    return [names[n] for n in kept], np.clip(matrix, -1, 1).tolist()
 
 
 def finite(value: Any) -> Any:  # noqa: ANN401 - whatever JSON holds

@@ -66,14 +66,11 @@ def refine(
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
         return setup, plain, 1.0, 0.0
-    view = plain_view(setup, weighed, chosen)
-    if effect.id.startswith("epoch") and effect.parameter is not None:
-        tried = _moments(setup, view, effect)
-        numbers = 1
-    elif effect.id == "subreflector_jump" and effect.edge is not None:
-        tried, numbers = _edges(setup, view, effect)
-    else:
+    step = effect.id.startswith("epoch") and effect.parameter is not None
+    if not step and not (effect.id == "subreflector_jump" and effect.edge is not None):
         return setup, plain, 1.0, 0.0
+    view = plain_view(setup, weighed, chosen)
+    tried, numbers = (_moments(setup, view, effect), 1) if step else _edges(setup, view, effect)
     # A drift pulls as a step does: what was found as if there were none is weighed with it.
     which = list(winner.candidate.coefficients)
     found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one in tried]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
 from pyport.fitting.models import Model, load
-from pyport.progress import track
+from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.given import NOTHING, Given
@@ -61,7 +61,7 @@ def requests(
         A file or model is missing, two files would share a folder, or `refit`
         names an effect that the model does not hold.
     """
-    held = _refit(load(model), refit)
+    held = ids_of(load(model), refit)
     files = [resolve(name) for name in names]
     stems = [file.stem for file in files]
     for stem in stems:
@@ -73,7 +73,7 @@ def requests(
     ]
 
 
-def _refit(model: Model, refit: str) -> tuple[str, ...] | None:
+def ids_of(model: Model, refit: str) -> tuple[str, ...] | None:
     """Return the ids of the effects to refit; None for all of them."""
     if refit == "all":
         return None
@@ -89,7 +89,12 @@ def _refit(model: Model, refit: str) -> tuple[str, ...] | None:
 
 def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
     """Diagnose every file and yield the results in the order of the requests."""
-    if jobs == 1 or len(wanted) == 1:
+    if len(wanted) == 1:
+        with working(f"diagnosing {wanted[0].file.name}") as tell:
+            done = run_one(wanted[0], tell)
+        yield done
+        return
+    if jobs == 1:
         yield from map(run_one, track(wanted, "diagnosing"))
         return
     from concurrent.futures import ProcessPoolExecutor
@@ -98,17 +103,21 @@ def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
         yield from track(pool.map(run_one, wanted), "diagnosing", total=len(wanted))
 
 
-def run_one(request: Request) -> Done:
+def run_one(request: Request, tell: Callable[[str], None] = lambda _: None) -> Done:
     """Diagnose one file and write its folder."""
+    from pyport import page
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
     recordings = read(request.file, request.given)
-    diagnosis = diagnose(recordings, load(request.model), refit=request.refit, seed=request.seed)
+    diagnosis = diagnose(
+        recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
+    )
     array = report_array(diagnosis.setup, diagnosis.after, request.survey)
     diagnosis = with_site(diagnosis, array)
     report = record.write(diagnosis, request.folder, array)
     write_findings(diagnosis, request.folder)
+    page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html")
     text = summary(diagnosis)
     if array is not None:
         write_places(array, request.folder)

@@ -14,7 +14,7 @@ from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.joint import Joint, rms, sigmas
-from pyport.diagnosis.search import Outcome, Step
+from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
 
 #: An axis belongs to a finding when it shows this share of what the other axis shows.

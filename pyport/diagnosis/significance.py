@@ -9,6 +9,10 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.evidence import Trial
 
+#: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
+#: are promised because no noise is quite as it was fitted.
+FAMILY_ERROR = 0.01
+
 
 def family_p_value(trials: Sequence[Trial]) -> float:
     """Return the probability that pure noise gives a search as good as the best of these.

@@ -42,12 +42,48 @@ def listing(names: Sequence[str] = ()) -> str:
     BadInput
         There is no effect of such a name.
     """
+    return "\n".join(_paragraph(effect) for effect in _called(names))
+
+
+def entries(names: Sequence[str] = ()) -> list[dict[str, object]]:
+    """Return some effects, by default all, for other programs.
+
+    Raises
+    ------
+    BadInput
+        There is no effect of such a name.
+    """
+    return [
+        {
+            "id": effect.id,
+            "sentence": effect.sentence,
+            "x": effect.formula[0],
+            "y": effect.formula[1],
+            "needs": list(effect.needs),
+            "coefficients": [
+                {"name": one.name, "unit": one.unit, "expected": one.expected}
+                for one in effect.coefficients
+            ],
+            "shared": effect.common,
+            "physical": effect.physical,
+            "looks_like": [
+                {"effect": other, "where": WHERE[how.where], "decide_by": how.decide}
+                for other, how in alike(effect.id)
+            ],
+            "source": effect.citation,
+        }
+        for effect in _called(names)
+    ]
+
+
+def _called(names: Sequence[str]) -> list[Effect]:
+    """Return the effects of some names, all of them for none."""
     for name in names:
         if name not in CATALOGUE:
             near = difflib.get_close_matches(name, CATALOGUE)
             meant = f"; did you mean {' or '.join(near)}?" if near else ""
             raise BadInput(f"no effect is called {name!r}{meant}")
-    return "\n".join(_paragraph(CATALOGUE[name]) for name in names or CATALOGUE)
+    return [CATALOGUE[name] for name in names or CATALOGUE]
 
 
 def _paragraph(effect: Effect) -> str:

@@ -14,6 +14,7 @@ from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: Residuals beyond this many sigmas have no weight (Tukey's biweight, flat up to three).
 REACH = 6.0
@@ -30,7 +31,8 @@ class Coefficients:
     labels
         Values of the labels that the term is split by.
     value, sigma
-        In internal units, shape (k,); NaN where the data leave them open.
+        In internal units, shape (k,), what the model gave included; NaN where
+        the data leave them open.
     """
 
     term: Term
@@ -67,6 +69,7 @@ class Fit:
     condition: float
 
 
+@one_thread
 def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = None) -> Fit:
     """Fit a model's terms to recordings.
 
@@ -98,7 +101,8 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     start = 0
     for term, labels in owners:
         stop = start + len(term.effect.coefficients)
-        found.append(Coefficients(term, labels, values[start:stop], sigma[start:stop]))
+        given = 0.0 if term.values is None else np.array(term.values)
+        found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
     return Fit(recordings, model, data, tuple(found), inverse, left, weight, condition)

@@ -8,18 +8,21 @@ for all blocks, one per session, one per antenna, or one per block.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.fitting.slabs import Slab, slabs
 from pyport.fitting.stacking import Codes
 
 #: Directions with less than this share of a column's length count as fitted already.
 RANK_TOLERANCE = 1e-9
+#: What must be left of a column's squared length for products alone to tell it apart.
+PLAIN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -42,10 +45,10 @@ class Part:
         """Return the number of coefficients."""
         return len(self.columns) * (int(self.groups.max()) + 1)
 
-    def places(self, block: int) -> Codes:
-        """Return where the coefficients of a block stand among all of this part's."""
+    def places(self) -> Codes:
+        """Return where each block's coefficients stand among all of this part's, (blocks, k)."""
         k = len(self.columns)
-        return self.groups[block] * k + np.arange(k)
+        return self.groups[:, None] * k + np.arange(k)
 
 
 @dataclass(frozen=True)
@@ -62,8 +65,8 @@ class Solution:
         Sum of squares that is left.
     rank
         Number of independent columns.
-    condition
-        Condition number of the columns, each scaled to unit length.
+    normal
+        Products of the columns, shape (P, P).
     """
 
     values: Array
@@ -71,7 +74,12 @@ class Solution:
     known: NDArray[np.bool_]
     residual: float
     rank: int
-    condition: float
+    normal: Array
+
+    @cached_property
+    def condition(self) -> float:
+        """Return the condition number of the columns, each scaled to unit length."""
+        return inverted(self.normal)[2]
 
 
 class Gram:
@@ -81,25 +89,30 @@ class Gram:
         self.matrices = matrices
 
     @classmethod
-    def of(cls, whitened: Array, blocks: Codes, n_blocks: int) -> Gram:
-        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,)."""
-        order = np.argsort(blocks, kind="stable")
-        edges = np.searchsorted(blocks[order], np.arange(n_blocks + 1))
-        ordered = whitened[order]
-        return cls(
-            np.stack(
-                [ordered[low:high].T @ ordered[low:high] for low, high in itertools.pairwise(edges)]
-            )
-        )
+    def of(cls, whitened: Array, blocks: Codes, n_blocks: int, kinds: Codes | None = None) -> Gram:
+        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,).
+
+        Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
+        """
+        kinds = np.zeros_like(blocks) if kinds is None else kinds
+        return cls.summed(slabs(whitened, blocks, kinds), n_blocks, whitened.shape[1])
+
+    @classmethod
+    def summed(cls, cut: Sequence[Slab], n_blocks: int, size: int) -> Gram:
+        """Return the matrices of whitened columns (m, size) that were cut into slabs."""
+        out = np.zeros((n_blocks, size, size))
+        for slab in cut:
+            out[slab.block][np.ix_(slab.columns, slab.columns)] += slab.values.T @ slab.values
+        return cls(out)
 
     def cross(self, left: Sequence[Part], right: Sequence[Part]) -> Array:
         """Return the assembled products of two choices of parts, shape (P, Q)."""
-        out = np.zeros((sum(p.size for p in left), sum(p.size for p in right)))
-        for block, matrix in enumerate(self.matrices):
-            rows, row_columns = index(left, block)
-            places, place_columns = index(right, block)
-            out[np.ix_(rows, places)] += matrix[np.ix_(row_columns, place_columns)]
-        return out
+        (rows, row_columns), (places, columns) = self._index(left), self._index(right)
+        shape = sum(p.size for p in left), sum(p.size for p in right)
+        own = self.matrices[:, row_columns[:, None], columns]
+        flat = rows[:, :, None] * shape[1] + places[:, None, :]
+        total = np.bincount(flat.ravel(), own.ravel(), shape[0] * shape[1])
+        return np.asarray(total, float).reshape(shape)
 
     def moments(self, parts: Sequence[Part], vectors: Array | None = None) -> Array:
         """Return the assembled products with the data, shape (P,).
@@ -107,12 +120,18 @@ class Gram:
         `vectors`, (blocks, K, draws), stands for other data than the recorded
         ones; the result is then (P, draws).
         """
-        data = self.matrices[:, :-1, -1:] if vectors is None else vectors
-        out = np.zeros((sum(p.size for p in parts), data.shape[2]))
-        for block in range(len(self.matrices)):
-            places, columns = index(parts, block)
-            out[places] += data[block][columns]
-        return out[:, 0] if vectors is None else out
+        places, columns = self._index(parts)
+        size = sum(p.size for p in parts)
+        if vectors is None:
+            own = self.matrices[:, columns, -1]
+            return np.asarray(np.bincount(places.ravel(), own.ravel(), size), float)
+        out = np.zeros((size, vectors.shape[2]))
+        for block, own in zip(places, vectors, strict=True):
+            out[block] += own[columns]
+        return out
+
+    def _index(self, parts: Sequence[Part]) -> tuple[Codes, Codes]:
+        return index(parts, len(self.matrices))
 
     def total(self) -> float:
         """Return the sum of squares of the data."""
@@ -122,20 +141,46 @@ class Gram:
         """Return the least-squares solution for a choice of parts."""
         normal = self.cross(parts, parts)
         right = self.moments(parts)
-        inverse, rank, condition, known = inverted(normal)
+        inverse, rank, known = inverse_of(normal)
         values = inverse @ right
-        return Solution(
-            values, inverse, known, self.total() - float(right @ values), rank, condition
-        )
+        return Solution(values, inverse, known, self.total() - float(right @ values), rank, normal)
 
 
-def index(parts: Sequence[Part], block: int) -> tuple[Codes, Codes]:
-    """Return the places of a block's coefficients and the columns that they multiply."""
+def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:
+    """Return where each block's coefficients stand, (blocks, p), and the columns they multiply."""
     if not parts:
-        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+        return np.zeros((blocks, 0), np.intp), np.zeros(0, np.intp)
     starts = np.cumsum([0, *(part.size for part in parts[:-1])])
-    places = [start + part.places(block) for start, part in zip(starts, parts, strict=True)]
-    return np.concatenate(places), np.concatenate([part.columns for part in parts])
+    places = [start + part.places() for start, part in zip(starts, parts, strict=True)]
+    return np.concatenate(places, axis=1), np.concatenate([part.columns for part in parts])
+
+
+def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:
+    """Return what `inverted` returns but the condition number, sooner where columns differ well."""
+    size = len(normal)
+    length = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    if size and length.all():
+        scale = np.outer(length, length)
+        triangle = cholesky(normal / scale)
+        if triangle is not None:
+            root = np.linalg.solve(triangle, np.eye(size))
+            return root.T @ root / scale, size, np.ones(size, bool)
+    inverse, rank, _, known = inverted(normal)
+    return inverse, rank, known
+
+
+def cholesky(scaled: Array) -> Array | None:
+    """Return the triangle of products of unit columns; None where some are nearly the others'.
+
+    Columns whose squared lengths, each beside those before it, stay above
+    `PLAIN` are told apart by their products to ten digits and more.
+    """
+    try:
+        triangle = np.linalg.cholesky(scaled)
+    except np.linalg.LinAlgError:
+        return None
+    apart = np.diag(triangle).min(initial=1.0) ** 2 > PLAIN
+    return np.asarray(triangle, float) if apart else None
 
 
 def inverted(normal: Array) -> tuple[Array, int, float, NDArray[np.bool_]]:

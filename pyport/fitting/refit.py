@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-
-#: Columns whose squared lengths, each beside those before it, stay above this share are told
-#: apart by their products to ten digits and more; others need the columns themselves.
-PLAIN = 1e-4
+from pyport.fitting.gram import cholesky
 
 
 class Refit:
@@ -25,14 +22,14 @@ class Refit:
         self.value = value
         self.products = columns.T @ columns
         self.rank = columns.shape[1]
-        if _cholesky(self.products) is None:
+        if not _told_apart(self.products):
             self.rank = int(np.linalg.matrix_rank(columns)) if columns.size else 0
 
     def residual(self, weight: Array) -> Array:
         """Return what the weighted least-squares fit leaves of the data, shape (m,)."""
         columns, value = self.columns, self.value
         products = self._weighted(weight)
-        if _cholesky(products) is None:
+        if not _told_apart(products):
             root = np.sqrt(weight)
             solution = np.linalg.lstsq(columns * root[:, None], value * root, rcond=1e-9)[0]
         else:
@@ -49,13 +46,7 @@ class Refit:
         return np.asarray(root.T @ root)
 
 
-def _cholesky(products: Array) -> Array | None:
-    """Return the triangle of well-told-apart columns' products; None for others."""
+def _told_apart(products: Array) -> bool:
+    """Tell whether products alone tell the columns apart."""
     length = np.sqrt(np.diag(products))
-    if not np.all(length > 0):
-        return None
-    try:
-        triangle = np.linalg.cholesky(products / np.outer(length, length))
-    except np.linalg.LinAlgError:
-        return None
-    return triangle if np.diag(triangle).min(initial=1.0) ** 2 > PLAIN else None
+    return bool(np.all(length > 0)) and cholesky(products / np.outer(length, length)) is not None

@@ -7,16 +7,18 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.effects import Coefficient
+from pyport.fitting import advice, leftover
 from pyport.fitting.fit import Coefficients, Fit
 
 
 def text(fit: Fit) -> str:
     """Return a table of values and sigmas, the rms, and how well the data determine it all."""
-    lines = []
-    for one in fit.coefficients:
-        for n, coefficient in enumerate(one.term.effect.coefficients):
-            label = f"[{' '.join(one.labels)}]" if any(one.labels) else ""
-            lines.append(_line(coefficient.name + label, one, n))
+    lines = [_line(name, one, n) for name, one, n in advice.named(fit)]
+    lines += [
+        f"{coefficient.name:34s} {value / coefficient.scale:12.4f} {coefficient.unit}, fixed"
+        for coefficient, value in fixed(fit)
+    ]
     left = {"cross-elevation": ~fit.stack.is_y, "elevation": fit.stack.is_y}
     lines.append("")
     for axis, rows in left.items():
@@ -26,7 +28,19 @@ def text(fit: Fit) -> str:
             over = f"{counted.sum()} of {rows.sum()} offsets"
             lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
     lines.append(f"condition number {fit.condition:.3g}")
+    lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
+    lines += leftover.text(fit)
     return "\n".join(lines)
+
+
+def fixed(fit: Fit) -> list[tuple[Coefficient, float]]:
+    """Return the coefficients that were held, with their values in internal units."""
+    held = [(term.effect.coefficients, term.values) for term in fit.model.terms if term.fixed]
+    return [
+        pair
+        for names, values in held
+        for pair in zip(names, values or (0.0,) * len(names), strict=True)
+    ]
 
 
 def _line(name: str, one: Coefficients, n: int) -> str:
@@ -34,12 +48,16 @@ def _line(name: str, one: Coefficients, n: int) -> str:
     value, sigma = one.value[n], one.sigma[n]
     if not math.isfinite(value):
         return f"{name:34s} not determined by these recordings"
+    times = f"{abs(value) / sigma:7.1f} sigmas" if sigma > 0 else ""
+    if coefficient.unit == "deg":
+        value, sigma = value / DEG, sigma / DEG
+        return f"{name:34s} {value:14.7f} +- {sigma:.7f} deg {times}"
     if coefficient.unit != "arcsec":
         value, sigma = value / coefficient.scale, sigma / coefficient.scale
-        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {coefficient.unit}"
+        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {coefficient.unit} {times}"
     return (
         f"{name:34s} {value / ARCSEC:10.2f} +- {sigma / ARCSEC:6.2f} arcsec "
-        f"= {value / DEG:11.6f} +- {sigma / DEG:.6f} deg"
+        f"= {value / DEG:11.6f} +- {sigma / DEG:.6f} deg {times}"
     )
 
 
@@ -58,7 +76,17 @@ def as_json(fit: Fit) -> dict[str, object]:
             for one in fit.coefficients
             for n, coefficient in enumerate(one.term.effect.coefficients)
         ],
+        "fixed": [
+            {"name": one.name, "value": value / one.scale, "unit": one.unit}
+            for one, value in fixed(fit)
+        ],
+        "correlation": {
+            "names": [name for name, _, _ in advice.named(fit)],
+            "matrix": np.round(advice.correlation(fit), 6).tolist(),
+        },
         "condition_number": _number(fit.condition),
+        "warnings": list(advice.warnings(fit)),
+        "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
     }
 
 

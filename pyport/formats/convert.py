@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +10,14 @@ import numpy as np
 from pyport.errors import BadInput
 from pyport.formats import models, tables
 from pyport.formats.field_system import err
-from pyport.formats.model_file import translated
+from pyport.formats.model_file import translated, without_counterpart
+from pyport.recordings.files import read_raw
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
+from pyport.recordings.masks import set_aside
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
+from pyport.recordings.where import where
 
 FORMATS = (*tables.FORMATS, *models.FORMATS)
 
@@ -63,9 +66,12 @@ def convert(
     path = Path(source)
     if not path.is_file():
         raise BadInput("no such file, expected recordings or a pointing model", path)
-    raw = tables.read(path, given.format, given.columns)
-    raw = replace(raw, meta=raw.meta | dict(given.keys))
-    interpret(raw)  # what no reading could use is refused before it is spread
+    raw = read_raw(path, given)
+    recordings = interpret(raw)  # what no reading could use is refused before it is spread
+    if given.where:
+        raw = set_aside(
+            raw, {one.line: one.reason for one in where(recordings, given.where).set_aside}
+        )
     if model:
         err.write(err.fitted(raw, models.read(model)), target)
         return Done("recordings", len(raw.line), "fs-err", ())
@@ -111,6 +117,5 @@ def _model(source: str, target: Path, read_as: str, write_as: str, *, leave_out:
     except BadInput as error:
         raise BadInput(error.message, models.split(source)[0]) from None
     chosen.write(done, target)
-    kept = len(done.entries)
-    lost = tuple(entry.name for entry in file.entries if entry.used) if not kept else ()
-    return Done("model", kept, chosen.name, lost)
+    lost = tuple(without_counterpart(file, vocabulary))
+    return Done("model", sum(one.used for one in done.entries), chosen.name, lost)

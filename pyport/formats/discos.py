@@ -9,9 +9,9 @@ from xml.sax.saxutils import escape
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats.field_system.ctl import FITTED, OFF, is_held, numbered
+from pyport.formats.field_system.ctl import FITTED, OFF, entries, numbered
 from pyport.formats.lines import Line
-from pyport.formats.model_file import Entry, ModelFile
+from pyport.formats.model_file import ModelFile
 from pyport.formats.terms.field_system import NUMBER
 from pyport.recordings.formats.csv import read_text
 
@@ -58,10 +58,7 @@ def _model(element: ET.Element, receiver: str, path: Path) -> ModelFile:
     ]
     return ModelFile(
         "field-system",
-        tuple(
-            Entry(f"P{n}", value, "deg", fixed=is_held(mark, marks), used=mark != OFF)
-            for n, (value, mark) in enumerate(zip(values, marks, strict=True), 1)
-        ),
+        entries(values, marks),
         title=receiver,
         phi_deg=whole.decimal(_text(element, "phi", path), "phi"),
         details={"flags": marks},

@@ -53,7 +53,7 @@ def looks_like(path: Path) -> bool:
     if not head:
         return False
     names = next((line for line in head if not line.startswith("#")), "")
-    return head[0].startswith("# antenna =") or "delta_azimuth" in names.replace(" ", "").split(",")
+    return head[0].startswith("# antenna =") or "delta_azimuth" in map(str.strip, names.split(","))
 
 
 def read(path: Path) -> Raw:

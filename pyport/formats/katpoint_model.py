@@ -15,9 +15,9 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.lines import Line, lines_of
 from pyport.formats.model_file import Entry, ModelFile
+from pyport.formats.terms.field_system import KATPOINT_NUMBER as NUMBER
 from pyport.formats.terms.field_system import RATIOS
 
-NUMBER = 22
 #: Where an antenna's description has its pointing model.
 MODEL_FIELD = 6
 
@@ -95,7 +95,6 @@ def angle(line: Line, text: str) -> Decimal:
 def _configuration(lines: list[Line], path: Path) -> ModelFile:
     """Return the model of a file with [header] and [params]."""
     parser = configparser.ConfigParser(inline_comment_prefixes=(";", "#"), interpolation=None)
-    parser.optionxform = str  # type: ignore[assignment,method-assign]
     try:
         parser.read_string("\n".join(line.text for line in lines))
         params, header = dict(parser["params"]), dict(parser["header"])
@@ -104,7 +103,7 @@ def _configuration(lines: list[Line], path: Path) -> ModelFile:
         raise BadInput(f"no katpoint model with [header] and [params]: {reason}", path) from None
     values = {}
     for name, text in params.items():
-        if not re.fullmatch(r"P([1-9]|1\d|2[0-2])", name):
+        if not re.fullmatch(r"[pP]([1-9]|1\d|2[0-2])", name):
             raise BadInput(f"[params] has {name[:20]!r}, expected P1 to P{NUMBER}", path)
         values[int(name[1:])] = text
     return ModelFile("katpoint", tuple(entries(lines[0], values)), details={"header": header})
@@ -130,7 +129,10 @@ def description(file: ModelFile) -> str:
 def _text(entry: Entry) -> str:
     if not entry.value:
         return "0"
-    return sexagesimal(entry.value) if entry.unit else f"{entry.value}"
+    if entry.unit:
+        return sexagesimal(entry.value)
+    short = f"{float(entry.value):.9g}"
+    return short if Decimal(short) == entry.value else f"{entry.value}"
 
 
 def sexagesimal(arcsec: Decimal) -> str:

@@ -66,6 +66,13 @@ def spelled(value: Decimal) -> str:
     return format(value, "f")
 
 
+def padded(value: Decimal, width: int, decimals: int, sign: str = "") -> str:
+    """Return a number of some width with at least so many decimals, and all that it has."""
+    exponent = value.as_tuple().exponent
+    own = -exponent if isinstance(exponent, int) else 0
+    return f"{value:{sign}{width}.{max(decimals, own)}f}"
+
+
 def raw_of(
     path: Path, meta: dict[str, str], columns: dict[str, list[str]], lines: list[int], header: int
 ) -> Raw:

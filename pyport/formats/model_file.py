@@ -23,13 +23,13 @@ _RADIAN_DEG = Decimal("57.295779513082320876798")
 WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
     "field-system": field_system.word,
-    "katpoint": partial(field_system.word, ratios=True),
+    "katpoint": field_system.katpoint_word,
     "ska-mid": ska_mid.word,
 }
 NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
     "field-system": field_system.name_of,
-    "katpoint": partial(field_system.name_of, last=22),
+    "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
     "ska-mid": ska_mid.name_of,
 }
 
@@ -137,24 +137,40 @@ def translated(file: ModelFile, vocabulary: str, *, leave_out: bool = False) -> 
     """
     if file.vocabulary == vocabulary:
         return file
-    found: dict[str, Entry] = {}
-    lost: list[str] = []
-    for entry in file.entries:
-        word = file.word(entry)
-        if not entry.used or (not word.parts and entry.value == 0):
-            continue
-        names = [NAMES[vocabulary](shape) for shape, _ in word.parts]
-        if not names or None in names:
-            lost.append(entry.name)
-            continue
-        for (_, weight), (name, sign) in zip(word.parts, filter(None, names), strict=True):
-            one = _renamed(entry, name, sign * weight, vocabulary)
-            found[name] = one if name not in found else _sum(found[name], one)
+    lost = without_counterpart(file, vocabulary)
     if lost and not leave_out:
         raise BadInput(
             f"{vocabulary} has no counterpart of {', '.join(lost)}: leave them out with --leave-out"
         )
+    found: dict[str, Entry] = {}
+    for entry in _counted(file):
+        for name, weight in _counterparts(file, entry, vocabulary):
+            one = _renamed(entry, name, weight, vocabulary)
+            found[name] = one if name not in found else _sum(found[name], one)
     return ModelFile(vocabulary, tuple(found.values()), file.title)
+
+
+def without_counterpart(file: ModelFile, vocabulary: str) -> list[str]:
+    """Return the terms that a vocabulary has no name for."""
+    if file.vocabulary == vocabulary:
+        return []
+    return [entry.name for entry in _counted(file) if not _counterparts(file, entry, vocabulary)]
+
+
+def _counted(file: ModelFile) -> list[Entry]:
+    """Return the terms that a model has switched on, and that do something."""
+    return [
+        entry
+        for entry in file.entries
+        if entry.used and (file.word(entry).parts or entry.value != 0)
+    ]
+
+
+def _counterparts(file: ModelFile, entry: Entry, vocabulary: str) -> list[tuple[str, float]]:
+    """Return the names that together stand for a term, each with its weight; none without them."""
+    found = [(NAMES[vocabulary](shape), weight) for shape, weight in file.word(entry).parts]
+    named = [(name[0], name[1] * weight) for name, weight in found if name is not None]
+    return named if len(named) == len(found) else []
 
 
 def _renamed(entry: Entry, name: str, sign: float, vocabulary: str) -> Entry:

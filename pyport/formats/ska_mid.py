@@ -53,7 +53,8 @@ def _entry(name: str, told: Any, path: Path) -> Entry:  # noqa: ANN401 - whateve
     sigma, used = told.get("stderr"), told.get("used", True)
     if not isinstance(sigma, Decimal | None) or not isinstance(used, bool):
         raise BadInput(f"{name} has a stderr or used that is none", path)
-    return Entry(name, told["value"], unit, sigma, fixed=not used)
+    value = told["value"]
+    return Entry(name, value, unit, sigma, fixed=not used, used=used or value != 0)
 
 
 def write(file: ModelFile, path: Path) -> None:

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.formats import katpoint_csv, tpoint_dat
+from pyport.formats import exact, katpoint_csv, tpoint_dat
 from pyport.formats.field_system import xtr
+from pyport.recordings.columns import LABELS
 from pyport.recordings.formats import csv
 from pyport.recordings.formats import tables as typed
 from pyport.recordings.raw import Raw
@@ -28,8 +34,8 @@ class TableFormat:
     write: Callable[[Table, Path], list[str]] | None
 
 
-def _whole(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
-    """Return the writer of a format that holds everything."""
+def _as_text(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
+    """Return the writer of a format that holds every cell as it stands."""
 
     def written(table: Table, path: Path) -> list[str]:
         write(table, path)
@@ -38,12 +44,35 @@ def _whole(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list
     return written
 
 
+def _with_types(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
+    """Return the writer of a format whose columns have types: numbers become numbers."""
+
+    def written(table: Table, path: Path) -> list[str]:
+        columns = {name: typed_column(name, cells) for name, cells in table.columns.items()}
+        write(Table(table.meta, columns), path)
+        return []
+
+    return written
+
+
+def typed_column(name: str, cells: NDArray[Any]) -> NDArray[Any]:
+    """Return a column of text as floats if it holds nothing but numbers that floats can hold."""
+    if cells.dtype.kind != "U" or name in LABELS:
+        return cells
+    numbers = [exact.number(cell) for cell in cells.tolist()]
+    if any(one is None and cell.strip() for one, cell in zip(numbers, cells, strict=True)):
+        return cells
+    if any(one is not None and Decimal(repr(float(one))) != one for one in numbers):
+        return cells
+    return np.array([np.nan if one is None else float(one) for one in numbers])
+
+
 FORMATS = {
     one.name: one
     for one in (
-        TableFormat("csv", ".csv", csv.read, _whole(csv.write)),
-        TableFormat("ecsv", ".ecsv", typed.read_ecsv, _whole(typed.write_ecsv)),
-        TableFormat("parquet", ".parquet", typed.read_parquet, _whole(typed.write_parquet)),
+        TableFormat("csv", ".csv", csv.read, _as_text(csv.write)),
+        TableFormat("ecsv", ".ecsv", typed.read_ecsv, _with_types(typed.write_ecsv)),
+        TableFormat("parquet", ".parquet", typed.read_parquet, _with_types(typed.write_parquet)),
         TableFormat("tpoint-dat", ".dat", tpoint_dat.read, tpoint_dat.write),
         TableFormat("fs-xtr", ".xtr", xtr.read_xtr, xtr.write),
         TableFormat("fs-err", ".err", xtr.read_err, None),

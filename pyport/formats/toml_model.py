@@ -38,10 +38,11 @@ def read(path: Path) -> ModelFile:
         text = path.read_text(encoding="utf-8")
         tree = tomllib.loads(text, parse_float=Decimal)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadInput(f"not a TOML file: {error}", path) from None
+        raise BadInput(f"{error}: expected TOML", path) from None
     vocabulary = str(tree.get("vocabulary"))
     if vocabulary not in WORDS:
-        raise BadInput(f"no vocabulary is called {vocabulary!r}, known: {', '.join(WORDS)}", path)
+        wanted = f"expected one of {', '.join(WORDS)}"
+        raise BadInput(f"no vocabulary is called {vocabulary[:20]!r}, {wanted}", path)
     rows = tree.get("term")
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise BadInput("no [[term]] table: a model lists its terms, one table each", path)

@@ -165,7 +165,7 @@ def write(table: Table, path: Path) -> list[str]:
     read_el = [_read(e, d) for e, d in zip(el, d_el, strict=True)]
     decimals = exact.decimals_of(az, el, read_az, read_el, least=7)
     extra = [name for name in table.columns if name == ROTATOR or name.startswith(AUXILIARY)]
-    rest = [exact.cells(table, name) for name in extra]
+    rest = [_further(table, name) for name in extra]
     notes = exact.cells(table, NOTE) if NOTE in table.columns else [""] * len(az)
     remarks = {key: text for key, text in table.meta.items() if key.startswith(REMARK)}
     head = [table.meta.get(TITLE, table.meta.get("telescope", "pyport"))]
@@ -182,6 +182,16 @@ def write(table: Table, path: Path) -> list[str]:
         out.writelines(f"{remarks[key]}\n" for key in _before(remarks, len(az)))
         out.write("END\n")
     return exact.left_out(table, (*exact.OFFSETS_HELD, *extra, NOTE))
+
+
+def _further(table: Table, name: str) -> list[str]:
+    """Return a further column: text as it stands, numbers with leading zeros."""
+    told = exact.cells(table, name)
+    if table.columns[name].dtype.kind in "UO":
+        return told
+    numbers = [exact.number(cell) for cell in told]
+    decimals = exact.decimals_of(numbers, least=7)
+    return ["" if one is None else _padded(one, 3, decimals) for one in numbers]
 
 
 def _before(remarks: dict[str, str], stars: int) -> list[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats.lines import Line, lines_of
+from pyport.formats.lines import Line, lines_of, padded
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.formats.terms import tpoint
 
@@ -77,7 +77,7 @@ def write(file: ModelFile, path: Path) -> None:
     stars, rms, a, b = (given.get(name, Decimal(0)) for name in STATISTICS)
     with write_whole(path) as out:
         out.write(f"{file.title or 'pyport'}\n")
-        out.write(f"T{int(stars):5d}{_digits(rms, 9, 4)}{_digits(a, 9, 3)}{_digits(b, 9, 4)}\n")
+        out.write(f"T{int(stars):5d}{padded(rms, 9, 4)}{padded(a, 9, 3)}{padded(b, 9, 4)}\n")
         for entry in file.entries:
             if entry.used:
                 out.write(_line(entry) + "\n")
@@ -86,12 +86,5 @@ def write(file: ModelFile, path: Path) -> None:
 
 def _line(entry: Entry) -> str:
     marks = ("&" if entry.parallel else " ") + ("=" if entry.fixed else " ")
-    sigma = "" if entry.sigma is None or entry.fixed else _digits(entry.sigma, 12, 5)
-    return f"{marks}{entry.name:8s}{_digits(entry.value, 10, 4, '+')}{sigma}"
-
-
-def _digits(value: Decimal, width: int, decimals: int, sign: str = "") -> str:
-    """Return a number with at least so many decimals, and all that it has."""
-    exponent = value.as_tuple().exponent
-    own = -exponent if isinstance(exponent, int) else 0
-    return f"{value:{sign}{width}.{max(decimals, own)}f}"
+    sigma = "" if entry.sigma is None or entry.fixed else padded(entry.sigma, 12, 5)
+    return f"{marks}{entry.name:8s}{padded(entry.value, 10, 4, '+')}{sigma}"

@@ -9,9 +9,11 @@ from pyport.errors import BadInput
 from pyport.recordings import gmrt
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
+from pyport.recordings.masks import masked
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import tabulate
+from pyport.recordings.where import where
 
 
 def resolve(name: str | Path) -> Path:
@@ -54,11 +56,12 @@ def read(name: str | Path, given: Given = NOTHING) -> Recordings:
     BadInput
         With file and line: what is wrong and what was expected.
     """
-    return interpret(read_raw(resolve(name), given))
+    recordings = interpret(read_raw(resolve(name), given))
+    return where(recordings, given.where) if given.where else recordings
 
 
 def read_raw(path: Path, given: Given = NOTHING) -> Raw:
-    """Read the cells of a file as they stand, with what was said about it.
+    """Read the cells of a file as they stand, with what was said about it and its mask.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def read_raw(path: Path, given: Given = NOTHING) -> Raw:
     from pyport.formats import tables
 
     raw = tables.read(path, given.format, given.columns)
-    return replace(raw, meta=raw.meta | dict(given.keys))
+    return masked(replace(raw, meta=raw.meta | dict(given.keys)))
 
 
 def write(recordings: Recordings, path: str | Path) -> None:

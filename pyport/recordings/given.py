@@ -18,11 +18,14 @@ class Given:
         Names of the columns of a CSV file without a line of names.
     format
         The file's format, where its suffix does not tell it.
+    where
+        An expression: rows for which it does not hold are set aside.
     """
 
     keys: Mapping[str, str] = field(default_factory=dict)
     columns: tuple[str, ...] = ()
     format: str = ""
+    where: str = ""
 
 
 NOTHING = Given()

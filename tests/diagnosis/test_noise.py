@@ -33,7 +33,9 @@ def recordings(n, readings, y, session=None):
     )
 
 
-@pytest.mark.parametrize("noise", [Noise(0.3, 0.5), Noise(0.3, 0.5, ((0.8, 300.0),)), Noise(0, 1.0)])
+@pytest.mark.parametrize(
+    "noise", [Noise(0.3, 0.5), Noise(0.3, 0.5, ((0.8, 300.0),)), Noise(0, 1.0)]
+)
 def test_whitened_products_are_those_of_the_inverse_covariance(noise):
     """C'C of whitened columns equals C' V^-1 C with the dense covariance."""
     rng = np.random.default_rng(0)
@@ -60,7 +62,9 @@ def test_sessions_do_not_hang_together():
     given = recordings(12, 1, np.zeros(12), label)
     columns = np.eye(12)
 
-    white = whiten(columns, np.ones(12), series(given, stack(given)), [Noise(0, 1, ((1.0, 600.0),))])
+    white = whiten(
+        columns, np.ones(12), series(given, stack(given)), [Noise(0, 1, ((1.0, 600.0),))]
+    )
     products = white.T @ white
 
     np.testing.assert_allclose(products[:6, 6:], 0, atol=1e-12)

@@ -108,6 +108,36 @@ def _triangle(lines: list[Line]) -> Array:
     return matrix + np.tril(matrix, -1).T
 
 
+def _found(folder: Path) -> tuple[Path, list[str]]:
+    """Return where the grid would be and the names of the fits, or refuse an empty folder."""
+    grid = folder / GRID
+    names = sorted(one.stem for one in folder.glob("*.xtr") if one.with_suffix(".err").is_file())
+    if not grid.is_file() and not names:
+        raise BadInput(f"neither {GRID} nor a pair NAME.xtr and NAME.err", folder)
+    return grid, names
+
+
+def as_json(folder: Path) -> dict[str, object]:
+    """Return the comparison for other programs; errors as of `text`."""
+    grid, names = _found(folder)
+    fits = [compared(folder, name) for name in names]
+    return {
+        "responses": [vars(one) for one in responses(grid)] if grid.is_file() else [],
+        "fits": [
+            {
+                "name": one.name,
+                "parameters": list(one.names),
+                "theirs_deg": one.value[0].tolist(),
+                "ours_deg": one.value[1].tolist(),
+                "their_sigma_deg": one.sigma[0].tolist(),
+                "our_sigma_deg": one.sigma[1].tolist(),
+                "worst_correlation": float(np.abs(one.correlation[1] - one.correlation[0]).max()),
+            }
+            for one in fits
+        ],
+    }
+
+
 def text(folder: Path) -> Iterator[str]:
     """Yield the lines of the comparison: unit responses, then every fit in the folder.
 
@@ -116,10 +146,7 @@ def text(folder: Path) -> Iterator[str]:
     BadInput
         There is neither a grid of unit responses nor a pair of xtr and err.
     """
-    grid = folder / GRID
-    names = sorted(one.stem for one in folder.glob("*.xtr") if one.with_suffix(".err").is_file())
-    if not grid.is_file() and not names:
-        raise BadInput(f"neither {GRID} nor a pair NAME.xtr and NAME.err", folder)
+    grid, names = _found(folder)
     if grid.is_file():
         yield from _responses_text(responses(grid))
     for name in names:

@@ -15,7 +15,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.field_system.sections import section, sections
-from pyport.formats.lines import Line, lines_of
+from pyport.formats.lines import Line, lines_of, padded
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.formats.terms.field_system import NUMBER
 
@@ -64,12 +64,17 @@ def from_lines(lines: Sequence[Line], path: Path, comments: str = "") -> ModelFi
     marks = [int(flag) for flag in flags]
     return ModelFile(
         "field-system",
-        tuple(
-            Entry(f"P{n}", value, "deg", fixed=is_held(mark, marks), used=mark != OFF)
-            for n, (value, mark) in enumerate(zip(values, marks, strict=True), 1)
-        ),
+        entries(values, marks),
         phi_deg=control.decimal(phi, "phi"),
         details={"number_and_date": _date(date), "flags": marks, "comments": comments},
+    )
+
+
+def entries(values: Sequence[Decimal], marks: Sequence[int]) -> tuple[Entry, ...]:
+    """Return P1, P2, ... with these values and flags."""
+    return tuple(
+        Entry(f"P{n}", value, "deg", fixed=is_held(mark, marks), used=mark != OFF)
+        for n, (value, mark) in enumerate(zip(values, marks, strict=True), 1)
     )
 
 
@@ -108,10 +113,10 @@ def to_lines(file: ModelFile) -> Iterator[str]:
     yield "* "
     groups = [marks[n : n + _A_LINE] for n in range(0, len(marks), _A_LINE)]
     flags = "  ".join(" ".join(map(str, group)) for group in groups)
-    yield f"  {fixed(file.phi_deg, 8, 4)}  {flags}"
+    yield f"  {padded(file.phi_deg, 8, 4)}  {flags}"
     yield "* "
     for n in range(0, len(values), _A_LINE):
-        yield "".join(f"  {fixed(value, 13, 10)}" for value in values[n : n + _A_LINE]) + " "
+        yield "".join(f"  {padded(value, 13, 10)}" for value in values[n : n + _A_LINE]) + " "
         yield "* "
 
 
@@ -125,10 +130,3 @@ def numbered(file: ModelFile) -> tuple[list[Decimal], list[int]]:
         values[place] = entry.value
         marks[place] = (HELD if entry.fixed else FITTED) if entry.used else OFF
     return values, list(told) if told else marks
-
-
-def fixed(value: Decimal, width: int, decimals: int) -> str:
-    """Return a number with at least so many decimals, and all that it has."""
-    exponent = value.as_tuple().exponent
-    own = -exponent if isinstance(exponent, int) else 0
-    return f"{value:{width}.{max(decimals, own)}f}"

@@ -11,7 +11,7 @@ import math
 from pyport.formats.terms.shapes import Shape, Wave, product
 from pyport.formats.terms.words import Word
 
-NUMBER = 30
+NUMBER, KATPOINT_NUMBER = 30, 22
 #: Those that scale an angle, which katpoint gives as a ratio.
 RATIOS = frozenset({"P9", "P12"})
 
@@ -48,8 +48,8 @@ _SLIDE = product("xel", Wave("S", "A"))
 _POLE = product("el", Wave("S", "E"), Wave("C", "A"))
 
 
-def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, *, ratios: bool = False) -> Word | None:
-    """Return the word of P1..P30, None for any other name; `ratios` as katpoint has P9 and P12.
+def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, unit: str = "deg") -> Word | None:
+    """Return the word of P1..P30, None for any other name.
 
     P24..P30 have no part: the Field System reserves them.
     """
@@ -58,7 +58,6 @@ def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, *, ratios: bool = False) -> 
     number = int(name[1:])
     if number > NUMBER:
         return None
-    unit = "" if ratios and name in RATIOS else "deg"
     parts: tuple[tuple[Shape, float], ...] = ()
     if number in _SHAPES:
         parts = (_SHAPES[number],)
@@ -71,7 +70,13 @@ def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, *, ratios: bool = False) -> 
     return Word(name, parts, unit)
 
 
-def name_of(shape: Shape, last: int = 23) -> tuple[str, int] | None:
+def katpoint_word(name: str) -> Word | None:
+    """Return the word of katpoint's P1..P22: arcseconds, and ratios for P9 and P12."""
+    one = word(name, unit="" if name in RATIOS else "arcsec")
+    return one if one is not None and int(name[1:]) <= KATPOINT_NUMBER else None
+
+
+def name_of(shape: Shape, last: int = NUMBER) -> tuple[str, int] | None:
     """Return the parameter of an alt-azimuth mount for a shape and its sign, None without one."""
     number, sign = _NUMBER_OF.get(shape, (NUMBER + 1, 0))
     return (f"P{number}", sign) if number <= last else None

@@ -1,0 +1,275 @@
+"""pyport in Python and in notebooks: tables in, answers out that draw themselves.
+
+>>> import pyport
+>>> found = pyport.diagnose("gmrt-2003-06-01", model="gmrt-paper")
+>>> found.mismatch
+True
+
+A table is a file's name, a data frame (pandas), an astropy or Arrow
+table, or a dictionary of columns; its columns are called as in a file of
+recordings, units and all: `az_deg`, `el_deg`, `d_xel_arcsec`, `d_el_arcsec`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pyport.recordings.from_table import Header, Table, from_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pyport.diagnosis import diagnose as steps
+    from pyport.diagnosis.finding import Finding
+    from pyport.fitting import fit as fitting
+    from pyport.fitting.models import Model
+    from pyport.page.picture import Picture
+    from pyport.page.story import Story
+    from pyport.planning.look import Look as Found
+
+
+class Shown:
+    """An answer that draws itself in a notebook and says itself at a prompt."""
+
+    def __repr__(self) -> str:
+        """Return the answer in words."""
+        return self.summary()
+
+    def summary(self) -> str:
+        """Return the answer in words, as the command prints it."""
+        raise NotImplementedError
+
+    @property
+    def drawn(self) -> tuple[Picture, Story]:
+        """Return what the page draws and says."""
+        raise NotImplementedError
+
+    def page(self, path: str | Path) -> Path:
+        """Write the page, one HTML file that needs no network, and return its path."""
+        from pyport.page import write
+
+        return write(*self.drawn, Path(path))
+
+    def panels(self) -> list[str]:
+        """Return the names of the panels that `plot` draws."""
+        from pyport.plots import panels
+
+        return list(panels(*self.drawn))
+
+    def plot(self, panel: str) -> Figure:
+        """Return a panel of the page as a matplotlib figure.
+
+        Raises
+        ------
+        KeyError
+            There is no such panel; `panels` has their names.
+        """
+        from pyport.plots import panels
+
+        return panels(*self.drawn)[panel]()
+
+    def _repr_html_(self) -> str:
+        """Return the whole page in a frame, for Jupyter."""
+        from pyport.page.frame import framed
+
+        return framed(*self.drawn)
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Shown):
+    """What a model leaves out of some recordings.
+
+    Attributes
+    ----------
+    result
+        Everything that was computed: noise, fits, residuals, the turns of the search.
+    """
+
+    result: steps.Diagnosis
+
+    @property
+    def mismatch(self) -> bool:
+        """Tell whether anything is missing from the model."""
+        return self.result.mismatch
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what was found, strongest first."""
+        return self.result.findings
+
+    @property
+    def p_value(self) -> float:
+        """Return the chance that noise alone looks like this, over the whole search."""
+        return self.result.p_value
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """Return the report as `report.json` holds it."""
+        from pyport.diagnosis.record import as_json, finite
+
+        report: dict[str, Any] = finite(as_json(self.result))
+        return report
+
+    @cached_property
+    def drawn(self) -> tuple[Picture, Story]:
+        """Return what the page draws and says."""
+        from pyport.page import of_diagnosis
+
+        return of_diagnosis(self.result)
+
+    def summary(self) -> str:
+        """Return the diagnosis in words, as the command prints it."""
+        from pyport.diagnosis.summary import summary
+
+        return summary(self.result)
+
+    def save(self, folder: str | Path) -> Path:
+        """Write report.json, rows.csv and report.html into a folder, and return it."""
+        from pyport.diagnosis.record import write
+
+        write(self.result, Path(folder))
+        self.page(Path(folder) / "report.html")
+        return Path(folder)
+
+
+@dataclass(frozen=True, repr=False)
+class Fit(Shown):
+    """A model fitted to recordings.
+
+    Attributes
+    ----------
+    result
+        Everything that was computed: coefficients, covariance, residuals, weights.
+    """
+
+    result: fitting.Fit
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """Return the fit as `fit.json` holds it."""
+        from pyport.fitting.table import as_json
+
+        return as_json(self.result)
+
+    @cached_property
+    def drawn(self) -> tuple[Picture, Story]:
+        """Return what the page draws and says."""
+        from pyport.page import of_fit
+
+        return of_fit(self.result)
+
+    def summary(self) -> str:
+        """Return the table of coefficients, as the command prints it."""
+        from pyport.fitting.table import text
+
+        return text(self.result)
+
+
+@dataclass(frozen=True, repr=False)
+class Look:
+    """What recordings could show, before anything is fitted.
+
+    Attributes
+    ----------
+    result
+        Coverage, what can be told apart, and what to observe next.
+    """
+
+    result: Found
+
+    def __repr__(self) -> str:
+        """Return the look in words, as the command prints it."""
+        from pyport.planning.summary import text
+
+        return text(self.result)
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """Return the look as `look.json` holds it."""
+        from pyport.planning.summary import as_json
+
+        return as_json(self.result)
+
+
+def diagnose(
+    table: Table,
+    model: str | Path | Model = "altaz",
+    *,
+    refit: str | Collection[str] = "all",
+    seed: int = 0,
+    header: Header | None = None,
+) -> Diagnosis:
+    """Find, name and model what a pointing model leaves out of recordings.
+
+    Parameters
+    ----------
+    table
+        Recordings: a file, a name of those shipped with pyport, a data frame,
+        an astropy or Arrow table, a dictionary of columns.
+    model
+        The name of a built-in model, a file, or a model.
+    refit
+        The model's effects that are fitted together with everything under
+        test: "all", "none", or their ids.
+    seed
+        Of everything that is drawn at random: same input and seed, same result.
+    header
+        What holds for all rows: `latitude_deg`, `longitude_deg`, `height_m`, ...
+
+    Raises
+    ------
+    BadInput
+        The table, the model or `refit` cannot be used; the message says why.
+    """
+    from pyport.diagnosis.diagnose import diagnose
+    from pyport.diagnosis.run import ids_of
+
+    known = _model(model)
+    names = refit if isinstance(refit, str) else ",".join(refit) or "none"
+    held = ids_of(known, names)
+    return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=seed))
+
+
+def fit(table: Table, model: str | Path | Model = "altaz", *, header: Header | None = None) -> Fit:
+    """Fit a pointing model to recordings; parameters as in `diagnose`.
+
+    Raises
+    ------
+    BadInput
+        The table or the model cannot be used, or there are too few recordings.
+    """
+    from pyport.fitting.fit import fit
+
+    return Fit(fit(from_table(table, header), _model(model)))
+
+
+def look(
+    table: Table,
+    model: str | Path | Model = "altaz",
+    *,
+    header: Header | None = None,
+    **options: Any,  # noqa: ANN401 - those of planning.look
+) -> Look:
+    """Tell what recordings could show: coverage, what can be told apart, what to observe next.
+
+    `options` are those of `pyport.planning.look`: `noise_arcsec`, `count`,
+    `elevations`, `sources`; the others as in `diagnose`.
+
+    Raises
+    ------
+    BadInput
+        The table or the model cannot be used.
+    """
+    from pyport.planning import look
+
+    return Look(look(from_table(table, header), _model(model), **options))
+
+
+def _model(model: str | Path | Model) -> Model:
+    from pyport.fitting.models import Model, load
+
+    return model if isinstance(model, Model) else load(str(model))

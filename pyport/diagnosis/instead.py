@@ -1,0 +1,72 @@
+"""A field in the place of names: where none of them, nor all together, explain it as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.diagnosis.boxes import boxes
+from pyport.diagnosis.case import Chosen, Setup, weigh
+from pyport.diagnosis.fields import Ground, Worth, as_candidate
+from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
+from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.winner import predicts, trials_of
+
+#: A field must beat all names together by this much, in twice the logarithm of the evidence.
+FIELD_MARGIN = 6.0
+#: What every name beyond the first costs: few things are left out at once, and each name was one
+#: of many.
+NAME_PRICE = 12.0
+#: What a strong effect leaves because its shape is known to first order only, as a share of its
+#: gain: a further finding must gain more than that.
+IMPERFECTION = 0.02
+
+
+def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
+    """Return the search with a field in place of all names from some turn on, if it is better."""
+    setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
+    if not names and family_p_value(outcome.last) > FAMILY_ERROR:
+        return None
+    ground = Ground(setup, weigh(setup, before), before)
+    worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, ground.weighed, before))]
+    best = max(worths, key=lambda one: one.evidence)
+    strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
+    least = max(FIELD_MARGIN, IMPERFECTION * strongest)
+    if names:
+        least += _together(ground, setup, names)
+    if best.evidence <= least:
+        return None
+    return _with_field(setup, outcome.steps[:turn], before, best, outcome.p_value)
+
+
+def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
+    """Return the evidence of several names together; each beyond the first has its price."""
+    columns = setup.expanded([step.chosen for step in names])
+    prices = sum(step.winner.gain - step.winner.evidence for step in names)
+    return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
+
+
+def _with_field(
+    setup: Setup, steps: tuple[Step, ...], before: tuple[Chosen, ...], worth: Worth, p_value: float
+) -> Outcome | None:
+    """Return the search with a field added to it; None where it does not predict unseen data."""
+    columns = worth.field.columns @ worth.directions
+    places = np.arange(setup.columns.shape[1], setup.columns.shape[1] + columns.shape[1])
+    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    candidate = as_candidate(worth, places)
+    new = Chosen(candidate, "all")
+    seen = weigh(wider, before)
+    after = (*before, new)
+    if not predicts(wider, seen, before, after, worth.gain):
+        return None
+    beside = seen.evidence.beside([wider.part(one) for one in (*wider.base, *before)])
+    trials = trials_of(wider, beside)
+    own = beside.trials([(candidate, "all")])
+    if not own:
+        return None
+    winner = replace(own[0], evidence=worth.evidence)
+    step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials))
+    weighed = weigh(wider, after)
+    return Outcome(wider, after, (*steps, step), weighed, p_value, ())

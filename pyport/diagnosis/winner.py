@@ -1,0 +1,164 @@
+"""One turn of the search: what is tried, what wins, and what it makes idle."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.diagnosis import identify
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.evidence import Beside, Blocks, Trial
+from pyport.diagnosis.holdout import folds, unseen_misfit
+from pyport.diagnosis.refine import refine
+
+#: This share of what an effect gains in the fit it must gain on data that the fit had not seen.
+UNSEEN_SHARE = 0.3
+#: So many of the best candidates of a turn may fail on unseen data before the search gives up.
+MOST_TRIED = 4
+#: An effect whose known size does not come out leads for now, because something else may still be
+#: left out, when it beats all others by this much in evidence.
+LEADS_BY = 10.0
+
+
+def trials_of(setup: Setup, beside: Beside) -> list[Trial]:
+    """Try every effect and shape in every scope that makes sense for it."""
+    return beside.trials(
+        [
+            (candidate, scope)
+            for candidate in (*setup.candidates, *setup.shapes)
+            for scope in _scopes(candidate, setup.blocks)
+        ]
+    )
+
+
+def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
+    """Return the scopes that the effect's physics allows.
+
+    A clock is one for all antennas; a mount does not change from session to
+    session, and the effects of epochs are there for the one that does. Only an
+    array can show what is common to its antennas in a session, so there every
+    scope is tried.
+    """
+    effect, there = candidate.effect, blocks.scopes()
+    if not effect.physical:
+        return ["all"]
+    if effect.id.startswith("epoch"):
+        return [scope for scope in there if "session" not in scope]
+    if effect.common != "antenna":
+        return [scope for scope in there if "antenna" not in scope]
+    return there if "antenna" in there else ["all"]
+
+
+def winner_of(
+    setup: Setup,
+    weighed: Weighed,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[Trial],
+    least: float,
+    banned: Collection[str] = (),
+) -> tuple[Trial, Setup, Chosen] | None:
+    """Return the effect most worth its coefficients that also predicts unseen data better.
+
+    Nothing wins whose evidence is no more than `least`, or that is `banned`.
+    Steps and edges compete with their moment and curve refined. With the trial
+    comes the case that holds the columns of what is to be added, and the choice
+    itself.
+    """
+    ranked = []
+    refined: set[str] = set()
+    for trial in _worth(trials, least, banned):
+        effect = trial.candidate.effect
+        wider, new = setup, Chosen(trial.candidate, trial.scope)
+        if effect.id not in refined:
+            refined.add(effect.id)
+            wider, new, more, price = refine(setup, weighed, chosen, trial)
+            added = trial.gain * (more - 1)
+            trial = replace(  # noqa: PLW2901 - the same trial, its moment or edge moved
+                trial,
+                gain=trial.gain + added,
+                delta_bic=trial.delta_bic + added - price,
+                evidence=trial.evidence + added - price,
+            )
+        ranked.append((trial, wider, new))
+    ranked.sort(key=lambda one: -round(one[0].evidence, identify.TIE))
+    for trial, wider, new in ranked[:MOST_TRIED]:
+        seen = weighed if wider is setup else weigh(wider, chosen)
+        if predicts(wider, seen, chosen, joined(wider, chosen, new), trial.gain):
+            return trial, wider, new
+    return None
+
+
+def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> list[Trial]:
+    """Return the named trials that are worth a closer look, the best first.
+
+    One whose known size does not come out is among them only where it leads by
+    far: what else was left out may have bent it.
+    """
+    named = [
+        t
+        for t in trials
+        if t.candidate.effect.physical
+        and t.evidence > least
+        and t.candidate.effect.id not in banned
+    ]
+    named.sort(key=lambda trial: -round(trial.evidence, identify.TIE))
+    sound = [trial for trial in named if identify.fits_physics(trial)]
+    best = sound[0].evidence if sound else least
+    leader = next((t for t in named if identify.seen(t)), None)
+    if leader is not None and leader.evidence > best + LEADS_BY:
+        return [leader, *sound]
+    return sound
+
+
+def predicts(
+    setup: Setup,
+    weighed: Weighed,
+    before: tuple[Chosen, ...],
+    after: tuple[Chosen, ...],
+    gain: float,
+) -> bool:
+    """Tell whether what was added gains enough on data that the fit had not seen.
+
+    Predictions count only so far off: no effect can gain more there than all there was.
+    """
+    partition = folds(setup, after, setup.seed)
+    was, now = (unseen_misfit(setup, weighed, one, partition) for one in (before, after))
+    return was - now > UNSEEN_SHARE * min(gain, was)
+
+
+def alone(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], one: Chosen) -> Trial | None:
+    """Return the trial of a choice beside all the others; None where they can draw all of it."""
+    others = [setup.part(each) for each in (*setup.base, *chosen) if each is not one]
+    trials = weighed.evidence.beside(others).trials([(one.candidate, one.scope)])
+    return trials[0] if trials else None
+
+
+def without_idle(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> tuple[Chosen, ...]:
+    """Drop choices that the others have made idle, the idlest first."""
+    while len(chosen) > 1:
+        trials = [alone(setup, weighed, chosen, one) for one in chosen]
+        worth = [-np.inf if trial is None else trial.evidence for trial in trials]
+        idle = int(np.argmin(worth))
+        if worth[idle] > 0:
+            break
+        chosen = chosen[:idle] + chosen[idle + 1 :]
+    return chosen
+
+
+def joined(setup: Setup, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+    """Add a choice; earlier ones whose every curve it can draw make way for it."""
+    columns = setup.columns[:, new.candidate.columns]
+    groups = setup.blocks.groups(new.scope)
+    kept = []
+    for one in chosen:
+        own = setup.columns[:, one.candidate.columns]
+        left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
+        inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
+        # Blocks that share a coefficient of the new choice must share one of the old, too.
+        pairs = np.unique(np.stack([groups, setup.blocks.groups(one.scope)]), axis=1)
+        if not (inside and len(np.unique(pairs[0])) == pairs.shape[1]):
+            kept.append(one)
+    return (*kept, new)

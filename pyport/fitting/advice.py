@@ -1,0 +1,81 @@
+"""What a fit's figures warn of: weak terms, terms that go together, a design that is ill posed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.fitting.fit import Coefficients, Fit
+
+#: A coefficient within so many sigmas of zero might as well be zero.
+WEAK = 2.0
+#: Coefficients that correlate by more than this stand for each other.
+TIED = 0.95
+#: Belsley, Kuh & Welsch 1980, Regression Diagnostics: moderate to strong dependencies above 30.
+ILL_POSED = 30.0
+#: So many correlated pairs are told.
+MOST_PAIRS = 6
+
+#: Pairs that elevation alone parts, and what would part them better.
+_ACROSS = frozenset({"azimuth_zero", "collimation", "skew"})
+_ALONG = frozenset({"elevation_zero", "sag_cosine", "sag_sine", "elevation_scale", "refraction"})
+_REMEDY = {
+    _ACROSS: "only cos E, 1 and sin E part them: observe from the horizon to the zenith",
+    _ALONG: "all are smooth in elevation: observe from the horizon to the zenith",
+}
+
+
+def named(fit: Fit) -> list[tuple[str, Coefficients, int]]:
+    """Return name, owner and place of every fitted coefficient, in the covariance's order."""
+    return [
+        (coefficient.name + (f"[{' '.join(one.labels)}]" if any(one.labels) else ""), one, n)
+        for one in fit.coefficients
+        for n, coefficient in enumerate(one.term.effect.coefficients)
+    ]
+
+
+def correlation(fit: Fit) -> Array:
+    """Return the correlations of the fitted coefficients, shape (P, P), 0 where one is unknown."""
+    sigma = np.sqrt(np.maximum(np.diag(fit.covariance), 0))
+    scale = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > 0)
+    return np.clip(fit.covariance * np.outer(scale, scale), -1, 1)
+
+
+def warnings(fit: Fit) -> Iterator[str]:
+    """Yield a sentence for everything that a user should know before trusting the numbers."""
+    everything = named(fit)
+    unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
+    if unknown:
+        yield f"not determined: {', '.join(unknown)}; drop or fix all but one of what they share"
+    weak = [
+        name
+        for name, one, n in everything
+        if np.isfinite(one.value[n]) and abs(one.value[n]) < WEAK * one.sigma[n]
+    ]
+    if weak:
+        yield f"within {WEAK:g} sigmas of zero: {', '.join(weak)}; try --drop"
+    yield from _tied(fit, everything)
+    if fit.condition > ILL_POSED:
+        yield (
+            f"the condition number {fit.condition:.3g} is above {ILL_POSED:g}: "
+            "the terms cannot all be told apart well by these directions"
+        )
+
+
+def _tied(fit: Fit, everything: list[tuple[str, Coefficients, int]]) -> Iterator[str]:
+    """Yield the strongest correlations, and what would loosen those that are known to tie."""
+    matrix = correlation(fit)
+    rows, columns = np.nonzero(np.tril(np.abs(matrix) > TIED, -1))
+    order = np.argsort(-np.abs(matrix[rows, columns]), kind="stable")
+    met: set[str] = set()
+    for place in order[:MOST_PAIRS]:
+        row, column = rows[place], columns[place]
+        pair = everything[column], everything[row]
+        yield f"{pair[0][0]} and {pair[1][0]} correlate by {matrix[row, column]:+.3f}"
+        ids = {one.term.effect.id for _, one, _ in pair}
+        met |= {remedy for family, remedy in _REMEDY.items() if ids <= family}
+    if len(order) > MOST_PAIRS:
+        yield f"{len(order) - MOST_PAIRS} more pairs correlate by more than {TIED}"
+    yield from sorted(met)

@@ -1,0 +1,51 @@
+"""Which terms are one: their shapes, seen from all over the sky, are parallel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, Site
+from pyport.formats.terms.shapes import FAMILIES, Shape
+
+#: How far from parallel rounding takes two shapes that are one.
+PARALLEL = 1e-9
+
+#: Directions that tell shapes apart, from low to high and all round.
+_DIRECTIONS = Circumstances(
+    np.linspace(-3.0, 3.1, 37), 0.2 + 1.2 * np.linspace(0, 1, 37) ** 0.5, Site(0.9, 0.3)
+)
+
+
+def seen(effect: Effect, column: int = 0) -> Array | None:
+    """Return a column of an effect at those directions; None if more than directions shows it."""
+    try:
+        found = np.concatenate(effect.columns(_DIRECTIONS))[:, column]
+    except MissingColumn:
+        return None
+    return found if found.any() else None
+
+
+def ratio(one: Array | None, other: Array | None) -> float:
+    """Return how many of another shape one is, 0 where they are not parallel."""
+    if one is None or other is None:
+        return 0.0
+    lengths = float(np.linalg.norm(one) * np.linalg.norm(other))
+    product = float(one @ other)
+    if abs(abs(product) / lengths - 1) > PARALLEL:
+        return 0.0
+    return product / float(other @ other)
+
+
+def shape_of(effect: Effect, column: int = 0) -> tuple[Shape, float] | None:
+    """Return which column of the catalogue's effect of this id a coefficient is, and how many."""
+    k = int(effect.parameter or 0) if effect.id in FAMILIES else 0
+    if effect.id not in CATALOGUE:
+        return None
+    shape = Shape(effect.id, 0, k)
+    own = seen(effect, column)
+    for place in range(len(shape.parent().coefficients)):
+        times = ratio(own, seen(shape.parent(), place))
+        if times:
+            return Shape(effect.id, place, k), times
+    return None

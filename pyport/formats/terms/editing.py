@@ -1,0 +1,194 @@
+"""Models changed by the names of terms: TPOINT's, the Field System's, effects, coefficients."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from pyport.angles import RADIANS_PER, Array
+from pyport.effects import CATALOGUE, Circumstances, Effect
+from pyport.effects.base import Basis, stack
+from pyport.errors import BadInput
+from pyport.fitting.models import Model, Term
+from pyport.formats.terms import field_system, tpoint
+from pyport.formats.terms.alike import ratio, seen
+from pyport.formats.terms.words import Word
+
+_VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
+
+
+def edited(
+    model: Model,
+    *,
+    fix: Sequence[str] = (),
+    add: Sequence[str] = (),
+    drop: Sequence[str] = (),
+) -> Model:
+    """Return a model with terms dropped, added and fixed, in this order.
+
+    Parameters
+    ----------
+    model
+        What to start from.
+    fix
+        NAME=VALUE with the name's own unit (arcsec; deg for P1..P30) or one
+        of its own behind the number; NAME alone holds what the model gives.
+    add, drop
+        Names: TPOINT's, P1..P30, an effect's id or one of its coefficients.
+
+    Raises
+    ------
+    BadInput
+        A name is none, or is (or is not) in the model already.
+    """
+    if not (fix or add or drop):
+        return model
+    terms = [one for term in model.terms for one in _apart(term)]
+    for name in drop:
+        found = _places(terms, name)
+        if not found:
+            raise BadInput(f"--drop {name}: the model has no such term, it has {_known(terms)}")
+        terms = [term for n, term in enumerate(terms) if n not in found]
+    for name in add:
+        for term in named(name):
+            twin = _twin(terms, term.effect)
+            if twin is not None:
+                has = terms[twin].effect.coefficients[0].name
+                raise BadInput(f"--add {name}: the model has it already, as {has}")
+            terms.append(term)
+    for assignment in fix:
+        name, equals, value = assignment.partition("=")
+        _fix(terms, name.strip(), value.strip() if equals else None)
+    return replace(model, terms=tuple(terms))
+
+
+def _fix(terms: list[Term], name: str, value: str | None) -> None:
+    """Hold a term at a value, or at the model's own; one that the model lacks comes in."""
+    if value is None:
+        places = _places(terms, name)
+        if not places:
+            raise BadInput(f"--fix {name}: the model has no such term, it has {_known(terms)}")
+        for place in places:
+            held = terms[place]
+            terms[place] = replace(held, values=held.values or (0.0,), fixed=True)
+        return
+    wanted = named(name)
+    if len(wanted) > 1:
+        names = ", ".join(term.effect.coefficients[0].name for term in wanted)
+        raise BadInput(f"--fix {name}: it has several coefficients, fix {names} one by one")
+    (term,) = wanted
+    twin = _twin(terms, term.effect)
+    per = term.per if twin is None else terms[twin].per
+    held = replace(term, per=per, values=(_internal(term.effect, name, value),), fixed=True)
+    if twin is None:
+        terms.append(held)
+    else:
+        terms[twin] = held
+
+
+def _internal(effect: Effect, name: str, text: str) -> float:
+    """Return a value in internal units: in the coefficient's unit, or in one that it names."""
+    match = _VALUE.fullmatch(text)
+    unit = match[2] if match else ""
+    if match is None or (unit and unit not in RADIANS_PER):
+        wanted = f"a number, with one of {', '.join(RADIANS_PER)} behind it or nothing"
+        raise BadInput(f"--fix {name}: the value is {text[:40]!r}, expected {wanted}")
+    scale = RADIANS_PER[unit] if unit else effect.coefficients[0].scale
+    return float(match[1]) * scale
+
+
+def named(name: str) -> list[Term]:
+    """Return the terms, of one coefficient each, that a name stands for.
+
+    Raises
+    ------
+    BadInput
+        No vocabulary has this name.
+    """
+    word = word_of(name)
+    if word is not None:
+        return [Term(word.effect())]
+    if name in CATALOGUE:
+        if not CATALOGUE[name].coefficients:
+            raise BadInput(f"{name} has coefficients of which only recordings tell the number")
+        return _apart(Term(CATALOGUE[name]))
+    for effect in CATALOGUE.values():
+        names = [coefficient.name for coefficient in effect.coefficients]
+        if name in names:
+            return [_apart(Term(effect))[names.index(name)]]
+    raise BadInput(f"no term is called {name[:40]!r}: TPOINT's, P1..P30 or one of `pyport effects`")
+
+
+def word_of(name: str) -> Word | None:
+    """Return TPOINT's or the Field System's word, None for any other name.
+
+    Raises
+    ------
+    BadInput
+        The Field System reserves the name and does nothing with it.
+    """
+    word = field_system.word(name) or tpoint.word(name)
+    if word is not None and not word.parts:
+        raise BadInput(f"{name} does nothing on an alt-azimuth mount")
+    return word
+
+
+def _apart(term: Term) -> list[Term]:
+    """Return a term for each coefficient of one."""
+    effect = term.effect
+    if len(effect.coefficients) <= 1:
+        return [term]
+    return [
+        replace(
+            term,
+            effect=replace(
+                effect, coefficients=(coefficient,), basis=_column(effect, n), profile=None
+            ),
+            values=None if term.values is None else (term.values[n],),
+        )
+        for n, coefficient in enumerate(effect.coefficients)
+    ]
+
+
+def _column(effect: Effect, n: int) -> Basis:
+    """Return the basis of one of an effect's coefficients."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        x, y = effect.columns(at)
+        return stack(at, (x[:, n], y[:, n]))
+
+    return basis
+
+
+def _places(terms: Sequence[Term], name: str) -> list[int]:
+    """Return where a model has what a name stands for: by its own name, its effect or its shape."""
+    own = [
+        n
+        for n, term in enumerate(terms)
+        if name in {term.effect.id, *(one.name for one in term.effect.coefficients)}
+    ]
+    if own:
+        return own
+    twins = [_twin(terms, term.effect) for term in named(name)]
+    return [place for place in twins if place is not None]
+
+
+def _twin(terms: Sequence[Term], effect: Effect) -> int | None:
+    """Return where a model has a term that no recording can tell from an effect."""
+    shape = seen(effect)
+    for n, term in enumerate(terms):
+        other = seen(term.effect)
+        if ratio(shape, other):
+            return n
+        hidden = shape is None and other is None
+        if hidden and (term.effect.id, term.effect.coefficients) == (
+            effect.id,
+            effect.coefficients,
+        ):
+            return n
+    return None
+
+
+def _known(terms: Sequence[Term]) -> str:
+    return ", ".join(term.effect.coefficients[0].name for term in terms) or "none"

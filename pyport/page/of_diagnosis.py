@@ -1,0 +1,300 @@
+"""A diagnosis as a picture and a story."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pyport.angles import ARCSEC
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.finding import Finding
+from pyport.diagnosis.joint import sigmas
+from pyport.diagnosis.steps import Step
+from pyport.diagnosis.words import number
+from pyport.files import sha256
+from pyport.page.against import columns
+from pyport.page.layers import layers, visible
+from pyport.page.markup import chance
+from pyport.page.picture import Layer, Picture, Side, sides
+from pyport.page.story import Bar, Card, Rival, Row, Source, Story, Turn
+from pyport.recordings.schema import Recordings
+
+#: Labels that tell recordings apart when one is pointed at.
+LABELS = ("source", "antenna", "session", "receiver", "channel")
+#: Candidates shown for each turn of the search.
+MOST_RIVALS = 10
+#: Parameters shown on a finding's card; the table has them all.
+MOST_PARAMETERS = 4
+
+
+def of_diagnosis(diagnosis: Diagnosis) -> tuple[Picture, Story]:
+    """Return what the panels draw of a diagnosis, and what the page says of it."""
+    curves = visible(diagnosis)
+    found, of_finding = layers(diagnosis, curves)
+    setup = diagnosis.setup
+    noise = {one: diagnosis_noise(diagnosis, is_y=one) for one in (False, True)}
+    x, y = sides(
+        setup.recordings,
+        setup.stack,
+        diagnosis.left(diagnosis.before),
+        curves,
+        diagnosis.share,
+        (noise[False], noise[True]),
+    )
+    picture = picture_of(setup.recordings, tuple(found), x, y)
+    return picture, _story(diagnosis, picture, of_finding)
+
+
+def picture_of(
+    recordings: Recordings,
+    found: tuple[Layer, ...],
+    x: Side,
+    y: Side,
+    names: tuple[str, str] = ("before", "after"),
+    show: str = "both",
+) -> Picture:
+    """Return the picture of residuals on both axes of recordings."""
+    at = recordings.at
+    return Picture(
+        time=np.asarray(at.column("time"), float) if "time" in at else None,
+        line=recordings.line,
+        columns=columns(recordings, found, [x.before, y.before]),
+        labels={name: at.column(name).astype(str) for name in LABELS if name in at},
+        layers=found,
+        x=x,
+        y=y,
+        names=names,
+        show=show,
+    )
+
+
+def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
+    """Return the noise of one axis [rad]: the median over the series on it."""
+    pairs = zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True)
+    floors = [noise.floor for part, noise in pairs if part.is_y == is_y]
+    return float(np.median(floors)) if floors else None
+
+
+def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Story:
+    setup = diagnosis.setup
+    names, matrix = record.correlation(diagnosis)
+    headline, lead = _verdict(diagnosis)
+    return Story(
+        kind="diagnosis",
+        source=source_of(setup.recordings),
+        model=setup.model.name,
+        headline=headline,
+        lead=lead,
+        good=not diagnosis.mismatch,
+        facts=_facts(diagnosis, picture),
+        cards=tuple(
+            _card(finding, layer)
+            for finding, layer in zip(diagnosis.findings, of_finding, strict=True)
+        ),
+        warnings=_warnings(diagnosis),
+        bars=_bars(diagnosis),
+        bars_how=diagnosis.heldout.scheme,
+        rows=_rows(diagnosis),
+        correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
+        condition=diagnosis.after.solution.condition,
+        turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
+        limits=tuple(
+            sorted(
+                ((name, size / ARCSEC) for name, size in diagnosis.detection_limits.items()),
+                key=lambda one: one[1],
+            )
+        ),
+        untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
+        outliers=_outliers(diagnosis),
+    )
+
+
+def source_of(recordings: Recordings) -> Source:
+    """Return what the story tells of the file."""
+    file = recordings.file
+    return Source(
+        file.name,
+        sha256(file) if file.is_file() else None,
+        tuple(sorted(recordings.meta.items())),
+        tuple((one.line, one.reason) for one in recordings.set_aside),
+    )
+
+
+def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
+    """Return the verdict: a headline and a sentence."""
+    model, held = diagnosis.setup.model.name, diagnosis.heldout
+    what = (
+        f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g} arcsec rms on data that the fit "
+        f"had not seen ({held.scheme}); noise alone is {held.noise_floor / ARCSEC:.3g}"
+    )
+    noise = chance(diagnosis.p_value)
+    if not diagnosis.mismatch:
+        return (
+            "Nothing is missing that these recordings could show.",
+            f"Noise alone looks like what {model} leaves (chance {noise}).",
+        )
+    names = [one.effect.replace("_", " ") for one in diagnosis.findings]
+    told = list(dict.fromkeys(n for n in names if n != "unknown"))
+    nameless = names.count("unknown")
+    if nameless:
+        told.append("something without a name" if nameless == 1 else f"{nameless} nameless things")
+    whole = " and ".join([part for part in (", ".join(told[:-1]), told[-1]) if part])
+    headline = f"{model} leaves out {whole}."
+    return headline, f"{what}. The chance that noise alone looks like this: {noise}."
+
+
+def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str], ...]:
+    """Return the key figures: name, value, and what it stands beside."""
+    recordings = diagnosis.setup.recordings
+    facts = []
+    for name, side in picture.sides():
+        before, after = (side.rms(one) / ARCSEC for one in (side.before, side.after))
+        floor = "" if side.floor is None else f"arcsec rms; noise {side.floor / ARCSEC:.3g}"
+        value = f"{before:.3g} → {after:.3g}" if picture.layers else f"{before:.3g}"
+        facts.append((name, value, floor))
+    held = diagnosis.heldout
+    value = f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g}"
+    if not picture.layers:
+        value = f"{held.before / ARCSEC:.3g}"
+    facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
+    aside = len(recordings.set_aside)
+    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"))
+    return tuple(facts)
+
+
+def _card(finding: Finding, layer: int) -> Card:
+    size = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
+    facts = [
+        ("size", size),
+        ("of it visible", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms"),
+    ]
+    if finding.heldout is not None:
+        held = finding.heldout
+        facts.append(
+            ("held out", f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g} arcsec rms")
+        )
+    facts += [
+        ("chance of noise", chance(finding.evidence.p_value)),
+        ("gain in BIC", f"{finding.evidence.delta_bic:,.0f}"),
+    ]
+    return Card(
+        title=finding.effect.replace("_", " ")
+        + (f", {finding.variant}" if finding.variant and finding.effect != "unknown" else ""),
+        id=finding.effect,
+        verdict=finding.verdict,
+        sentence=finding.sentence,
+        facts=tuple(facts),
+        notes=tuple(_notes(finding)),
+        layer=layer,
+    )
+
+
+def _notes(finding: Finding) -> list[tuple[str, str]]:
+    """Return what else there is to say of a finding: where, what else it could be, what next."""
+    where = finding.where
+    notes = [
+        (f"{one.column.replace('_', ' ')}", f"from {one.low:.4g} to {one.high:.4g}")
+        for one in where.region
+    ]
+    notes += [(name, " ".join(values)) for name, values in where.subset.items()]
+    if where.since:
+        notes.append(("since", where.since))
+    if finding.looks_like:
+        notes.append(("looks like", finding.looks_like))
+    if len(finding.members) > 1:
+        notes.append(("could as well be", ", ".join(finding.members[1:]).replace("_", " ")))
+    if len(finding.parameters) <= MOST_PARAMETERS:
+        notes += [(p.name.replace("_", " "), number(p)) for p in finding.parameters]
+    if finding.evidence.runner_up not in (None, finding.effect):
+        gain = finding.evidence.runner_up_delta_bic
+        text = str(finding.evidence.runner_up).replace("_", " ")
+        notes.append(("next best", text if gain is None else f"{text}, gain in BIC {gain:,.0f}"))
+    notes += [("" if n else "checked", one) for n, one in enumerate(finding.checks)]
+    if finding.decide_by:
+        notes.append(("to decide", finding.decide_by))
+    return notes
+
+
+def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
+    said = []
+    if diagnosis.wild:
+        said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    return tuple(said)
+
+
+def _bars(diagnosis: Diagnosis) -> tuple[Bar, ...]:
+    held = diagnosis.heldout
+    bars = [Bar("all", *(v / ARCSEC for v in (held.before, held.after, held.noise_floor)))]
+    table = record.antennas(diagnosis)
+    if len(table) > 1:
+        bars += [
+            Bar(row["antenna"], row["heldout_before_arcsec"], row["heldout_after_arcsec"])
+            for row in table
+            if not row["drowns_in_noise"]
+        ]
+    return tuple(bars)
+
+
+def _rows(diagnosis: Diagnosis) -> tuple[Row, ...]:
+    """Return all coefficients of the joint fit, the model's first."""
+    setup, joint = diagnosis.setup, diagnosis.after
+    sigma = sigmas(joint, len(setup.residual))
+    rows = []
+    for n, chosen in enumerate(joint.choices):
+        start = int(joint.starts[n])
+        width = len(chosen.candidate.columns)
+        for group, name in enumerate(setup.blocks.names(chosen.scope)):
+            for k, which in enumerate(chosen.candidate.coefficients):
+                at = start + group * width + k
+                coefficient = chosen.candidate.effect.coefficients[which]
+                known = bool(joint.solution.known[at])
+                rows.append(
+                    Row(
+                        coefficient.name,
+                        name,
+                        float(joint.solution.values[at] / coefficient.scale) if known else None,
+                        float(sigma[at] / abs(coefficient.scale)) if known else None,
+                        coefficient.unit,
+                        found=n >= len(setup.base),
+                    )
+                )
+    return tuple(rows)
+
+
+def _turn(diagnosis: Diagnosis, step: Step) -> Turn:
+    """Return the best candidates of a turn, each effect once."""
+    best: dict[str, Rival] = {}
+    members: set[str] = set()
+    for finding in diagnosis.findings:
+        if step.chosen.candidate.effect.id in finding.members:
+            members |= set(finding.members)
+    for trial in sorted(step.trials, key=lambda one: -one.delta_bic):
+        effect = trial.candidate.effect
+        if effect.id not in best:
+            best[effect.id] = Rival(
+                effect.id,
+                effect.variant,
+                trial.scope,
+                trial.gain,
+                trial.dof,
+                trial.delta_bic,
+                effect.id in members,
+            )
+    winner = step.winner.candidate.effect
+    return Turn(winner.id, step.p_value, tuple(list(best.values())[:MOST_RIVALS]))
+
+
+def off_by(line: int, is_y: bool, residual: float) -> tuple[int, str]:  # noqa: FBT001 - an axis
+    """Return the line of an outlier and what is the matter with it."""
+    axis = "elevation" if is_y else "cross-elevation"
+    return line, f"{axis} off by {residual / ARCSEC:.1f} arcsec"
+
+
+def _outliers(diagnosis: Diagnosis) -> tuple[tuple[int, str], ...]:
+    setup = diagnosis.setup
+    left = diagnosis.left(diagnosis.after)
+    rows = np.flatnonzero(~diagnosis.weighed.used)
+    return tuple(
+        off_by(int(setup.recordings.line[setup.stack.row[n]]), setup.stack.is_y[n], left[n])
+        for n in rows
+    )

@@ -1,0 +1,129 @@
+"""A fitted model as a picture and a story."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pyport.angles import ARCSEC, Array
+from pyport.fitting import advice
+from pyport.fitting.fit import Fit
+from pyport.fitting.table import fixed
+from pyport.page.of_diagnosis import off_by, picture_of, source_of
+from pyport.page.picture import Layer, Picture, sides
+from pyport.page.story import Bar, Row, Story
+
+#: A heat map of more coefficients than this cannot be read.
+MOST_NAMES = 40
+
+
+def of_fit(fit: Fit) -> tuple[Picture, Story]:
+    """Return what the panels draw of a fit, and what the page says of it."""
+    names, curves = _terms(fit)
+    before = fit.residual + sum(curves, np.zeros(len(fit.residual)))
+    counted = (fit.weight > 0).astype(float)
+    x, y = sides(fit.recordings, fit.stack, before, curves, counted)
+    layers = tuple(Layer(name.replace("_", " ")) for name in names)
+    picture = picture_of(fit.recordings, layers, x, y, ("before the fit", "after the fit"), "after")
+    return picture, _story(fit, picture)
+
+
+def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
+    """Return the name of each term and what it takes off the numbers (m,)."""
+    found: dict[str, Array] = {}
+    basis: dict[str, Array] = {}
+    for one in fit.coefficients:
+        effect = one.term.effect
+        if effect.id not in basis:
+            basis[effect.id] = fit.stack.columns(effect, fit.recordings.at)
+            found[effect.id] = np.zeros(len(fit.stack))
+        rows = np.ones(len(fit.recordings), bool)
+        for label, value in zip(one.term.per, one.labels, strict=True):
+            rows &= fit.recordings.label(label).astype(str) == value
+        found[effect.id] += rows[fit.stack.row] * (basis[effect.id] @ np.nan_to_num(one.value))
+    return list(found), list(found.values())
+
+
+def _story(fit: Fit, picture: Picture) -> Story:
+    recordings = fit.recordings
+    names, matrix = _correlation(fit)
+    warnings = tuple(f"{one[:1].upper()}{one[1:]}." for one in advice.warnings(fit))
+    sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
+    said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
+    facts = [
+        (
+            name,
+            f"{side.rms(side.before) / ARCSEC:.3g} → {side.rms(side.after) / ARCSEC:.3g}",
+            "arcsec rms",
+        )
+        for name, side in picture.sides()
+    ]
+    condition = "not bounded" if not math.isfinite(fit.condition) else f"{fit.condition:.3g}"
+    aside = len(recordings.set_aside)
+    facts += [
+        ("condition number", condition, "columns of unit length"),
+        ("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"),
+    ]
+    return Story(
+        kind="fit",
+        source=source_of(recordings),
+        model=fit.model.name,
+        headline=f"{fit.model.name} fits to {' and '.join(f'{s:.3g}' for s in sizes.values())} "
+        "arcsec.",
+        lead=f"Rms of what is left: {said}. "
+        "Whether physics is left out, a diagnosis tells: pyport diagnose.",
+        good=not warnings,
+        facts=tuple(facts),
+        warnings=warnings,
+        bars=tuple(
+            Bar(name, side.rms(side.before) / ARCSEC, side.rms(side.after) / ARCSEC)
+            for name, side in picture.sides()
+        ),
+        rows=_rows(fit),
+        correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
+        condition=fit.condition,
+        outliers=_outliers(fit),
+    )
+
+
+def _rows(fit: Fit) -> tuple[Row, ...]:
+    return tuple(
+        Row(
+            coefficient.name,
+            " ".join(one.labels),
+            _number(one.value[n] / coefficient.scale),
+            _number(one.sigma[n] / abs(coefficient.scale)),
+            coefficient.unit,
+        )
+        for one in fit.coefficients
+        for n, coefficient in enumerate(one.term.effect.coefficients)
+    ) + tuple(
+        Row(one.name, "", value / one.scale, None, f"{one.unit}, fixed")
+        for one, value in fixed(fit)
+    )
+
+
+def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
+    """Return names and correlations of the coefficients of one group, the first of each term."""
+    first: dict[str, tuple[str, ...]] = {}
+    for one in fit.coefficients:
+        first.setdefault(one.term.effect.id, one.labels)
+    kept = [
+        (place, one.term.effect.coefficients[n].name)
+        for place, (_, one, n) in enumerate(advice.named(fit))
+        if one.labels == first[one.term.effect.id] and math.isfinite(one.value[n])
+    ][:MOST_NAMES]
+    places = [place for place, _ in kept]
+    return [name for _, name in kept], advice.correlation(fit)[np.ix_(places, places)].tolist()
+
+
+def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:
+    return tuple(
+        off_by(int(fit.recordings.line[fit.stack.row[n]]), fit.stack.is_y[n], fit.residual[n])
+        for n in np.flatnonzero(fit.weight <= 0)
+    )
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

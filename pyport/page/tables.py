@@ -1,0 +1,189 @@
+"""Coefficients, their correlations, and the candidates that competed, as tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from pyport.page.markup import Markup, chance, tag
+from pyport.page.sections import CUT, section
+from pyport.page.story import Row, Story, Turn
+
+#: A heat map of more names has no numbers in its cells.
+FINE = 16
+#: With so many groups a table has a row for each group, and a column for each coefficient.
+MANY_GROUPS = 4
+
+
+def parameters(story: Story) -> Markup | None:
+    """Return the table of coefficients and the heat map of their correlations."""
+    if not story.rows:
+        return None
+    groups = list(dict.fromkeys(row.group for row in story.rows))
+    several = len([group for group in groups if group]) >= MANY_GROUPS
+    whole = [row for row in story.rows if not (several and row.group)]
+    split = [row for row in story.rows if several and row.group]
+    parts = [_plain("Coefficients", _listed(whole))] if whole else []
+    heat = _heat(story)
+    side = tag("div", *parts, heat, class_="split")
+    return section(
+        "parameters",
+        "Parameters",
+        "Values with one-sigma errors, all fitted together; what was found stands in bold.",
+        side,
+        _plain("Coefficients of each", _by_group(split)) if split else None,
+    )
+
+
+def _plain(title: str, inside: Markup) -> Markup:
+    return tag("div", tag("h3", title), inside, class_="plain")
+
+
+def _scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None = None) -> Markup:
+    whole = tag("table", tag("thead", tag("tr", *heads)), tag("tbody", *body), class_=kind)
+    return tag("div", whole, class_="scroll", tabindex="0")
+
+
+def _listed(rows: Sequence[Row]) -> Markup:
+    """Return one line for each coefficient."""
+    grouped = any(row.group for row in rows)
+    numeric = {"value", "sigma", "value / sigma"}
+    names = ["coefficient", *(["of"] if grouped else []), "value", "sigma", "unit", "value / sigma"]
+
+    def cells(row: Row) -> list[str]:
+        name = [row.name.replace("_", " "), *([row.group] if grouped else [])]
+        if row.value is None:
+            return [*name, "not determined", "", row.unit, ""]
+        if row.sigma is None:
+            return [*name, _signed(row.value, 3), "", row.unit, ""]
+        digits = _digits(row.sigma)
+        size = f"{abs(row.value) / row.sigma:.1f}" if row.sigma > 0 else ""
+        return [*name, _signed(row.value, digits), f"{row.sigma:.{digits}f}", row.unit, size]
+
+    def line(row: Row) -> Markup:
+        told = zip(names, cells(row), strict=True)
+        inside = (tag("td", cell, class_="n" if name in numeric else None) for name, cell in told)
+        return tag("tr", *inside, class_="found" if row.found else None)
+
+    heads = [tag("th", name, class_="n" if name in numeric else None) for name in names]
+    return _scrolled(heads, [line(row) for row in rows[:CUT]])
+
+
+def _by_group(rows: Sequence[Row]) -> Markup:
+    """Return one line for each group, such as an antenna, and a column for each coefficient."""
+    names = list(dict.fromkeys((row.name, row.unit) for row in rows))
+    told: dict[str, dict[tuple[str, str], Row]] = {}
+    for row in rows:
+        told.setdefault(row.group, {})[row.name, row.unit] = row
+    heads = [tag("th", "of")]
+    heads += [tag("th", f"{name.replace('_', ' ')} [{unit}]", class_="n") for name, unit in names]
+    body = [
+        tag("tr", tag("td", group), *(_value(found.get(name)) for name in names))
+        for group, found in list(told.items())[:CUT]
+    ]
+    return _scrolled(heads, body)
+
+
+def _value(row: Row | None) -> Markup:
+    if row is None:
+        return tag("td", "", class_="n")
+    if row.value is None or row.sigma is None:
+        return tag("td", "not determined", class_="n")
+    digits = _digits(row.sigma)
+    text = f"{_signed(row.value, digits)} ± {row.sigma:.{digits}f}"
+    return tag("td", tag("b", text) if row.found else text, class_="n")
+
+
+def _signed(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def _digits(sigma: float) -> int:
+    return max(0, min(9, 1 - math.floor(math.log10(sigma)))) if sigma > 0 else 3
+
+
+def _heat(story: Story) -> Markup | None:
+    names, matrix = story.correlation
+    if len(names) < 2:
+        return None
+    told = [name.replace("_", " ") for name in names]
+    body = [
+        tag(
+            "tr",
+            tag("th", name, scope="row"),
+            *(_cell(value, f"{name} and {told[k]}: {value:+.3f}") for k, value in enumerate(row)),
+        )
+        for name, row in zip(told, matrix, strict=True)
+    ]
+    heads = [tag("td"), *(tag("th", name, scope="col") for name in told)]
+    condition = story.condition
+    said = "" if condition is None else f"Condition number {condition:.3g}. "
+    return tag(
+        "div",
+        tag("h3", "Correlations"),
+        tag(
+            "p",
+            said + "In hundredths: orange together, blue against each other.",
+            class_="how",
+        ),
+        _scrolled(heads, body, "heat" if len(names) <= FINE else "heat fine"),
+        class_="plain",
+    )
+
+
+def _cell(value: float, title: str) -> Markup:
+    size = min(1.0, abs(value))
+    kind = "p" if value > 0 else "m"
+    strong = " strong" if size > 0.6 else ""
+    text = str(round(100 * value)).replace("-", "−")
+    return tag("td", text, class_=f"{kind}{strong}", style=f"--r:{100 * size:.0f}%", title=title)
+
+
+def candidates(story: Story) -> Markup | None:
+    """Return, turn by turn, what competed and how it did."""
+    if not story.turns:
+        return None
+    parts = [_turn(n, one) for n, one in enumerate(story.turns, 1)]
+    return section(
+        "candidates",
+        "What competed",
+        "In each turn every effect of the catalogue was tried with the model refitted. The gain is "
+        "in BIC: what it explains less what its coefficients cost. In orange, the class that these "
+        "recordings cannot tell apart.",
+        tag("div", *parts, class_="split"),
+    )
+
+
+def _turn(n: int, turn: Turn) -> Markup:
+    most = max((one.delta_bic for one in turn.rivals), default=1.0)
+    body = [
+        tag(
+            "tr",
+            tag("td", one.effect.replace("_", " "), f", {one.variant}" if one.variant else None),
+            tag("td", one.scope),
+            tag("td", str(one.coefficients), class_="n"),
+            tag("td", _signed(one.delta_bic, 0), class_="n"),
+            tag(
+                "td",
+                tag(
+                    "i",
+                    class_="worth",
+                    style=f"width:{100 * max(one.delta_bic, 0) / max(most, 1e-9):.1f}%",
+                ),
+                class_="wide",
+            ),
+            class_="member" if one.member else None,
+        )
+        for one in turn.rivals
+    ]
+    names = ("effect", "one for", "coefficients", "gain", "")
+    heads = [
+        tag("th", name, class_="n" if name in ("coefficients", "gain") else None) for name in names
+    ]
+    return tag(
+        "div",
+        tag("h3", f"Turn {n}: {turn.winner.replace('_', ' ')}"),
+        tag("p", f"chance that noise alone looks like this: {chance(turn.p_value)}", class_="how"),
+        _scrolled(heads, body),
+        class_="plain",
+    )

@@ -1,0 +1,194 @@
+"""A look in words, and for other programs."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable
+
+from pyport.angles import ARCSEC
+from pyport.effects import degeneracies
+from pyport.planning.look import Look
+from pyport.planning.suggest import Direction
+
+_WIDTH = 96
+_SEEN = (
+    "Effects that would show beside it, each alone: error of its coefficient, and how many times "
+    "the model enlarges it"
+)
+#: Decisions of a class, and promises, that are listed; the JSON has them all.
+MOST_DECISIONS, MOST_PROMISES = 4, 10
+#: Inflation from which a coefficient of the model is told of.
+LOOSE = 5.0
+#: A promise of less than this factor is none.
+WORTH = 1.2
+
+
+def text(look: Look) -> str:
+    """Return a look as plain text."""
+    lines = [
+        *_head(look),
+        "",
+        "Sky",
+        *_sky(look),
+        "",
+        f"What {look.model.name} itself would be known to",
+        *_model(look),
+        "",
+        _SEEN,
+        *_seen(look),
+    ]
+    for title, told_of in (
+        ("Taken up by the model, whatever their size", _hidden),
+        ("Not to be told apart", _classes),
+        ("Not to be seen, for want of a column or of a difference", _untestable),
+        ("To observe next", _next),
+        ("What that would bring: error of the first beside the second", _promises),
+    ):
+        if told := list(told_of(look)):
+            lines += ["", title, *told]
+    return "\n".join(part for line in lines for part in _wrapped(line))
+
+
+def _wrapped(line: str) -> list[str]:
+    lead = " " * (len(line) - len(line.lstrip()))
+    return textwrap.wrap(line, _WIDTH, subsequent_indent=lead + "  ") or [""]
+
+
+def _head(look: Look) -> Iterable[str]:
+    recordings = look.recordings
+    aside = len(recordings.set_aside)
+    whose = f", antenna {look.antenna} of {look.antennas}" if look.antennas > 1 else ""
+    yield (
+        f"{recordings.file.name}: {len(recordings)} recordings{whose}, {aside} set aside, model "
+        f"{look.model.name}"
+    )
+    yield f"Noise {look.noise / ARCSEC:.3g} arcsec ({look.how})."
+
+
+def _sky(look: Look) -> Iterable[str]:
+    cover = look.coverage
+    low, high = look.elevations
+    yield (
+        f"  {cover.covered} of {cover.cells} cells above {cover.lowest_deg:.0f} deg hold a "
+        f"recording ({100 * cover.covered / cover.cells:.0f} %); elevations {low:.0f} to "
+        f"{high:.0f} deg"
+    )
+    for hole in cover.holes:
+        yield (
+            f"  nothing within {hole.distance_deg:.0f} deg of azimuth {hole.az_deg:.0f}, "
+            f"elevation {hole.el_deg:.0f}"
+        )
+
+
+def _model(look: Look) -> Iterable[str]:
+    for one in look.known:
+        if not math.isfinite(one.sigma):
+            yield f"  {one.name:<28} not determined"
+            continue
+        loose = f", {one.inflation:.0f} times its error alone" if one.inflation > LOOSE else ""
+        yield f"  {one.name:<28} {one.sigma:8.3g} {one.unit}{loose}"
+    yield f"  condition number {look.condition:.3g}"
+
+
+def _seen(look: Look) -> Iterable[str]:
+    for one in look.separation.seen:
+        name = one.effect + (f" ({one.variant})" if one.variant else "")
+        yield f"  {name:<60.60} {one.sigma:8.2g} {one.unit:<10} x {one.inflation:.1f}"
+
+
+def _hidden(look: Look) -> Iterable[str]:
+    if look.separation.hidden:
+        yield f"  {', '.join(look.separation.hidden)}"
+
+
+def _classes(look: Look) -> Iterable[str]:
+    for members in look.separation.classes:
+        yield f"  {', '.join(members)}"
+        decisions = degeneracies.decisions(members)
+        for decide in decisions[:MOST_DECISIONS]:
+            yield f"    to decide: {decide}"
+        if len(decisions) > MOST_DECISIONS:
+            yield f"    and {len(decisions) - MOST_DECISIONS} more"
+
+
+def _untestable(look: Look) -> Iterable[str]:
+    by_reason: dict[str, list[str]] = {}
+    for one in look.untestable:
+        names = by_reason.setdefault(one.reason, [])
+        if one.effect not in names:
+            names.append(one.effect)
+    for reason, effects in sorted(by_reason.items()):
+        yield f"  {reason}: {', '.join(effects)}"
+
+
+def place(one: Direction) -> str:
+    """Return a direction in words."""
+    where = f"azimuth {one.az_deg:3.0f}, elevation {one.el_deg:2.0f}"
+    if one.hour_angle_h is None:
+        return where
+    return f"{one.source} at hour angle {one.hour_angle_h:+.1f} h ({where})"
+
+
+def _next(look: Look) -> Iterable[str]:
+    for n, one in enumerate(look.next, 1):
+        why = f": {one.decides[0]} or {one.decides[1]}" if one.decides else ""
+        yield f"  {n}. {place(one)}{why}"
+
+
+def _promises(look: Look) -> Iterable[str]:
+    open_pairs = [
+        f"{one.one} or {one.other}" for one in look.promises if one.before < WORTH * one.after
+    ]
+    kept = [one for one in look.promises if one.before >= WORTH * one.after]
+    kept.sort(key=lambda one: one.after / one.before)
+    for one in kept[:MOST_PROMISES]:
+        yield f"  {one.one} beside {one.other}: {one.before:.2g} -> {one.after:.2g} {one.unit}"
+    if len(kept) > MOST_PROMISES:
+        yield f"  and {len(kept) - MOST_PROMISES} more pairs"
+    if open_pairs:
+        yield f"  no direction decides {'; '.join(open_pairs)}"
+
+
+def as_json(look: Look) -> dict[str, object]:
+    """Return a look for other programs."""
+    cover = look.coverage
+    return {
+        "schema": "pyport.look/1",
+        "file": look.recordings.file.name,
+        "recordings": len(look.recordings),
+        "antenna": look.antenna,
+        "antennas": look.antennas,
+        "model": look.model.name,
+        "noise": {"arcsec": look.noise / ARCSEC, "how": look.how},
+        "coverage": {
+            "lowest_deg": cover.lowest_deg,
+            "cells": cover.cells,
+            "covered": cover.covered,
+            "holes": [vars(hole) for hole in cover.holes],
+        },
+        "known": [_finite(vars(one)) for one in look.known],
+        "condition_number": look.condition if math.isfinite(look.condition) else None,
+        "effects": [
+            _finite({**vars(one), "alike": [{"effect": e, "share": s} for e, s in one.alike]})
+            for one in look.separation.seen
+        ],
+        "taken_up": list(look.separation.hidden),
+        "classes": [
+            {"effects": list(members), "decide_by": degeneracies.decisions(members)}
+            for members in look.separation.classes
+        ],
+        "not_testable": {one.effect: one.reason for one in look.untestable},
+        "next": [
+            {**vars(one), "decides": None if one.decides is None else list(one.decides)}
+            for one in look.next
+        ],
+        "promises": [_finite(vars(one)) for one in look.promises],
+    }
+
+
+def _finite(values: dict[str, object]) -> dict[str, object]:
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in values.items()
+    }

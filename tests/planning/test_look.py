@@ -1,0 +1,240 @@
+"""A look before fitting: coverage is counted, classes are right, what it suggests is worth it."""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
+from pages import recordings
+
+from pyport.angles import ARCSEC, DEG
+from pyport.cli.look import command
+from pyport.fitting.models import load
+from pyport.planning import look
+from pyport.planning.coverage import cells, coverage, separation
+from pyport.planning.design import design
+from pyport.planning.separate import classes, separate
+from pyport.planning.suggest import directions, suggest
+from pyport.planning.summary import as_json, text
+
+ALTAZ = load("altaz")
+
+
+def between(low_deg, high_deg, n=240):
+    """Return recordings in a band of elevation."""
+    made = recordings(n)
+    el = np.linspace(low_deg, high_deg, n)[np.random.default_rng(2).permutation(n)] * DEG
+    return replace(made, at=replace(made.at, el=el))
+
+
+def alike(found, effect):
+    """Return what an effect could not be told from."""
+    return {name for one in found.seen if one.effect == effect for name, _ in one.alike}
+
+
+def test_cells_tile_the_sky():
+    """Every cell has its own centre and, within a few per cent, the same area."""
+    whole = cells(0.0)
+    height = 15 * DEG
+    lower, upper = whole[:, 1] - height / 2, whole[:, 1] + height / 2
+    around = np.array([(whole[:, 1] == el).sum() for el in whole[:, 1]])
+    area = 2 * np.pi / around * (np.sin(upper) - np.sin(lower))
+
+    assert len(np.unique(whole, axis=0)) == len(whole)
+    np.testing.assert_allclose(area.sum(), 2 * np.pi, rtol=1e-9)
+    assert area.max() < 1.4 * area.min()
+
+
+def test_a_whole_sky_has_no_holes_and_half_a_sky_has_one_opposite():
+    """Recordings at every cell cover all; in the south only, the north is the hole."""
+    whole = cells(10.0)
+    full = coverage(whole[:, 0], whole[:, 1], 10.0)
+    south = whole[np.cos(whole[:, 0]) < 0]
+    half = coverage(south[:, 0], south[:, 1], 10.0)
+
+    assert (full.covered, full.holes) == (full.cells, ())
+    assert half.covered == len(south)
+    assert min(half.holes[0].az_deg, 360 - half.holes[0].az_deg) < 20
+
+
+@given(st.floats(-7, 7), st.floats(-1.5, 1.5), st.floats(-7, 7), st.floats(-1.5, 1.5))
+def test_separation_is_a_distance_on_the_sphere(az, el, other_az, other_el):
+    """It agrees with the angle between unit vectors and does not mind which comes first."""
+    vectors = [
+        np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+        for a, e in ((az, el), (other_az, other_el))
+    ]
+    expected = np.arctan2(np.linalg.norm(np.cross(*vectors)), vectors[0] @ vectors[1])
+    found = separation(az, el, np.array([other_az]), np.array([other_el]))[0]
+
+    assert found == pytest.approx(expected, abs=3e-8)
+
+
+def test_refraction_needs_low_elevations():
+    """From 6 to 85 deg it is told from harmonics of elevation, from 40 to 60 deg it is not."""
+    wide, narrow = (separate(design(between(*band), ALTAZ)) for band in ((6, 85), (40, 60)))
+    sigma = {
+        name: next(one.sigma for one in found.seen if one.effect == "refraction")
+        for name, found in (("wide", wide), ("narrow", narrow))
+    }
+
+    assert alike(wide, "refraction") == set()
+    assert "elevation_encoder_harmonics" in alike(narrow, "refraction")
+    assert "sag_sine" in narrow.hidden
+    assert sigma["narrow"] > 20 * sigma["wide"]
+
+
+def test_what_the_model_draws_itself_is_taken_up():
+    """A latitude error is a tilt: beside a tilt it shows nothing."""
+    found = separate(design(recordings(), ALTAZ))
+
+    assert "site_latitude" in found.hidden
+    assert "tilt" not in {one.effect for one in found.seen}
+    assert "site_latitude" in {
+        one.effect for one in separate(design(recordings(), load("none"))).seen
+    }
+
+
+def test_an_error_beside_the_model_is_the_one_that_a_fit_gives():
+    """The stated sigma is that of a least-squares fit of the model and the effect."""
+    given_ = recordings()
+    made = design(given_, ALTAZ, noise=5 * ARCSEC)
+    (sight,) = (one for one in separate(made).seen if one.effect == "refraction")
+    candidate = next(
+        one
+        for one in made.candidates
+        if (one.effect.id, one.effect.variant) == ("refraction", sight.variant)
+    )
+    columns = np.concatenate([made.base, made.others[:, candidate.columns]], axis=1)
+    sigma = 5 * ARCSEC * np.sqrt(np.linalg.inv(columns.T @ columns)[-1, -1])
+
+    assert sight.sigma == pytest.approx(sigma / ARCSEC, rel=1e-6)
+
+
+def test_directions_beat_chance():
+    """Suggested directions bring more than the mean of ten random choices of as many."""
+    made = design(between(35, 70), ALTAZ, noise=5 * ARCSEC)
+    pairs = [
+        one
+        for one in separate(made).pairs
+        if {one.one.effect.id, one.other.effect.id} == {"refraction", "sag_sine"}
+    ]
+    targets = directions(10, 85)
+    _, (best,) = suggest(made, pairs, targets, 4)
+    rng = np.random.default_rng(0)
+    chance = []
+    for _ in range(10):
+        few = rng.permutation(len(targets.az))[:4]
+        some = replace(targets, az=targets.az[few], el=targets.el[few], source=("",) * 4)
+        chance.append(suggest(made, pairs, some, 4)[1][0].after)
+
+    assert best.after < np.mean(chance)
+    assert best.after < 0.2 * best.before
+
+
+def test_what_is_promised_is_what_more_recordings_give():
+    """Recordings at the suggested directions, added, leave the promised error."""
+    given_ = between(35, 70)
+    made = design(given_, ALTAZ, noise=5 * ARCSEC)
+    pair = next(
+        one
+        for one in separate(made).pairs
+        if {one.one.effect.id, one.other.effect.id} == {"refraction", "sag_sine"}
+    )
+    ahead, (promise,) = suggest(made, [pair], directions(10, 85), 3)
+    rows = np.append(np.arange(len(given_)), [0, 0, 0])
+    added = [np.array([getattr(one, name) for one in ahead]) * DEG for name in ("az_deg", "el_deg")]
+    at = replace(
+        given_.at.take(rows),
+        az=np.append(given_.at.az, added[0]),
+        el=np.append(given_.at.el, added[1]),
+    )
+    wider = design(replace(given_.take(rows), at=at), ALTAZ, noise=5 * ARCSEC)
+    members = [(one.effect.id, one.effect.variant) for one in (pair.other, pair.one)]
+    by_name = {(one.effect.id, one.effect.variant): one for one in wider.candidates}
+    others = [wider.others[:, by_name[name].columns] for name in members]
+    columns = np.concatenate([wider.base, *others], axis=1)
+    sigma = 5 * ARCSEC * np.sqrt(np.linalg.inv(columns.T @ columns)[-1, -1])
+
+    assert promise.after == pytest.approx(sigma / ARCSEC, rel=1e-4)
+
+
+@settings(max_examples=30)
+@given(st.sets(st.tuples(st.integers(0, 6), st.integers(0, 6)), max_size=8))
+def test_classes_are_what_hangs_together(edges):
+    """Every likeness lies within one class, and no effect is in two."""
+    names = [str(n) for n in range(7)]
+    likeness = {name: {} for name in names}
+    for a, b in edges:
+        if a != b:
+            likeness[str(a)][str(b)] = 1.0
+    found = classes(likeness)
+    flat = [name for one in found for name in one]
+
+    assert len(flat) == len(set(flat))
+    assert all(any({str(a), str(b)} <= set(one) for one in found) for a, b in edges if a != b)
+
+
+def test_sources_are_suggested_where_they_stand():
+    """With sources, each suggestion is one of the file's, at an hour angle, above the limit."""
+    rng = np.random.default_rng(5)
+    dec = rng.uniform(-0.3, 1.0, 7)[np.arange(240) % 7]
+    found = look(
+        recordings(dec=dec, hour_angle=rng.uniform(-1, 1, 240)),
+        ALTAZ,
+        sources=True,
+        elevations=(20, 80),
+    )
+
+    assert len(found.next) == 6
+    assert all(one.source.startswith("source ") for one in found.next)
+    assert all(20 <= one.el_deg <= 80 and one.hour_angle_h is not None for one in found.next)
+
+
+def test_of_an_array_the_busiest_antenna_is_looked_at():
+    """Two antennas: the one with more recordings, and the text says so."""
+    names = np.where(np.arange(240) < 200, "W06", "C01")
+    found = look(recordings(antenna=names), ALTAZ)
+
+    assert (found.antenna, found.antennas, len(found.recordings)) == ("W06", 2, 200)
+    assert "antenna W06 of 2" in text(found)
+
+
+def test_many_recordings_are_thinned_and_weigh_as_much():
+    """Of 5000 recordings a part stands for all: the errors are those of all."""
+    big = recordings(5000)
+    whole = separate(design(big, ALTAZ, noise=5 * ARCSEC))
+    thinned = look(big, ALTAZ, noise_arcsec=5)
+    sigmas = [
+        next(one.sigma for one in found.seen if one.effect == "refraction")
+        for found in (whole, thinned.separation)
+    ]
+
+    assert sigmas[1] == pytest.approx(sigmas[0], rel=0.05)
+    assert thinned.noise == pytest.approx(5 * ARCSEC)
+
+
+def test_the_command_prints_text_or_json(tmp_path):
+    """The example of the help works; JSON is on standard output and in the folder, the same."""
+    run = CliRunner().invoke(command, ["gmrt-2003-06-02", "--model", "gmrt-paper"])
+    also = CliRunner().invoke(
+        command, ["gmrt-2003-06-02", "--model", "gmrt-paper", "--json", "--out", str(tmp_path)]
+    )
+
+    assert "To observe next" in run.output
+    assert "for want of temperature_c: temperature" in run.output
+    assert json.loads(also.output) == json.loads((tmp_path / "look.json").read_text())
+
+
+def test_a_look_is_the_same_every_time():
+    """Nothing is drawn that is not drawn the same again."""
+    one, other = (json.dumps(as_json(look(recordings(), ALTAZ))) for _ in range(2))
+
+    assert one == other

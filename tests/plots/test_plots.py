@@ -1,0 +1,100 @@
+"""Panels for print: every one is drawn, with units, the same bytes each time, safe file names."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
+from pages import recordings
+
+from pyport import page, plots
+from pyport.cli.plot import command
+from pyport.fitting.fit import fit
+from pyport.fitting.models import load
+from pyport.plots.style import AFTER, BEFORE, nice
+
+
+@pytest.fixture(scope="module")
+def panels():
+    """Return the panels of a fit, of recordings with a column of a hostile name."""
+    rng = np.random.default_rng(3)
+    given = recordings(
+        **{"../../up": rng.normal(size=240), "scan_direction": np.tile([1, -1], 120)}
+    )
+    return plots.panels(*page.of_fit(fit(given, load("altaz"))))
+
+
+def test_every_panel_is_drawn_with_its_units(panels, tmp_path):
+    """Each panel of residuals names its unit on an axis; each is written as an SVG."""
+    for name, draw in panels.items():
+        figure = draw()
+        labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes]
+        if name.startswith(("against", "azel", "distributions", "rms")):
+            assert any("[" in label for label in labels), name
+        assert plots.write(figure, tmp_path / f"{name}.svg").stat().st_size > 1000
+
+
+def test_names_of_panels_are_names_of_files(panels):
+    """A column called ../../up leads nowhere."""
+    assert "against-_up" in panels
+    assert all("/" not in name and "." not in name for name in panels)
+
+
+@pytest.mark.parametrize("kind", sorted(plots.FORMATS))
+def test_the_same_panel_gives_the_same_bytes(panels, tmp_path, kind):
+    """No date, no version, no random name is stamped on a file."""
+    one, other = (
+        plots.write(panels["against-el"](), tmp_path / f"{n}.{kind}").read_bytes() for n in (1, 2)
+    )
+
+    assert one == other
+
+
+def test_drawing_leaves_no_trace(panels):
+    """The settings of matplotlib are what they were."""
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    panels["distributions"]()
+
+    assert dict(mpl.rcParams) == before
+
+
+def test_the_colours_differ_in_grey():
+    """Before and after can be told apart on a black and white printer."""
+    grey = [
+        np.dot([int(c[n : n + 2], 16) for n in (1, 3, 5)], [0.299, 0.587, 0.114])
+        for c in (BEFORE, AFTER)
+    ]
+
+    assert abs(grey[0] - grey[1]) > 25
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(0.7, 1), (1, 1), (1.2, 2), (30, 50), (7e-3, 1e-2)]
+)
+def test_nice_numbers(value, expected):
+    """1, 2, 5 or 10 times a power of ten, not below the value."""
+    assert nice(value) == pytest.approx(expected)
+
+
+def test_the_command_writes_what_it_is_asked_for(tmp_path):
+    """Two panels in two formats are four files, listed as JSON; a wrong name is refused."""
+    words = ["gmrt-2003-06-02", "--model", "gmrt-paper", "--of", "fit", "--out", str(tmp_path)]
+    asked = ["--panel", "sky", "--panel", "against-el", "--format", "png", "--format", "svg"]
+    done = CliRunner().invoke(command, [*words, *asked, "--json"])
+    wrong = CliRunner().invoke(command, [*words, "--panel", "nothing"])
+
+    assert {Path(one).name for one in json.loads(done.output)} == {
+        "sky.png",
+        "sky.svg",
+        "against-el.png",
+        "against-el.svg",
+    }
+    assert len(list(tmp_path.iterdir())) == 4
+    assert wrong.exit_code == 2
+    assert "no panel 'nothing'" in wrong.output
