@@ -10,15 +10,22 @@ from pyport.fitting.refit import Refit
 #: A normal sample's median absolute deviation is this share of its sigma.
 _MAD = 0.6744897501960817
 _ROUNDS = 30
+#: A design with more columns than one for so many readings bends to single ones of them.
+MANY = 6
 
 
-def scale(residual: Array, floor: float = 0.0) -> float:
+def scale(residual: Array, floor: float = 0.0, through: int = 0) -> float:
     """Return a robust sigma of residuals about zero, no smaller than `floor`.
+
+    A robust fit of many columns goes right through as many readings, which say
+    nothing of the scatter: the `through` smallest residuals are passed over.
 
     The median absolute deviation, refined once by the rms of what lies within
     three of it (times 1.0135, what a normal sample loses by the cut), so that
     rounded data whose median deviation is zero still have a scatter.
     """
+    if through:
+        residual = np.sort(np.abs(residual))[through:]
     if len(residual) == 0:
         return floor
     size = np.abs(residual)
@@ -58,7 +65,10 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
     spare = max(1, len(value) - refit.rank)
     for turn in range(_ROUNDS):
         residual = refit.residual(weight)
-        sigma = max(scale(residual, floor) * np.sqrt(len(value) / spare), 1e-300)
+        if refit.rank * MANY > len(value):
+            sigma = max(scale(residual, floor, len(value) - spare), 1e-300)
+        else:
+            sigma = max(scale(residual, floor) * np.sqrt(len(value) / spare), 1e-300)
         if turn < _ROUNDS // 2:
             new = 1 / np.maximum(np.abs(residual) / sigma, 0.1)
         else:
