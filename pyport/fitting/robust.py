@@ -28,9 +28,10 @@ def scale(residual: Array, floor: float = 0.0, through: int = 0) -> float:
         residual = np.sort(np.abs(residual))[through:]
     if len(residual) == 0:
         return floor
-    first = max(float(np.median(np.abs(residual))) / _MAD, floor, 1e-300)
-    kept = residual[np.abs(residual) <= 3 * first]
-    refined = 1.0135 * float(np.sqrt(np.mean(kept**2))) if len(kept) else first
+    size = np.abs(residual)
+    first = max(float(np.median(size)) / _MAD, floor, 1e-300)
+    kept = size[size <= 3 * first]
+    refined = 1.0135 * float(np.sqrt(kept @ kept / len(kept))) if len(kept) else first
     return max(refined, floor)
 
 

@@ -27,15 +27,19 @@ class Rt32Model:
         d_az, d_alt = form(at.az - math.pi, at.el, self.parameters)
         return d_az * np.cos(at.el), d_alt
 
-    def columns(self, at: Circumstances) -> tuple[Array, Array]:
+    def columns(
+        self, at: Circumstances, linear: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array]:
         """Return d(x, y)/dp at these parameters, shape (n, 12) each, for a fit's next step.
 
         The approximate form is its own derivative; the exact one differs from it in
-        the four parameters that it is not linear in.
+        the four parameters that it is not linear in. `linear` are the columns of the
+        approximate form, where they are at hand.
         """
-        x, y = approximate_columns(at)
+        x, y = approximate_columns(at) if linear is None else (one.copy() for one in linear)
         if self.exact:
+            cosine = np.cos(at.el)
             slopes = exact_slopes(at.az - math.pi, at.el, self.parameters)
             for k, (turn, rise) in slopes.items():
-                x[:, k], y[:, k] = turn * np.cos(at.el), rise
+                x[:, k], y[:, k] = turn * cosine, rise
         return x, y

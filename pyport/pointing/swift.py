@@ -27,7 +27,7 @@ _QUARTER, _QUARTER_LOW = np.pi / 2, 6.123233995736766e-17
 
 
 @dataclass(frozen=True)
-class _Axis:
+class Axis:
     """An angle and its sine and cosine, from one tangent of the half angle.
 
     Both come out within 3e-16: a tangent costs a fifth of a sine where the
@@ -39,14 +39,14 @@ class _Axis:
     cosine: Array
 
     @classmethod
-    def of(cls, angle: Array) -> _Axis:
+    def of(cls, angle: Array) -> Axis:
         """Return an axis of angles [rad]."""
         t = np.tan(angle / 2)
         scale = 1 / (1 + t * t)
         return cls(angle, 2 * t * scale, (1 - t) * (1 + t) * scale)
 
     @classmethod
-    def of_altitudes(cls, altitude: Array) -> _Axis:
+    def of_altitudes(cls, altitude: Array) -> Axis:
         """Return an axis of altitudes [rad], whose cosines matter near the zenith.
 
         They come from the zenith distance, pi/2 taken to twice the digits.
@@ -54,13 +54,13 @@ class _Axis:
         zenith = cls.of((_QUARTER - altitude) + _QUARTER_LOW)
         return cls(altitude, zenith.cosine, zenith.sine)
 
-    def __getitem__(self, rows: slice) -> _Axis:
+    def __getitem__(self, rows: slice) -> Axis:
         """Return some rows of it."""
-        return _Axis(self.angle[rows], self.sine[rows], self.cosine[rows])
+        return Axis(self.angle[rows], self.sine[rows], self.cosine[rows])
 
 
 #: (azimuth, altitude, parameters, the two offsets' place) -> None
-_Form = Callable[[_Axis, _Axis, list[float], Array, Array], None]
+_Form = Callable[[Axis, Axis, list[float], Array, Array], None]
 
 
 def exact(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
@@ -87,14 +87,14 @@ def _by_blocks(
         flat = d_az.reshape(-1), d_alt.reshape(-1)
         for block in _slices(len(az), BLOCK):
             out = flat[0][block], flat[1][block]
-            form(_Axis.of(az[block]), _Axis.of_altitudes(alt[block]), parameters, *out)
+            form(Axis.of(az[block]), Axis.of_altitudes(alt[block]), parameters, *out)
     return wrapped(d_az)[()], d_alt[()]
 
 
 def _grid(
     form: _Form, az: Array, alt: Array, parameters: list[float], d_az: Array, d_alt: Array
 ) -> None:
-    columns, rows = _Axis.of(az), _Axis.of_altitudes(alt)
+    columns, rows = Axis.of(az), Axis.of_altitudes(alt)
     for block in _slices(len(az), max(1, BLOCK // max(1, len(alt)))):
         form(columns[block], rows, parameters, d_az[block], d_alt[block])
 
@@ -112,7 +112,7 @@ def wrapped(angle: Array) -> Array:
     return angle
 
 
-def _tilted(az: _Axis, alt: _Axis, xi: float, zeta: float) -> tuple[Array, Array, Array]:
+def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, Array]:
     """Return the change of azimuth, and sine and cosine of the altitude that a tilted mount reads.
 
     With the lean q = (sin xi, sin zeta), its sign turned in plunge, a direction
@@ -149,7 +149,7 @@ def _tilted(az: _Axis, alt: _Axis, xi: float, zeta: float) -> tuple[Array, Array
     return turn, sine, cosine
 
 
-def _skewed(alt: _Axis, sine: Array, cosine: Array, sigma: float, beta: float) -> list[Array]:
+def _skewed(alt: Axis, sine: Array, cosine: Array, sigma: float, beta: float) -> list[Array]:
     """Return the turn of azimuth and the change of altitude by skew and box.
 
     `sine` and `cosine` are those of the altitude that the tilted mount reads;
@@ -179,10 +179,10 @@ def _skewed(alt: _Axis, sine: Array, cosine: Array, sigma: float, beta: float) -
     return [turn, np.arctan2(rise, up, out=rise)]
 
 
-def _exact(az: _Axis, alt: _Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
+def _exact(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
     """Write the exact offsets of a block of points, eqs. 1 to 4 and 15 to 19."""
     az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = p
-    turn_of_tilt, sine, cosine = _tilted(az, alt, xi, zeta)
+    turn_of_tilt, sine, cosine = tilted(az, alt, xi, zeta)
     turn, rise = _skewed(alt, sine, cosine, sigma, beta)
     double_sine = 2 * az.sine * az.cosine
     double_cosine = (az.cosine - az.sine) * (az.cosine + az.sine)
@@ -193,7 +193,7 @@ def _exact(az: _Axis, alt: _Axis, p: list[float], d_az: Array, d_alt: Array) -> 
     _step(az.angle, alt.angle, jump, d_alt)
 
 
-def _approximate(az: _Axis, alt: _Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
+def _approximate(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
     """Write the approximate offsets of a block of points, eqs. 18 and 19."""
     az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = p
     double_sine = 2 * az.sine * az.cosine

@@ -15,20 +15,20 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.errors import BadInput
-from pyport.fitting.gram import inverted
+from pyport.fitting.gram import inverse_of, inverted
 from pyport.fitting.rt32.campaigns import BoxStep
 from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.fitting.stacking import Stack, stack
-from pyport.pointing import PARAMETERS, Rt32Model
+from pyport.pointing import PARAMETERS, Rt32Model, approximate_columns
 from pyport.recordings.schema import Recordings
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
-#: Linearisations: from zero the third one changes nothing that is measured.
+#: Linearisations of the exact form: from zero the third one changes nothing that is measured.
 _LINEARISATIONS = 4
-#: Most rounds of weighing; votes within this of each other have settled.
-_ROUNDS = 60
+#: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
+_ROUGH, _ROUNDS = 4, 60
 _SETTLED = 1e-4
 
 
@@ -148,15 +148,23 @@ def fit_rt32(
         cosine = np.cos(recordings.at.el[data.row])
         prior = np.where(data.is_y, 1.0, 1 / np.maximum(cosine, _LEAST_COSINE))
     p = np.zeros(size)
-    for _ in range(_LINEARISATIONS):
+    linear = approximate_columns(recordings.at)
+    start: Array | None = None
+    turns = _LINEARISATIONS if exact else 1
+    for turn in range(turns):
+        # On the way votes go on from where they were; at the end they settle from equal ones.
+        last = turn == turns - 1
         model = Rt32Model(p[: len(PARAMETERS)], exact)
-        columns = data.spread(*model.columns(recordings.at))
+        columns = data.spread(*model.columns(recordings.at, linear))
         left = data.value - data.spread(*model.offsets(recordings.at))
         left = left - (p[-1] if step is None else step) * stepped
         if step is None:
             columns = np.column_stack([columns, stepped])
-        change, tuned, rounds = settle(columns, left, tune, prior)
+        change, tuned, rounds = settle(
+            columns, left, tune, prior, None if last else start, _ROUNDS if last else _ROUGH
+        )
         p = p + change
+        start = tuned.weight(left - columns @ change)
     residual = left - columns @ change
     inside = int((np.abs(residual) <= level).sum())
     if method == "document" and inside < size:
@@ -176,7 +184,14 @@ def fit_rt32(
     )  # fmt: skip
 
 
-def settle(columns: Array, value: Array, tune: Tune, times: Array) -> tuple[Array, Tuned, int]:
+def settle(
+    columns: Array,
+    value: Array,
+    tune: Tune,
+    times: Array,
+    start: Array | None = None,
+    most: int = _ROUNDS,
+) -> tuple[Array, Tuned, int]:
     """Return the coefficients at which votes and residuals agree, the loss, and the rounds it took.
 
     Parameters
@@ -184,19 +199,23 @@ def settle(columns: Array, value: Array, tune: Tune, times: Array) -> tuple[Arra
     columns, value
         The design (m, P) and the data (m,).
     tune
-        What sets the votes by the residuals; all are equal at first.
+        What sets the votes by the residuals.
     times
         How often each datum counts, shape (m,).
+    start
+        Votes to begin with, shape (m,); all are equal when not given.
+    most
+        Rounds after which it ends whether votes have settled or not.
     """
-    weight = np.ones(len(value))
-    for rounds in range(1, _ROUNDS + 1):
-        weighted = columns * (weight * times)[:, None]
-        inverse, _, _, _ = inverted(weighted.T @ columns)
-        solution = inverse @ (weighted.T @ value)
-        residual = value - columns @ solution
+    weight = np.ones(len(value)) if start is None else start
+    rows = np.ascontiguousarray(columns.T)
+    for rounds in range(1, most + 1):
+        weighted = rows * (weight * times)
+        solution = inverse_of(weighted @ columns)[0] @ (weighted @ value)
+        residual = value - solution @ rows
         tuned = tune(residual)
         new = tuned.weight(residual)
         if np.max(np.abs(new - weight)) < _SETTLED:
             return solution, tuned, rounds
         weight = new
-    return solution, tuned, _ROUNDS
+    return solution, tuned, most
