@@ -11,7 +11,7 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.fields import Field
 from pyport.diagnosis.finding import Interval
-from pyport.diagnosis.refine import FEWEST, plain_view
+from pyport.diagnosis.view import FEWEST, plain_view
 
 #: Cells that the sky is cut into: of equal width around, of equal counts upward.
 AROUND, UPWARD = 24, 16

@@ -41,6 +41,8 @@ AROUND, UPWARD = range(1, 6), range(4)
 FEWEST = 4
 #: A stretch that holds more of the readings than this is no place.
 WIDEST = 0.35
+#: One that holds fewer is where a curve that swings everywhere happens to swing most.
+NARROWEST = 0.02
 
 
 @dataclass(frozen=True)
@@ -322,7 +324,7 @@ def region(field: Field, curve: Array) -> tuple[Interval, ...]:
         low -= 1
     while up < len(order) - 1 and high[order[up + 1]]:
         up += 1
-    if (up - low + 1) > WIDEST * len(order):
+    if not NARROWEST * len(order) <= up - low + 1 <= WIDEST * len(order):
         return ()
     turn = 360.0 if name == "az_deg" else np.inf
     return (Interval(name, *(float(values[order[one]]) % turn for one in (low, up))),)

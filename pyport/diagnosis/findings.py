@@ -9,9 +9,9 @@ import numpy as np
 from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where
 from pyport.diagnosis.joint import contribution, visible
-from pyport.diagnosis.refine import curve_points
 from pyport.diagnosis.scene import (
     Scene,
     axes,

@@ -2,23 +2,9 @@
 
 from __future__ import annotations
 
-from pyport.effects import (
-    astrometry,
-    atmosphere,
-    drive,
-    empirical,
-    encoders,
-    epochs,
-    geometry,
-    gravity,
-    propagation,
-    rail,
-    receiver,
-    site,
-    sources,
-    structure,
-    thermal,
-)
+import importlib
+from types import ModuleType
+
 from pyport.effects.base import (
     Circumstances,
     Coefficient,
@@ -28,26 +14,39 @@ from pyport.effects.base import (
 )
 
 #: The families of effects, in the order of the way from the mount to the sky and back.
-FAMILIES = (
-    geometry,
-    gravity,
-    encoders,
-    rail,
-    site,
-    astrometry,
-    sources,
-    atmosphere,
-    propagation,
-    drive,
-    thermal,
-    receiver,
-    structure,
-    epochs,
-    empirical,
-)
+FAMILIES: tuple[ModuleType, ...]
 
 #: Every effect of the catalogue by its id.
-CATALOGUE: dict[str, Effect] = {one.id: one for family in FAMILIES for one in family.EFFECTS}
+CATALOGUE: dict[str, Effect]
+
+_FAMILIES = (
+    "geometry",
+    "gravity",
+    "encoders",
+    "rail",
+    "site",
+    "astrometry",
+    "sources",
+    "atmosphere",
+    "propagation",
+    "drive",
+    "thermal",
+    "receiver",
+    "structure",
+    "epochs",
+    "empirical",
+)
+
+
+def __getattr__(name: str) -> object:
+    """Import the families when the catalogue is asked for: who makes a table needs none."""
+    if name not in ("FAMILIES", "CATALOGUE"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    families = tuple(importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES)
+    globals()["FAMILIES"] = families
+    globals()["CATALOGUE"] = {one.id: one for family in families for one in family.EFFECTS}
+    return globals()[name]
+
 
 __all__ = [
     "CATALOGUE",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,6 +46,37 @@ def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> 
         parameter=parameter,
         edge=edge,
     )
+
+
+@dataclass(frozen=True)
+class FreeEdge:
+    """A curve of any form: straight pieces between elevations given at azimuths.
+
+    Attributes
+    ----------
+    az, el
+        Azimuths (unwrapped, growing) and elevations of its corners [rad].
+    """
+
+    az: tuple[float, ...]
+    el: tuple[float, ...]
+
+    def __call__(self, az: Array) -> Array:
+        """Return the elevation of the curve at some azimuths [rad]."""
+        return np.interp(az, self.az, self.el)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Return the azimuths between which it is known [rad]."""
+        return self.az[0], self.az[-1]
+
+
+def jump_above(edge: FreeEdge) -> Effect:
+    """Return a step above a curve of any form."""
+    el = np.array(edge.el) / DEG
+    top = int(np.argmax(el))
+    name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
+    return subreflector_jump(edge, f"{name} {np.degrees(edge.az[top]) % 360:.0f} deg", edge.el[0])
 
 
 def curved_jump(shape: tuple[float, ...]) -> Effect:

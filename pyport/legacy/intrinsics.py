@@ -29,8 +29,8 @@ def _single(name: str) -> Callable[[np.float32], np.float32]:
     return call
 
 
-def _or_nan(function: Callable[..., float]) -> Callable[..., float]:
-    """Return a function of ``math`` that gives NaN outside its domain."""
+def or_nan(function: Callable[..., float]) -> Callable[..., float]:
+    """Return a function of ``math`` as one that gives NaN outside its domain."""
 
     def call(*x: float) -> float:
         try:
@@ -41,11 +41,11 @@ def _or_nan(function: Callable[..., float]) -> Callable[..., float]:
     return call
 
 
-dsin = _or_nan(math.sin)
-dcos = _or_nan(math.cos)
-dasin = _or_nan(math.asin)
-dmod = _or_nan(math.fmod)
-dsqrt = _or_nan(math.sqrt)
+dsin = or_nan(math.sin)
+dcos = or_nan(math.cos)
+dasin = or_nan(math.asin)
+dmod = or_nan(math.fmod)
+dsqrt = or_nan(math.sqrt)
 datan2 = math.atan2
 dsign = math.copysign
 

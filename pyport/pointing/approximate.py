@@ -7,9 +7,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pyport.angles import Array, wrap
+from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect
 from pyport.effects.structure import subreflector_jump
+from pyport.pointing import swift
 from pyport.pointing.jump import jump_altitude
 from pyport.pointing.parameters import PARAMETERS
 
@@ -56,12 +57,7 @@ def approximate_offsets(
     """Return the offsets of routine ModelA, encoder minus true [rad].
 
     Arguments and result as in :func:`pyport.pointing.exact.exact_offsets`. Not to
-    be used within about 0.1 deg of the zenith.
+    be used within about 0.1 deg of the zenith. The same as the columns above times p,
+    for many points.
     """
-    az_south, altitude = np.broadcast_arrays(
-        np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
-    )
-    at = Circumstances(az=az_south.ravel() + math.pi, el=altitude.ravel())
-    x, y = approximate_columns(at)
-    d_az = (x @ np.asarray(p)).reshape(az_south.shape) / np.cos(altitude)
-    return wrap(d_az), (y @ np.asarray(p)).reshape(az_south.shape)
+    return swift.approximate(az_south, altitude, p)

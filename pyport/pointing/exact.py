@@ -3,7 +3,8 @@
 Everything here is in the RT32's own frame: azimuth from south through west,
 radians. The result equals the published routine Model within rounding. A
 direction is written with x toward the azimuth of the tilt, y a quarter turn
-further west, z up.
+further west, z up. The formulae stand here as they are to be read; `swift` has
+them as they are computed for many points.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pyport.angles import Array, wrap
+from pyport.pointing import swift
 from pyport.pointing.jump import has_jumped
 
 #: (azimuth, altitude, xi, zeta) -> (change of azimuth, altitude that the mount reads), all [rad].
@@ -94,7 +96,7 @@ def exact_offsets(
         The twelve parameters p1..p12 [rad], shape (12,).
     tilt
         How the tilt of the azimuth axis acts; the steering table's program had its own
-        way in plunge.
+        way in plunge. With the usual way, the one above, `swift` does the work.
 
     Returns
     -------
@@ -106,6 +108,8 @@ def exact_offsets(
     -----
     Borkowski, RT32 Pointing Model (2004), eqs. 1 to 4, 15 to 19, routine Model.
     """
+    if tilt is tilted:
+        return swift.exact(az_south, altitude, p)
     az_south, altitude = np.broadcast_arrays(
         np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
     )

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pyport.angles import ARCMIN
 from pyport.diagnosis.arrays import record
 from pyport.diagnosis.arrays.elsewhere import predict
@@ -30,6 +32,7 @@ CRAB = ("gmrt-2003-05-31", "gmrt-2003-03-31")
 PLACED = (TOGETHER, "gmrt-2003-06-02")
 GAINED = "2003-06-01"
 LEAST_CORRELATION, SLOPE_WITHIN, LEAST_FACTOR = 0.93, 0.15, 2.0
+LEAST_CHANGE, LEAST_WITHIN = 5.0, 0.9
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,13 @@ def _predicted(array: ArrayReport, other: Diagnosis) -> Unseen:
 def _checks(array: ArrayReport, alone: dict[str, Comparison | None]) -> list[Check]:
     """Return the numbers that must come out."""
     found = []
+    tags = [one.tag for one in array.sessions if one.tag is not None]
+    if tags:
+        low, high = min(tags), max(tags)
+        change = (high[0] - low[0]) / float(np.hypot(high[1], low[1]))
+        wanted = f"at least {LEAST_CHANGE:g}"
+        what = "time tags of the days differ by up to so many sigmas"
+        found.append(Check(what, change, wanted, change >= LEAST_CHANGE))
     for day in array.repeats[SCAN]:
         what = f"own scan parts of {day.session} predicted by the other days: share left"
         found.append(Check(what, day.left / day.size, "below 0.5", day.left < day.size / 2))
@@ -131,6 +141,12 @@ def _checks(array: ArrayReport, alone: dict[str, Comparison | None]) -> list[Che
             found.append(Check(f"{name}: correlation", one.correlation, wanted, enough))
             wanted = f"1 +- {SLOPE_WITHIN}"
             found.append(Check(f"{name}: implied over surveyed", one.slope, wanted, near))
+            within = float(np.mean(np.abs(one.misses) <= 2))
+            what, wanted = (
+                f"{name}: share of antennas within two sigmas",
+                f"at least {LEAST_WITHIN}",
+            )
+            found.append(Check(what, within, wanted, within >= LEAST_WITHIN))
     if array.unseen is not None:
         factor = medians(array.unseen.of(GAINED)).factor
         what = f"{GAINED}: held-out rms of the median antenna falls by"

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.steering.grid import UNITS_PER_DEG, Grid, Table
+from pyport.steering.grid import Grid, Table
 
 
 def rows(table: Table) -> Iterator[str]:
@@ -17,13 +18,50 @@ def rows(table: Table) -> Iterator[str]:
 
     A grid that is not in whole degrees has wider columns: (F10.4,F9.4,2F13.7).
     """
+    yield from text(table).decode("ascii").splitlines()
+
+
+def text(table: Table) -> bytes:
+    """Return the table's rows, each with its line end."""
     az_deg, zd_deg = table.grid.az_deg, table.grid.zd_deg
     whole = np.all(az_deg == np.rint(az_deg)) and np.all(zd_deg == np.rint(zd_deg))
-    place, width = ("{:4.0f}{:3.0f}", 12) if whole else ("{:10.4f}{:9.4f}", 13)
-    d_az, d_zd = table.units() / UNITS_PER_DEG
-    for i, az in enumerate(az_deg):
-        for j, zd in enumerate(zd_deg):
-            yield f"{place.format(az, zd)}{d_az[i, j]:{width}.7f}{d_zd[i, j]:{width}.7f}"
+    place, width = (("{:4.0f}", "{:3.0f}"), 12) if whole else (("{:10.4f}", "{:9.4f}"), 13)
+    az, zd = (
+        np.array([list(form.format(one).encode()) for one in axis], np.uint8)
+        for form, axis in zip(place, (az_deg, zd_deg), strict=True)
+    )
+    shape = len(az), len(zd)
+    d_az, d_zd = (decimals(units, width) for units in table.units())
+    columns = [
+        np.broadcast_to(az[:, None], (*shape, az.shape[1])),
+        np.broadcast_to(zd, (*shape, zd.shape[1])),
+        d_az,
+        d_zd,
+        np.full((*shape, 1), ord("\n"), np.uint8),
+    ]
+    return np.concatenate(columns, axis=2).tobytes()
+
+
+def decimals(units: NDArray[np.int64], width: int) -> NDArray[np.uint8]:
+    """Return whole units of 1e-7 as text, F`width`.7, one more axis of `width` characters."""
+    if np.any(np.abs(units) >= min(10 ** (width - 2), 2**31)):
+        raise BadInput(f"an offset does not fit into {width} columns")
+    rest = np.abs(units).astype(np.int32)
+    out = np.full((*units.shape, width), ord(" "), np.uint8)
+    zero = ord("0")
+    for place in range(width - 1, -1, -1):
+        if place == width - 8:
+            out[..., place] = ord(".")
+            continue
+        tens = rest // 10
+        rest, digit = tens, (rest - 10 * tens).astype(np.uint8)
+        # one digit stands before the point, others only where there is something to say
+        there = slice(None) if place >= width - 9 else (rest > 0) | (digit > 0)
+        out[..., place][there] = digit[there] + zero
+    negative = np.nonzero(units < 0)
+    first = np.argmax(out[negative] != ord(" "), axis=-1)
+    out[(*negative, first - 1)] = ord("-")
+    return out
 
 
 def _words(line: str) -> list[str]:
@@ -34,9 +72,8 @@ def _words(line: str) -> list[str]:
 
 def write_ascii(table: Table, path: str | Path) -> None:
     """Write the table; the same table always gives the same bytes."""
-    with write_whole(path) as file:
-        for row in rows(table):
-            file.write(row + "\n")
+    with write_whole(path, "wb") as file:
+        file.write(text(table))
 
 
 def read_ascii(path: str | Path) -> Table:

@@ -11,12 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.effects.refraction import ITERATIONS, refraction
 from pyport.errors import BadInput
-from pyport.pointing import (
-    approximate_offsets,
-    exact_offsets,
-    printed,
-    recovered,
-)
+from pyport.pointing import exact_offsets, printed, recovered, swift
 from pyport.steering.grid import RT32_GRID, Grid, Table
 
 #: The refraction of the RT32's tables, and what others take where none is asked for.
@@ -68,7 +63,7 @@ def tabulate(
     if model not in _RT32:
         reading = "float64"
     name = refraction_name or (DEFAULT_REFRACTION if model in _RT32 else STANDARD_REFRACTION)
-    offsets = offsets_of(model, name, reading)(*grid.points_deg())
+    offsets = offsets_of(model, name, reading)(grid.az_deg[:, None], grid.zd_deg[None, :])
     return Table(grid, *offsets, model, name, reading)
 
 
@@ -105,7 +100,8 @@ def rt32_offsets(
     Parameters
     ----------
     az_deg, zd_deg
-        Azimuth from south through west and zenith distance [deg], of one shape.
+        Azimuth from south through west and zenith distance [deg], of shapes that broadcast:
+        a grid is computed quickest from its two axes.
     p
         p1..p12 [rad].
     refraction_name, reading
@@ -114,7 +110,7 @@ def rt32_offsets(
         The exact form, or the approximate one.
     """
     if reading == "float64":
-        form = exact_offsets if exact else approximate_offsets
+        form = exact_offsets if exact else swift.approximate
         d_az, d_alt = form(az_deg * DEG, (90 - zd_deg) * DEG, p)
         return d_az / DEG, -d_alt / DEG - zenith_refraction(refraction_name, zd_deg)
     if reading not in READINGS:
@@ -130,20 +126,32 @@ def _single_precision(
     from pyport.steering import as_written
 
     real4 = np.float32
-    if reading == "as-written":
-        az_deg = np.vectorize(as_written.wrapped_deg, otypes=[float])(az_deg)
-    exact_form = as_written.exact4 if reading == "as-written" else legacy.model
-    routine = exact_form if exact else legacy.modela
-
     p4 = list((p / DEG).astype(real4))
+    if reading == "as-written":
+        az_deg = as_written.each(as_written.wrapped_deg, az_deg)
     az4, alt4 = (az_deg * DEG).astype(real4), ((90 - zd_deg) * DEG).astype(real4)
-    offsets = np.empty((2, az4.size), real4)
     with np.errstate(all="ignore"):
-        for i, (az, alt) in enumerate(zip(az4.flat, alt4.flat, strict=True)):
-            offsets[:, i] = routine(az, alt, p4)
-    d_az, d_alt = offsets.reshape(2, *az4.shape)
+        if reading == "as-written" and exact:
+            d_az, d_alt = _each_azimuth_once(az4, alt4, p4)
+        else:
+            routine = legacy.model if exact else legacy.modela
+            one = np.vectorize(lambda az, alt: routine(az, alt, p4), otypes=[real4, real4])
+            d_az, d_alt = one(az4, alt4)
     lift = refraction4(refraction_name, zd_deg)
     return d_az.astype(float), (-d_alt - lift).astype(float)
+
+
+def _each_azimuth_once(
+    az4: NDArray[np.float32], alt4: NDArray[np.float32], p4: list[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the offsets of a grid given by its axes; wrapped, azimuths a turn apart are one."""
+    from pyport.steering import as_written
+
+    if az4.shape[1:] != (1,):
+        return as_written.exact4(az4, alt4, p4)
+    once, which = np.unique(az4[:, 0], return_inverse=True)
+    d_az, d_alt = as_written.exact4(once[:, None], alt4, p4)
+    return d_az[which], d_alt[which]
 
 
 def refraction4(name: str, zd_deg: Array) -> NDArray[np.float32]:
@@ -164,6 +172,7 @@ def _any_offsets(
     from pyport.effects import Circumstances, MissingColumn
     from pyport.fitting import models
 
+    az_deg, zd_deg = np.broadcast_arrays(az_deg, zd_deg)
     loaded = models.load(model)
     if loaded.given is None and all(term.values is None for term in loaded.terms):
         raise BadInput(f"model {model!r} has no coefficients to make a table from")

@@ -135,12 +135,11 @@ def test_killed_while_writing_the_old_table_stays(tmp_path):
     path.write_text("old\n")
     slow = (
         "import time; from pyport.steering import ascii as a, tabulate, write_ascii\n"
-        "rows = a.rows\n"
+        "text = a.text\n"
         "def slowly(table):\n"
-        "    for i, row in enumerate(rows(table)):\n"
-        "        if i == 5: time.sleep(60)\n"
-        "        yield row\n"
-        "a.rows = slowly\n"
+        "    time.sleep(60)\n"
+        "    return text(table)\n"
+        "a.text = slowly\n"
         "from pyport.steering.grid import Grid, RT32_GRID\n"
         "grid = Grid(RT32_GRID.az_deg[:3], RT32_GRID.zd_deg)\n"
         f"write_ascii(tabulate(grid=grid), {str(path)!r})\n"

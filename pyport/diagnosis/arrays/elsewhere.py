@@ -10,8 +10,10 @@ from pyport.diagnosis.arrays.report import ArrayReport, shared_shapes
 from pyport.diagnosis.arrays.unseen import Unseen, unseen
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.joint import Joint
+from pyport.threads import one_thread
 
 
+@one_thread
 def predict(known: ArrayReport, setup: Setup, fit: Joint) -> Unseen:
     """Predict other recordings of an array from recordings that are known.
 

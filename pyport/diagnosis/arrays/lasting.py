@@ -30,7 +30,7 @@ TAILS = 4.0
 TOLD_WORSE = 3.0
 ROUNDS, SETTLED = 200, 1e-3
 #: With a known scatter only the tails' weights are looked for: they settle soon.
-FEW_ROUNDS = 5
+FEW_ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -194,10 +194,14 @@ def expected_without(blocks: Sequence[Block], whole: Lasting, held: int) -> Arra
     held
         The number of the block that nothing else is used of.
     """
-    full, *_ = _problem(blocks, whole.shared)
+    some = list(range(len(blocks)))
+    if not whole.shared:  # then other antennas have no say
+        some = [n for n in some if blocks[n].antenna == blocks[held].antenna]
+        held = some.index(held)
+    full, *_ = _problem([blocks[n] for n in some], whole.shared)
     problem = full.without(held)
     variance = whole.scatter**2
-    tails = np.delete(whole.tails, held, axis=0)
+    tails = np.delete(whole.tails[some], held, axis=0)
     # weights that the block itself had a say in
     tails[problem.antenna == full.antenna[held]] = 1.0
     fit, square = _round(problem, variance, tails)
@@ -269,7 +273,7 @@ def _levelled(problem: _Problem, fit: _Fit) -> tuple[Array, Array, Array]:
     """Return own (A, k), common (S c,) and covariance, own parts of shared shapes about zero."""
     antennas, k = fit.own.shape
     size = antennas * k
-    lever = fit.lever.reshape(size, -1)
+    lever = fit.lever.reshape(size, len(fit.common))
     follows = -lever @ fit.shared
     covariance = np.block([[-follows @ lever.T, follows], [follows.T, fit.shared]])
     for n in range(antennas):
@@ -285,7 +289,7 @@ def _levelled(problem: _Problem, fit: _Fit) -> tuple[Array, Array, Array]:
         turn[np.ix_(own, own)] -= well / well.sum()
         turn[np.ix_(common, own)] += well / well.sum()
         value, covariance = turn @ value, turn @ covariance @ turn.T
-    return value[:size].reshape(-1, k), value[size:], covariance
+    return value[:size].reshape(antennas, k), value[size:], covariance
 
 
 def told_well(covariance: Array) -> Array:

@@ -18,6 +18,7 @@ from pyport.diagnosis.joint import Joint
 from pyport.errors import BadInput
 from pyport.recordings.antennas import Survey
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 LEAN = "tilt_east"
 #: Play in scans along elevation, which a time tag moves by the rate itself.
@@ -112,6 +113,7 @@ def shared_shapes(shapes: Sequence[Shape]) -> list[int]:
     return [n for n, one in enumerate(shapes) if one.name in SHARED]
 
 
+@one_thread
 def report(setup: Setup, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
     """Return what an array's recordings say; None where they are no array's.
 

@@ -16,6 +16,8 @@ from pyport.diagnosis.arrays.unseen import FACTOR, Unseen, medians
 _WIDTH = 96
 #: A session that by itself tells leans worse than the best one by this factor is a weak one.
 WEAK = 2.0
+#: Longer lists are cut short here; the report has them whole.
+_SHOWN = 30
 
 
 def words(found: ArrayReport) -> str:
@@ -201,7 +203,8 @@ def held_out(found: Unseen) -> list[str]:
     if reasons:
         lines.append(f"  By less than {FACTOR:g}, and why:")
     for reason, told in sorted(reasons.items(), key=lambda item: -len(item[1])):
-        lines += _wrapped(f"  - {reason}: {', '.join(told)}.")
+        more = f" and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
+        lines += _wrapped(f"  - {reason}: {', '.join(told[:_SHOWN])}{more}.")
     return lines
 
 

@@ -1,0 +1,181 @@
+"""Edges: the curve in the sky at which an offset jumps, from the grid to where it fits best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Setup
+from pyport.diagnosis.view import FEWEST, View
+from pyport.effects import Effect
+from pyport.effects.structure import FreeEdge, curved_jump, jump_above
+from pyport.fitting.stacking import Codes
+
+#: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]
+_FIRST = np.array([4, 4, 4, 2, 2]) * DEG
+_ROUNDS = 6
+#: A free edge has an elevation of its own in every column of this width [rad], one of these [deg].
+COLUMN = 10 * DEG
+LEVELS = np.arange(0.0, 92.0, 1.0)
+#: What a free edge must gain for every level that it climbs from one column to the next.
+CLIMB = 0.7
+#: Turns between the best edge for a jump and the best jump for an edge.
+ROUNDS = 12
+
+
+def edges_of(setup: Setup, view: View, effect: Effect) -> list[tuple[Effect, float]]:
+    """Return the step across the curve that fits best, and how many numbers the curve has.
+
+    The curve waves once and twice with azimuth; its five numbers are moved one
+    after the other by steps that halve, since the gain is no smooth function of them.
+    """
+    at, row = setup.recordings.at, setup.stack.row[view.rows]
+    az, el = at.az[row], at.el[row]
+    is_y = setup.stack.is_y[view.rows]
+    wave = np.stack([np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az)])
+
+    def gain(shape: Array) -> float:
+        above = is_y & (el >= shape @ wave)
+        if min(above.sum(), (is_y & ~above).sum()) < FEWEST:
+            return 0.0
+        column = above * view.root
+        length = column @ column - ((view.basis.T @ column) ** 2).sum()
+        return float((column @ view.left) ** 2 / max(length, 1e-12))
+
+    of_number = np.log(max(len(view.rows), 3))
+    found = [(effect, float(of_number))]
+    free = _free(view, az, el, is_y)
+    if free is not None:
+        edge, turns = free
+        found.append((jump_above(edge), float(of_number) * (1 + turns)))
+    start = _start(effect, wave)
+    if start is None:
+        return found
+    straight = np.where(np.arange(len(start)) == 0, start, 0.0)
+    best = _climbed(gain, straight, 1)
+    for waves, first in ((3, start), (5, None)):
+        wavier = _climbed(gain, best if first is None else first, waves)
+        # Each further wave must earn its two numbers, as any coefficient must.
+        if gain(wavier) > gain(best) + 2 * of_number:
+            best = wavier
+    numbers = max(1, int(np.count_nonzero(best)))
+    return [*found, (curved_jump(tuple(map(float, best))), float(of_number) * numbers)]
+
+
+def _free(
+    view: View, az: Array, el: Array, is_y: NDArray[np.bool_]
+) -> tuple[FreeEdge, float] | None:
+    """Return the edge of any form that fits best, and how many numbers its form is worth.
+
+    The sky is cut into columns of azimuth; each has its own elevation from
+    which on the offset is there, and going up or down from one column to the
+    next has its price (Viterbi's path through all columns).
+    """
+    rows = np.flatnonzero(is_y)
+    if len(rows) < 4 * FEWEST:
+        return None
+    az, el, root, left = az[rows], el[rows], view.root[rows], view.left[rows]
+    first = np.floor(az.min() / COLUMN)
+    column = (np.floor(az / COLUMN) - first).astype(int)
+    level = np.clip(((el / DEG - LEVELS[0]) / (LEVELS[1] - LEVELS[0])).astype(int) + 1, 0, None)
+    shape = int(column.max()) + 1, len(LEVELS)
+    level = np.minimum(level, len(LEVELS) - 1)
+    mass = _above_each(shape, column, level, root**2)
+    scatter = float(np.median(1 / root))
+    best: tuple[float, Array] | None = None
+    for sign in (1.0, -1.0):
+        jump, share = sign * 1.5 * scatter, 0.4
+        path = np.zeros(shape[0], int)
+        for _ in range(ROUNDS):
+            pull = _above_each(shape, column, level, root * (left + jump * share * root))
+            new = _path(jump**2 * mass - 2 * jump * pull)
+            if np.array_equal(new, path):
+                break
+            path = new
+            above = level > path[column]
+            if min(above.sum(), (~above).sum()) < FEWEST:
+                break
+            weight = root**2
+            share = float(weight[above].sum() / weight.sum())
+            centred = (above - share) * root
+            jump = float(centred @ left / (centred @ centred))
+        above = level > path[column]
+        if min(above.sum(), (~above).sum()) < FEWEST or jump * sign <= 0:
+            continue
+        gain = jump**2 * float((((above - above.mean()) * root) ** 2).sum())
+        score = gain - CLIMB * float(np.abs(np.diff(path)).sum())
+        if best is None or score > best[0]:
+            best = score, path
+    if best is None:
+        return None
+    path = best[1]
+    climbed = float(np.abs(np.diff(LEVELS[path])).sum())
+    centres = (first + np.arange(shape[0]) + 0.5) * COLUMN
+    # Each step of ten degrees up or down is a number of its own.
+    return FreeEdge(tuple(centres), tuple(LEVELS[path] * DEG)), climbed / 10
+
+
+def _above_each(shape: tuple[int, int], column: Codes, level: Codes, values: Array) -> Array:
+    """Return sums of values at or above each level in each column."""
+    total = np.zeros((shape[0], shape[1] + 1))
+    np.add.at(total, (column, level), values)
+    return np.asarray(total[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:])
+
+
+def _path(cost: Array) -> Codes:
+    """Return the level in each column that costs least altogether, climbing included."""
+    levels = np.arange(cost.shape[1])
+    climb = CLIMB * np.abs(levels[:, None] - levels)
+    total, back = cost[0], []
+    for own in cost[1:]:
+        ways = total[:, None] + climb
+        back.append(np.argmin(ways, axis=0))
+        total = ways.min(axis=0) + own
+    path = [int(np.argmin(total))]
+    for before in reversed(back):
+        path.append(int(before[path[-1]]))
+    return np.array(path[::-1])
+
+
+def _climbed(gain: Callable[[Array], float], start: Array, numbers: int) -> Array:
+    """Return where the gain is highest, moving the first `numbers` by steps that halve."""
+    best, most, step = start, gain(start), _FIRST.copy()
+    for _ in range(_ROUNDS):
+        moved = True
+        while moved:
+            moved = False
+            for n in range(numbers):
+                for sign in (1, -1):
+                    trial = best.copy()
+                    trial[n] += sign * step[n]
+                    if (score := gain(trial)) > most:
+                        best, most, moved = trial, score, True
+        step /= 2
+    return best
+
+
+def _start(effect: Effect, wave: Array) -> Array | None:
+    """Return the wave that is nearest to an edge; None for one that is no function of azimuth."""
+    if effect.edge is None:
+        return None
+    curve = effect.edge(np.arctan2(wave[2], wave[1]))
+    if not np.isfinite(curve).all():
+        return None
+    return np.asarray(np.linalg.lstsq(wave.T, curve, rcond=1e-9)[0])
+
+
+def curve_points(candidate: Candidate) -> tuple[tuple[float, float], ...] | None:
+    """Return points (azimuth, elevation) [deg] along the edge of a jump; None without one."""
+    edge = candidate.effect.edge
+    if edge is None:
+        return None
+    low, high = edge.span if isinstance(edge, FreeEdge) else (0.0, 2 * np.pi)
+    az = np.arange(np.ceil(low / DEG / 5) * 5, high / DEG, 5.0)
+    el = edge(az * DEG) / DEG
+    if not np.isfinite(el).all():
+        return None
+    return tuple((float(a), float(e)) for a, e in zip(az, el, strict=True))
