@@ -128,7 +128,9 @@ def _bar(bar: Bar, most: float) -> list[Markup]:
     ]
     if bar.floor is not None:
         marks.append(tag("i", class_="floor", style=f"left:{at(bar.floor)}"))
-    numbers = f"{bar.before:.3g} → {bar.after:.3g}"
+    numbers = f"{bar.after:.3g}"
+    if bar.before != bar.after:
+        numbers = f"{bar.before:.3g} → {numbers}"
     return [
         tag("span", bar.name, class_="name"),
         tag("span", *marks, class_="track"),
@@ -146,6 +148,7 @@ def sight(story: Story) -> Markup | None:
                 f"How small an effect would have been seen: {len(rows)} effects",
                 "Rms that half of all such recordings would have shown.",
                 table(("effect", "arcsec rms"), rows, 1),
+                unfolded=story.good,
             )
         )
     if story.untestable:
@@ -178,9 +181,13 @@ def rows_aside(story: Story) -> Markup | None:
     return section("aside", "What was not used", "Nothing is dropped in silence.", *parts)
 
 
-def _folded(title: str, how: str, inside: Markup) -> Markup:
+def _folded(title: str, how: str, inside: Markup, *, unfolded: bool = False) -> Markup:
     return tag(
-        "details", tag("summary", title), tag("p", how, class_="how") if how else None, inside
+        "details",
+        tag("summary", title),
+        tag("p", how, class_="how") if how else None,
+        inside,
+        open="" if unfolded else None,
     )
 
 
