@@ -10,7 +10,8 @@ from typing import Any
 from pyport.files import sha256, write_whole
 from pyport.trials import figures
 from pyport.trials.judge import Verdict
-from pyport.trials.seal import Folder, read_json
+from pyport.trials.published import read_json, read_seal
+from pyport.trials.seal import Folder
 
 _HEAD = """# Does it find what was hidden?
 
@@ -60,7 +61,7 @@ def write(sets: Sequence[Path], out: Path) -> None:
 def _section(root: Path, folder: Path, base: Path) -> str:
     """Write the files of one set and return its part of the page."""
     folder.mkdir(parents=True, exist_ok=True)
-    scored, sealed = read_json(root / "score.json"), read_json(Folder(root).seal)
+    scored, sealed = read_json(root / "score.json"), read_seal(Folder(root).seal)
     verdicts = [Verdict(**one) for one in scored["verdicts"]]
     shutil.copyfile(Folder(root).seal, folder / "sealed.json")
     place = folder.relative_to(base).as_posix()
@@ -119,7 +120,7 @@ def _by_hand(root: Path, folder: Path, base: Path, verdicts: Sequence[Verdict]) 
     for suffix in ("truth.json", "nonce"):
         shutil.copyfile(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
     truth = read_json(folder / f"{shown.case}.truth.json")
-    sealed = read_json(folder / "sealed.json")
+    sealed = read_seal(folder / "sealed.json")
     entry = next(one for one in sealed["cases"] if one["case"] == shown.case)
     here = (Path(base.name) / folder.relative_to(base)).as_posix()
     options = {"effect": "--effect", "rho": "--rho", "rows": "--rows", "noise": "--noise"}
