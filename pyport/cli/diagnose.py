@@ -35,7 +35,13 @@ if TYPE_CHECKING:
     help="The model's effects that are fitted together with everything under test.",
 )
 @click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
-@click.option("--jobs", default=1, show_default=True, help="Files diagnosed at the same time.")
+@click.option("--jobs", default=1, show_default=True, help="Processes that share the work.")
+@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share it.")
+@click.option(
+    "--each",
+    metavar="LABEL",
+    help="Diagnose the parts of a data set apart that folders LABEL=NAME hold: antenna, ...",
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option(
     "--antennas",
@@ -44,6 +50,7 @@ if TYPE_CHECKING:
 )
 @about_file
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--timings", is_flag=True, help="Print how long each stage took.")
 @click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
 def command(
     recordings: tuple[str, ...],
@@ -51,11 +58,14 @@ def command(
     refit: str,
     seed: int,
     jobs: int,
+    cluster: str | None,
+    each: str | None,
     out: Path,
     given: Given,
     antennas: Path | None,
     *,
     quiet: bool,
+    timings: bool,
     as_json: bool,
 ) -> None:
     """Find, name and model what a pointing model leaves out of RECORDINGS.
@@ -63,17 +73,24 @@ def command(
     Each file of recordings gets a folder OUT/STEM with report.html, a page that
     needs no network, report.json, rows.csv and a picture per finding. Recordings
     of several antennas also tell what the antennas share, what repeats, and how
-    far each stands from where its offsets were computed for.
+    far each stands from where its offsets were computed for. A folder of Parquet
+    files is a data set of any size: it is gone through in pieces, all of its rows
+    go into normal points.
     """
     from pyport.diagnosis import run
     from pyport.recordings.antennas import read_survey
 
     survey = None if antennas is None else read_survey(antennas)
+    names = recordings if each is None else run.apart(recordings, each)
     requests = run.requests(
-        recordings, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey
+        names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey
     )
-    for done in run.run_all(requests, jobs=jobs):
+    for done in run.run_all(requests, jobs=jobs, cluster=cluster):
         if as_json:
             click.echo(done.report)
         elif not quiet:
             click.echo(done.summary + "\n")
+        if timings:
+            taken = sorted(done.seconds.items(), key=lambda one: -one[1])
+            parts = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in taken)
+            click.echo(f"{sum(done.seconds.values()):.2f} s: {parts}\n", err=as_json)

@@ -20,6 +20,7 @@ from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
 from pyport.fitting.stacking import Codes, Stack, group, stack
 from pyport.recordings.schema import Recordings
+from pyport.stages import stage
 
 #: Readings of less weight than this are outliers: kept in the list, left out of the rms.
 OUTLIER_WEIGHT = 0.05
@@ -144,6 +145,7 @@ class Weighed:
         return self.weights >= OUTLIER_WEIGHT
 
 
+@stage("preparing columns")
 def prepare(
     recordings: Recordings, model: Model, refit: Collection[str] | None = None, seed: int = 0
 ) -> Setup:
@@ -204,6 +206,7 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
     return ("antenna",) if whole else ("antenna", "session")
 
 
+@stage("whitening")
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
     noises, weights = _noise(setup, chosen)
@@ -222,6 +225,7 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     return Weighed(noises, weights, white, evidence)
 
 
+@stage("fitting noise")
 def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], Array]:
     """Fit the noise beside some effects, or remember it: columns that join later do not touch it.
 

@@ -21,6 +21,7 @@ from pyport.diagnosis.steps import Outcome, Step
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
+from pyport.stages import stage
 from pyport.threads import one_thread
 
 #: Below this many measured numbers beyond the model's own parameters nothing can be said.
@@ -83,6 +84,7 @@ class Diagnosis:
 
 
 @one_thread
+@stage("searching")
 def diagnose(
     recordings: Recordings,
     model: Model,

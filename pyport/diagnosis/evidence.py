@@ -15,6 +15,7 @@ from pyport.diagnosis.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, index, inverse_of
 from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes
+from pyport.stages import stage
 
 #: Shares of a coefficient's holders that a candidate is tried with.
 SCOPES = ("all", "session", "antenna", "antenna and session")
@@ -153,6 +154,7 @@ class Evidence:
         return self._products[2]
 
     @cached_property
+    @stage("products and draws")
     def _products(self) -> tuple[Gram, Array, Array]:
         """Return what is made of the whitened columns when it is first asked for; let those go."""
         white, block, kind, draws, rng = self._given
@@ -262,6 +264,7 @@ class Beside:
         cross, solved = (np.ascontiguousarray(one.transpose(2, 1, 0)) for one in (cross, solved))
         return _Left(own, cross, solved, seen, drawn)
 
+    @stage("trying candidates")
     def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
         """Return what each (candidate, scope) would gain, if it shows at all."""
         found = (self._trial(candidate, scope) for candidate, scope in wanted)

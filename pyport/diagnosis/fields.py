@@ -24,6 +24,7 @@ from pyport.diagnosis.shapes import numbers
 from pyport.effects.base import Circumstances, Coefficient, Effect
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
+from pyport.stages import stage
 
 #: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
 OVER_SKY = (20 * DEG, 45 * DEG)
@@ -206,6 +207,7 @@ class Ground:
         excess = weighed.evidence.common.factor
         return seen.T @ seen / excess, seen.T @ self.left / excess
 
+    @stage("fields")
     def axis_by_axis(self, columns: Array) -> tuple[Array, Array]:
         """Return the same for columns (m, K) that act on each axis apart: on x first, then on y."""
         from scipy.linalg import block_diag
@@ -286,6 +288,7 @@ def _no_basis(at: Circumstances) -> tuple[Array, Array]:
     return np.zeros((len(at), 0)), np.zeros((len(at), 0))
 
 
+@stage("fields")
 def worth(field: Field, information: Array, moments: Array) -> Worth:
     """Return what a field is worth, at the strength that suits it best."""
     power, vectors = np.linalg.eigh(information)

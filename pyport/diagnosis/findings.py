@@ -22,8 +22,10 @@ from pyport.diagnosis.scene import (
     size,
 )
 from pyport.diagnosis.steps import Step
+from pyport.stages import stage
 
 
+@stage("telling findings")
 def collect(scene: Scene) -> list[Finding]:
     """Return the findings, strongest first."""
     found: list[Finding] = []

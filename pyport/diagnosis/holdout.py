@@ -11,6 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.fitting.gram import Gram, Part, Solution
 from pyport.fitting.stacking import Codes
+from pyport.stages import stage
 
 #: Sessions from which on whole sessions are left out.
 ENOUGH_SESSIONS = 3
@@ -72,6 +73,7 @@ def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
     return deal[inverse]
 
 
+@stage("holding data out")
 def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds) -> Array:
     """Return each reading less what a fit without its fold predicts [rad], shape (m,).
 
@@ -87,6 +89,7 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     return left
 
 
+@stage("holding data out")
 def unseen_misfit(
     setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
 ) -> float:

@@ -74,7 +74,8 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
 def _input(recordings: Recordings, diagnosis: Diagnosis) -> dict[str, Any]:
     set_aside = [{"line": one.line, "reason": one.reason} for one in recordings.set_aside]
     file = recordings.file
-    return {
+    reduction = recordings.reduction
+    told = {
         "file": file.name,
         "sha256": sha256(file) if file.is_file() else None,
         "rows": len(recordings) + len(set_aside),
@@ -82,6 +83,10 @@ def _input(recordings: Recordings, diagnosis: Diagnosis) -> dict[str, Any]:
         "set_aside": set_aside,
         "outliers": int((~diagnosis.weighed.used).sum()),
     }
+    if reduction is None:
+        return told
+    used = reduction.rows - sum(reduction.set_aside.values())
+    return told | {"rows": reduction.rows, "used": used, "reduction": vars(reduction)}
 
 
 def _noise(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -15,11 +15,13 @@ from pyport.diagnosis.noise import whiten
 from pyport.diagnosis.view import FEWEST, View, plain_view
 from pyport.effects import CATALOGUE, Effect
 from pyport.effects.epochs import epoch_step
+from pyport.stages import stage
 
 #: The best moment of each of so many stretches of time is weighed with the drift.
 STRETCHES = 24
 
 
+@stage("refining steps and edges")
 def refine(
     setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], winner: Trial
 ) -> tuple[Setup, Chosen, float, float]:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pyport.diagnosis import record
 from pyport.diagnosis.arrays.report import report as report_array
@@ -19,6 +20,9 @@ from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.stream import is_data_set
+from pyport.stages import stage, timed
+from pyport.workers import Spread, workers
 
 
 @dataclass(frozen=True)
@@ -36,11 +40,15 @@ class Request:
 
 @dataclass(frozen=True)
 class Done:
-    """What one diagnosis has to say: plain text, and the report on one line."""
+    """What one diagnosis has to say: plain text, the report on one line, and what took how long.
+
+    `seconds` are those of each stage, the stages inside it not counted.
+    """
 
     folder: Path
     summary: str
     report: str
+    seconds: dict[str, float]
 
 
 def requests(
@@ -87,29 +95,58 @@ def ids_of(model: Model, refit: str) -> tuple[str, ...] | None:
     return names
 
 
-def run_all(wanted: Sequence[Request], jobs: int = 1) -> Iterator[Done]:
-    """Diagnose every file and yield the results in the order of the requests."""
-    if len(wanted) == 1:
-        with working(f"diagnosing {wanted[0].file.name}") as tell:
-            done = run_one(wanted[0], tell)
-        yield done
-        return
-    if jobs == 1:
-        yield from map(run_one, track(wanted, "diagnosing"))
-        return
-    from concurrent.futures import ProcessPoolExecutor
+def apart(names: Sequence[str], label: str) -> list[str]:
+    """Return the parts of data sets whose folders are named by a label, `LABEL=VALUE`.
 
-    with ProcessPoolExecutor(jobs) as pool:
-        yield from track(pool.map(run_one, wanted), "diagnosing", total=len(wanted))
+    Raises
+    ------
+    BadInput
+        A name is no such data set.
+    """
+    found = []
+    for name in names:
+        parts = sorted(one for one in Path(name).glob(f"{label}=*") if is_data_set(one))
+        if not parts:
+            raise BadInput(f"--each {label}: no folders {label}=NAME with Parquet files", name)
+        found += [str(one) for one in parts]
+    return found
 
 
-def run_one(request: Request, tell: Callable[[str], None] = lambda _: None) -> Done:
+def run_all(wanted: Sequence[Request], jobs: int = 1, cluster: str | None = None) -> Iterator[Done]:
+    """Diagnose every file and yield the results in the order of the requests.
+
+    A single data set is gone through by all workers, several inputs go to one worker each.
+    """
+    with workers(jobs, cluster) as spread:
+        if len(wanted) == 1:
+            with working(f"diagnosing {wanted[0].file.name}") as tell:
+                done = run_one(wanted[0], tell, spread)
+            yield done
+        else:
+            yield from track(spread(run_one, wanted), "diagnosing", total=len(wanted))
+
+
+def run_one(
+    request: Request,
+    tell: Callable[[str], None] = lambda _: None,
+    spread: Spread[Any, Any] = map,
+) -> Done:
     """Diagnose one file and write its folder."""
+    with timed() as clock:
+        text, report = _run_one(request, tell, spread)
+    return Done(request.folder, text, report, clock.seconds)
+
+
+@stage("writing pages and pictures")
+def _run_one(
+    request: Request, tell: Callable[[str], None], spread: Spread[Any, Any]
+) -> tuple[str, str]:
+    """Return the summary and the report of one file."""
     from pyport import page
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
-    recordings = read(request.file, request.given)
+    recordings = stage("reading")(read)(request.file, request.given, spread)
     diagnosis = diagnose(
         recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
     )
@@ -122,4 +159,4 @@ def run_one(request: Request, tell: Callable[[str], None] = lambda _: None) -> D
     if array is not None:
         write_places(array, request.folder)
         text += "\n" + words(array)
-    return Done(request.folder, text, json.dumps(report))
+    return text, json.dumps(report)

@@ -8,12 +8,14 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.evidence import Trial
+from pyport.stages import stage
 
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
 #: are promised because no noise is quite as it was fitted.
 FAMILY_ERROR = 0.01
 
 
+@stage("significance")
 def family_p_value(trials: Sequence[Trial]) -> float:
     """Return the probability that pure noise gives a search as good as the best of these.
 
@@ -50,6 +52,7 @@ def _log_chances(trials: Sequence[Trial], gains: Array) -> Array:
         return np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
 
 
+@stage("significance")
 def threshold(trials: Sequence[Trial], chance: float) -> float:
     """Return the log-chance that the best of a search falls below in `chance` of all noise."""
     if not trials:

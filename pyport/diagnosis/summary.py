@@ -20,9 +20,14 @@ def summary(diagnosis: Diagnosis) -> str:
     """Return the diagnosis as plain text."""
     recordings = diagnosis.setup.recordings
     aside, model = len(recordings.set_aside), diagnosis.setup.model.name
-    lines = [
-        f"{recordings.file.name}: {len(recordings)} recordings, {aside} set aside, model {model}"
-    ]
+    what = f"{len(recordings)} recordings"
+    if (made := recordings.reduction) is not None:
+        aside = sum(made.set_aside.values())
+        what = (
+            f"{made.rows} recordings in {made.points} normal points {made.patch_deg:g} deg wide"
+            f", {made.outliers} readings outliers"
+        )
+    lines = [f"{recordings.file.name}: {what}, {aside} set aside, model {model}"]
     if diagnosis.mismatch:
         lines.append(
             f"The model leaves something out (chance of noise alone {_chance(diagnosis)})."

@@ -59,12 +59,14 @@ class Circumstances:
     `scan_direction` (+1, -1, 0 for unknown), `scan_rate` [rad/s, positive],
     `temperature_c`, ... and the labels `antenna`, `session`, `scan_axis`,
     `source`, ... as strings. Numbers that are not known are NaN, labels "".
+    Where the pointings are means over many, `fine` tells of what.
     """
 
     az: Array
     el: Array
     site: Site | None = None
     columns: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    fine: Fine | None = None
 
     def __len__(self) -> int:
         """Return n, the number of pointings."""
@@ -110,7 +112,40 @@ class Circumstances:
     def take(self, index: Index) -> Circumstances:
         """Return the pointings that a mask, slice or list of rows selects."""
         columns = {name: values[index] for name, values in self.columns.items()}
-        return replace(self, az=self.az[index], el=self.el[index], columns=columns)
+        fine = None if self.fine is None else self.fine.take(np.arange(len(self))[index])
+        return replace(self, az=self.az[index], el=self.el[index], columns=columns, fine=fine)
+
+
+@dataclass(frozen=True)
+class Fine:
+    """What mean pointings are the means of: an effect's mean is not its value at the mean place.
+
+    Attributes
+    ----------
+    at
+        N places, each with its circumstances.
+    pointing
+        Which of the mean pointings each belongs to, ascending, shape (N,); each has one or more.
+    share
+        How much of it each makes up, shape (N,).
+    """
+
+    at: Circumstances
+    pointing: NDArray[np.intp]
+    share: Array
+
+    def mean(self, values: Array) -> Array:
+        """Return the means of values (N, k) over each pointing, shape (n, k)."""
+        first = np.flatnonzero(np.diff(self.pointing, prepend=-1))
+        return np.asarray(np.add.reduceat(values * self.share[:, None], first, axis=0))
+
+    def take(self, rows: NDArray[np.intp]) -> Fine:
+        """Return what some of the pointings, in their new order, are the means of."""
+        starts = np.searchsorted(self.pointing, rows)
+        counts = np.searchsorted(self.pointing, rows, side="right") - starts
+        number = np.repeat(np.arange(len(rows)), counts)
+        kept = np.arange(counts.sum()) + np.repeat(starts - np.cumsum(counts) + counts, counts)
+        return Fine(self.at.take(kept), number, self.share[kept])
 
 
 #: Circumstances -> the offset across and along elevation for one of each coefficient, (n, k) each.
@@ -196,7 +231,10 @@ class Effect:
         MissingColumn
             The recordings lack something that the effect needs.
         """
-        return self.basis(at)
+        if at.fine is None:
+            return self.basis(at)
+        x, y = self.basis(at.fine.at)
+        return at.fine.mean(x), at.fine.mean(y)
 
     def missing(self, at: Circumstances) -> str | None:
         """Name the first column that these recordings lack for this effect, if any."""

@@ -62,7 +62,11 @@ class Model:
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
         """Return the offsets that the model predicts before any fit [rad]."""
-        x, y = (np.zeros(len(at)), np.zeros(len(at))) if self.given is None else self.given(at)
+        x, y = np.zeros(len(at)), np.zeros(len(at))
+        if self.given is not None and at.fine is None:
+            x, y = self.given(at)
+        elif self.given is not None and at.fine is not None:
+            x, y = at.fine.mean(np.stack(self.given(at.fine.at), axis=1)).T
         for term in self.terms:
             if term.values is not None:
                 columns_x, columns_y = term.effect.columns(at)

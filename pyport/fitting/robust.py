@@ -72,14 +72,14 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
         if turn < _ROUNDS // 2:
             new = 1 / np.maximum(np.abs(residual) / sigma, 0.1)
         else:
-            new = _flat(residual, sigma, reach)
+            new = flat_weight(residual, sigma, reach)
         if turn > _ROUNDS // 2 and np.allclose(new, weight, atol=1e-3):
             break
         weight = new
-    return _flat(residual, sigma, reach), residual
+    return flat_weight(residual, sigma, reach), residual
 
 
-def _flat(residual: Array, sigma: float, reach: float) -> Array:
+def flat_weight(residual: Array, sigma: float, reach: float) -> Array:
     """Return one up to three sigmas, from there the biweight down to zero at `reach`."""
     beyond = np.maximum(np.abs(residual) - 3 * sigma, 0.0)
     return biweight(beyond, sigma, reach - 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from pyport.errors import BadInput
 from pyport.recordings import gmrt
@@ -14,6 +15,7 @@ from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import tabulate
 from pyport.recordings.where import where
+from pyport.workers import Spread
 
 
 def resolve(name: str | Path) -> Path:
@@ -30,20 +32,27 @@ def resolve(name: str | Path) -> Path:
     if str(name) in gmrt.NAMES:
         return gmrt.path(str(name))
     if path.is_dir():
-        raise BadInput("this is a folder, expected a file of recordings", path)
+        from pyport.recordings.stream import is_data_set
+
+        if is_data_set(path):
+            return path
+        raise BadInput("a folder without Parquet files, expected recordings", path)
     names = ", ".join(gmrt.NAMES)
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 
-def read(name: str | Path, given: Given = NOTHING) -> Recordings:
+def read(name: str | Path, given: Given = NOTHING, spread: Spread[Any, Any] = map) -> Recordings:
     """Read recordings from CSV, ECSV, Parquet, TPOINT's .dat, the Field System's .xtr or .err.
 
     Parameters
     ----------
     name
-        A file, or the name of recordings shipped with pyport (`gmrt-2003-06-01`).
+        A file, the name of recordings shipped with pyport (`gmrt-2003-06-01`), or a folder of
+        Parquet files, which is reduced to normal points.
     given
         What the file itself does not say: header keys, names of its columns.
+    spread
+        How the pieces of such a folder are gone through: `map`, or another that keeps order.
 
     Returns
     -------
@@ -56,7 +65,13 @@ def read(name: str | Path, given: Given = NOTHING) -> Recordings:
     BadInput
         With file and line: what is wrong and what was expected.
     """
-    recordings = interpret(read_raw(resolve(name), given))
+    path = resolve(name)
+    if path.is_dir():
+        from pyport.recordings.stream import read_data_set
+
+        recordings = read_data_set(path, given, spread)
+    else:
+        recordings = interpret(read_raw(path, given))
     return where(recordings, given.where) if given.where else recordings
 
 

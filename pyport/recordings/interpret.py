@@ -49,15 +49,15 @@ def interpret(raw: Raw) -> Recordings:
         out of range, a header key is no number.
     """
     site = _site(raw)
-    angles = _angles(raw)
+    angles = angles_of(raw)
     columns = _columns(raw)
     south = _azimuth_from_south(raw)
-    _check_ranges(raw, angles)
+    check_ranges(raw, angles)
     if south:
         for name in {"az", "sun_az", "wind_az"} & set(angles):
             angles[name] = angles[name] + np.pi
     az, el = _position(raw, angles, site)
-    x, y = _offsets(raw, angles, el)
+    x, y = offsets_of(raw, angles, el)
     blank = np.full(len(raw.line), np.nan)
     columns |= {name: angles[name] for name in DIRECTIONS & set(angles)}
     if site is not None:
@@ -112,7 +112,7 @@ def _azimuth_from_south(raw: Raw) -> bool:
     return zero == "south"
 
 
-def _angles(raw: Raw) -> dict[str, Array]:
+def angles_of(raw: Raw) -> dict[str, Array]:
     """Return all angles of the contract that the file has, in radians."""
     found: dict[str, tuple[str, float]] = {}
     for name in raw.columns:
@@ -170,7 +170,7 @@ def _time(raw: Raw) -> dict[str, Array]:
     return {}
 
 
-def _check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
+def check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
     """Refuse angles that no telescope can have, at the first line that has one."""
     if "az" in angles:
         raw.refuse(
@@ -209,7 +209,7 @@ def _position(raw: Raw, angles: dict[str, Array], site: Site | None) -> tuple[Ar
     return az, el
 
 
-def _offsets(raw: Raw, angles: dict[str, Array], el: Array) -> tuple[Array, Array]:
+def offsets_of(raw: Raw, angles: dict[str, Array], el: Array) -> tuple[Array, Array]:
     """Return the offsets across and along elevation."""
     nothing = np.full(len(raw.line), np.nan)
     x = angles["d_az"] * np.cos(el) if "d_az" in angles else angles.get("d_xel", nothing)

@@ -22,6 +22,32 @@ class SetAside:
 
 
 @dataclass(frozen=True)
+class Reduction:
+    """How the rows of a data set became normal points.
+
+    Attributes
+    ----------
+    rows, points, places
+        Rows of all files, normal points, and the places at which effects are computed for them.
+    patch_deg, stretch_s
+        A point's width in azimuth and elevation [deg] and its length in time [s], None where
+        it takes in all times.
+    outliers
+        Readings without weight: far from others of their antenna, place and time.
+    set_aside
+        Rows that could not be used, by reason.
+    """
+
+    rows: int
+    points: int
+    places: int
+    patch_deg: float
+    stretch_s: float | None
+    outliers: int
+    set_aside: dict[str, int]
+
+
+@dataclass(frozen=True)
 class Recordings:
     """n measured offsets with their circumstances; radians, encoder minus true.
 
@@ -42,7 +68,9 @@ class Recordings:
         What the header says of all rows, as text, and under `azimuth_zero`,
         `telescope`, ... as the contract names it.
     set_aside
-        Rows of the file that are not among the n, none missing.
+        Rows of the file that are not among the n, none missing; of a data set the first ones.
+    reduction
+        How the rows of a data set became the n; None for those of one file.
     """
 
     at: Circumstances
@@ -54,6 +82,7 @@ class Recordings:
     file: Path
     meta: dict[str, str] = field(default_factory=dict)
     set_aside: tuple[SetAside, ...] = ()
+    reduction: Reduction | None = None
 
     def __len__(self) -> int:
         """Return n."""
