@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small docs api tutorial screenshots golden clean
+.PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -90,6 +90,11 @@ proof-small: $(BIN)/pyport
 
 proof: $(BIN)/pyport
 	$(BIN)/pyport trials prove $(OUT)/proof --set full --jobs 2
+
+# What is promised of a diagnosis, measured anew: real recordings and drawn cases.
+DATA ?= ../shared/data
+detective: $(BIN)/pyport
+	$(BIN)/pyport detective --jobs 2 --data $(DATA)
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

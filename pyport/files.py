@@ -6,9 +6,13 @@ import contextlib
 import hashlib
 import os
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
+
+#: A temporary file that nobody has touched for so long is what a killed run left [s].
+ABANDONED_S = 3600.0
 
 
 @contextlib.contextmanager
@@ -17,7 +21,7 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
 
     The new content goes to a temporary file in the same folder, is synced to
     disk and renamed over the old one; an exception or a kill leaves the old
-    file as it was.
+    file as it was. What a killed run left behind is removed by a later one.
 
     Parameters
     ----------
@@ -25,22 +29,37 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
         The file to write.
     mode
         ``"w"`` for text (UTF-8, newlines as written) or ``"wb"`` for bytes.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written; its name is that of `path`.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     options = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
-    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    temporary = ""
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _remove_abandoned(path)
+        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
         with os.fdopen(handle, mode, **options) as file:  # type: ignore[call-overload]
             yield file
             file.flush()
             os.fsync(file.fileno())
         _give_usual_permissions(temporary)
         Path(temporary).replace(path)
-    except BaseException:
-        with contextlib.suppress(FileNotFoundError):
-            Path(temporary).unlink()
+        temporary = ""
+        _sync_folder(path.parent)
+    except OSError as error:
+        # the temporary name, or none at all (a full disk), says nothing to whoever reads this
+        if error.filename is None or Path(error.filename).name.startswith(f".{path.name}."):
+            text = f"cannot be written: {error.strerror or error}"
+            raise OSError(error.errno, text, str(path)) from error
         raise
+    finally:
+        if temporary:
+            with contextlib.suppress(OSError):
+                Path(temporary).unlink()
 
 
 def _give_usual_permissions(path: str) -> None:
@@ -48,6 +67,26 @@ def _give_usual_permissions(path: str) -> None:
     mask = os.umask(0)
     os.umask(mask)
     Path(path).chmod(0o666 & ~mask)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Let the new name reach the disk too, where folders can be synced."""
+    with contextlib.suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _remove_abandoned(path: Path) -> None:
+    """Remove what runs that were killed while they wrote `path` left an hour ago or earlier."""
+    prefix = f".{path.name}."
+    with contextlib.suppress(OSError):
+        for one in os.scandir(path.parent):
+            mine = one.name.startswith(prefix) and len(one.name) == len(prefix) + 8
+            if mine and time.time() - one.stat().st_mtime > ABANDONED_S:
+                Path(one.path).unlink()
 
 
 def sha256(path: str | Path) -> str:

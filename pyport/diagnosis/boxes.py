@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.diagnosis.fields import Field
+from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.view import FEWEST, plain_view
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis import common_mode, noise_fit, shapes
+from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
-from pyport.diagnosis.evidence import Blocks, Evidence
+from pyport.diagnosis.evidence import Evidence
 from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis import identify
+from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
-from pyport.diagnosis.evidence import Beside, Blocks, Trial
+from pyport.diagnosis.evidence import Beside, Trial
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
 

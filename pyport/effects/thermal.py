@@ -36,12 +36,21 @@ def _sun(at: Circumstances, lag_h: int) -> tuple[Array, Array | None]:
     return sun(at, lag_h * 3600.0)
 
 
-def _thermal_tilt(lag_h: int = 0, *, by_day: bool = False) -> Effect:
-    """Return a lean away from where the Sun was some hours ago, at all times or by day only."""
+#: How strongly the Sun heats, by its elevation [rad]: what a variant says, and how.
+_HEATS: dict[str, Callable[[Array], Array]] = {
+    "day and night": np.ones_like,
+    "while the Sun is up": lambda el: np.where(el > 0, 1.0, 0.0),
+    "as the Sun is high": lambda el: np.maximum(np.sin(el), 0.0),
+}
+_ALWAYS, _BY_DAY, _AS_HIGH = _HEATS
+
+
+def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
+    """Return a lean away from where the Sun was some hours ago, at all times or by day."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         sun_az, sun_el = _sun(at, lag_h)
-        heat = np.where(sun_el > 0, 1.0, 0.0) if by_day and sun_el is not None else 1.0
+        heat = 1.0 if sun_el is None else _HEATS[heating](sun_el)
         return stack(at, lean(at, sun_az + np.pi, heat))
 
     late = f", {lag_h} h late" if lag_h else ""
@@ -51,7 +60,7 @@ def _thermal_tilt(lag_h: int = 0, *, by_day: bool = False) -> Effect:
         _GREVE,
         (Coefficient("thermal_tilt"),),
         basis,
-        variant=f"while the Sun is up{late}" if by_day else "day and night",
+        variant=f"{heating}{late}",
         profile=_thermal_tilts,
         needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
@@ -63,10 +72,12 @@ def _thermal_tilts(at: Circumstances) -> tuple[Effect, ...]:
     """Return a lean at all times and, where day is told from night, by day: at once and late."""
     _, sun_el = _sun(at, 0)
     always = _thermal_tilt()
-    by_day = () if sun_el is None or np.all(sun_el > 0) else (_thermal_tilt(by_day=True),)
+    by_day: tuple[Effect, ...] = (_thermal_tilt(_BY_DAY), _thermal_tilt(_AS_HIGH))
+    if sun_el is None or np.all(sun_el > 0):
+        by_day = () if sun_el is None else by_day[1:]
     if "time" not in at or at.site is None or at.site.longitude is None:
         return always, *by_day
-    return always, *by_day, *(_thermal_tilt(lag, by_day=True) for lag in LAGS_H)
+    return always, *by_day, *(_thermal_tilt(_BY_DAY, lag) for lag in LAGS_H)
 
 
 #: Through which term a temperature acts: its name, and what it looks like across and along.

@@ -13,6 +13,8 @@ import numpy as np
 from pyport.angles import RADIANS_PER, Array
 from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
 from pyport.errors import BadInput
+from pyport.recordings.columns import LABELS
+from pyport.recordings.formats.csv import read_text
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
 PER_ANTENNA = ("antenna",)
@@ -144,11 +146,13 @@ def load(name: str) -> Model:
 def _from_toml(path: Path) -> Model:
     """Read `[[term]]` tables: an effect, `per`, and value_UNIT for its coefficients."""
     try:
-        text = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = tomllib.loads(read_text(path))
+    except BadInput:
+        raise
+    except (ValueError, RecursionError) as error:
         raise BadInput(f"not a TOML file: {error}", path) from None
     rows = text.get("term")
-    if not isinstance(rows, list) or not rows:
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise BadInput("no [[term]] table: a model lists its effects, one table each", path)
     return Model(str(text.get("name", path.stem)), tuple(_term(row, path) for row in rows))
 
@@ -157,19 +161,27 @@ def _term(row: dict[str, Any], path: Path) -> Term:
     effect = CATALOGUE.get(str(row.get("effect")))
     if effect is None:
         raise BadInput(f"no effect is called {row.get('effect')!r}", path)
-    per = tuple(row.get("per", PER_ANTENNA))
+    per = row.get("per", PER_ANTENNA)
+    if not isinstance(per, list | tuple) or not LABELS.issuperset(map(str, per)):
+        raise BadInput(f"{effect.id} has per = {per!r}, expected a list of labels", path)
     given = {key: value for key, value in row.items() if key.startswith("value")}
     if len(given) > 1:
         raise BadInput(f"{effect.id} has more than one value: {', '.join(given)}", path)
     values = None
     for key, value in given.items():
         unit = key.removeprefix("value_")
-        numbers = np.atleast_1d(value)
-        if unit not in RADIANS_PER or len(numbers) != len(effect.coefficients):
+        numbers = value if isinstance(value, list) else [value]
+        fits = len(numbers) == len(effect.coefficients) and all(map(_is_number, numbers))
+        if unit not in RADIANS_PER or not fits:
             raise BadInput(
                 f"{effect.id} expects value_UNIT with {len(effect.coefficients)} number(s)"
                 f" and one of the units {', '.join(RADIANS_PER)}",
                 path,
             )
         values = tuple(float(number) * RADIANS_PER[unit] for number in numbers)
-    return Term(effect, per, values)
+    return Term(effect, tuple(per), values)
+
+
+def _is_number(value: object) -> bool:
+    """Tell whether a value of a TOML file is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e99

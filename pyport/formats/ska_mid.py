@@ -30,6 +30,8 @@ def read(path: Path) -> ModelFile:
         tree = json.loads(read_text(path), parse_float=Decimal, parse_int=Decimal)
     except json.JSONDecodeError as error:
         raise BadInput(f"not JSON: {error.msg}", path, error.lineno) from None
+    except RecursionError as error:
+        raise BadInput(f"not SKA-Mid's JSON: {error}", path) from None
     held = tree.get("coefficients") if isinstance(tree, dict) else None
     if not isinstance(held, dict):
         raise BadInput("no 'coefficients', expected SKA-Mid's eighteen", path)

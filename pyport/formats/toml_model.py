@@ -12,6 +12,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import WORDS, Entry, ModelFile
 from pyport.formats.terms.words import SCALES
+from pyport.recordings.formats.csv import read_text
 
 #: Keys of the value and its sigma in a unit.
 _SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
@@ -21,8 +22,8 @@ _MARKS = ("fixed", "used", "parallel")
 def names_terms(path: Path) -> bool:
     """Tell whether a TOML file names its vocabulary; one that lists effects does not."""
     try:
-        return "vocabulary" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return "vocabulary" in tomllib.loads(read_text(path))
+    except (ValueError, RecursionError):  # whoever reads the file as effects says what is wrong
         return False
 
 
@@ -35,9 +36,10 @@ def read(path: Path) -> ModelFile:
         The file is no such TOML, or a term is none of its vocabulary.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        tree = tomllib.loads(text, parse_float=Decimal)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        tree = tomllib.loads(read_text(path), parse_float=Decimal)
+    except BadInput:
+        raise
+    except (ValueError, RecursionError) as error:
         raise BadInput(f"{error}: expected TOML", path) from None
     vocabulary = str(tree.get("vocabulary"))
     if vocabulary not in WORDS:

@@ -19,6 +19,7 @@ import numpy as np
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.formats.csv import read_text
 from pyport.recordings.raw import Raw
 
 _TITLE = "pyport mask: + masks, - unmasks the lines listed | reason"
@@ -54,7 +55,7 @@ def steps(file: Path) -> list[Step]:
     if not path.is_file():
         return []
     found = []
-    for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+    for number, text in enumerate(read_text(path).splitlines(), 1):
         if text == _TITLE or not text.strip():
             continue
         match = _STEP.fullmatch(text)

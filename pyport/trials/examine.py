@@ -16,12 +16,12 @@ from pyport.trials import controls, score
 from pyport.trials.judge import Verdict, judge
 from pyport.trials.places import place, read_table
 from pyport.trials.protocol import THRESHOLDS, Spec
+from pyport.trials.published import read_json, read_seal
 from pyport.trials.seal import (
     Folder,
     check_answers,
     check_truths,
     check_untouched,
-    read_json,
     write_json,
 )
 from pyport.trials.skill import skill
@@ -55,7 +55,7 @@ def examine(root: Path, jobs: int = 1, solver_sha256: str | None = None) -> Scor
         thresholds are not those that were sealed.
     """
     folder = Folder(root)
-    sealed = read_json(folder.seal)
+    sealed = read_seal(folder.seal)
     if not folder.answers.exists():
         raise BadInput("this set is still sealed: expected one that was opened", root)
     check_untouched(root, solver_sha256)

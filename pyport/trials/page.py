@@ -10,7 +10,8 @@ from typing import Any
 from pyport.files import sha256, write_whole
 from pyport.trials import figures
 from pyport.trials.judge import Verdict
-from pyport.trials.seal import Folder, read_json
+from pyport.trials.published import read_json, read_seal
+from pyport.trials.seal import Folder
 
 _HEAD = """# Does it find what was hidden?
 
@@ -24,6 +25,12 @@ nonce and the text, together with the hashes of the recordings, the solver, the 
 thresholds. Each case is solved in a process that sees the recordings alone and cannot open the
 truth. Then the set is opened, once, and scored. Every set that was ever sealed stands in the
 [ledger](proof/ledger.md).
+
+Beside the drawn cases stand real recordings, each with a fact that was never in them:
+[the GMRT](proof/gmrt.md), whose antennas were surveyed; [the RT32's published
+table](proof/published-table.md), which holds what its routines do not; [the LMT](proof/lmt.md)
+and [AuxTel](proof/auxtel.md), whose models others fitted. `pyport detective` prints what else is
+promised.
 
 rho is what the altaz base leaves of a cause, rms, over the noise, on the axis where it is
 greater. Brackets hold counts and Wilson's 95 % interval.
@@ -60,7 +67,7 @@ def write(sets: Sequence[Path], out: Path) -> None:
 def _section(root: Path, folder: Path, base: Path) -> str:
     """Write the files of one set and return its part of the page."""
     folder.mkdir(parents=True, exist_ok=True)
-    scored, sealed = read_json(root / "score.json"), read_json(Folder(root).seal)
+    scored, sealed = read_json(root / "score.json"), read_seal(Folder(root).seal)
     verdicts = [Verdict(**one) for one in scored["verdicts"]]
     shutil.copyfile(Folder(root).seal, folder / "sealed.json")
     place = folder.relative_to(base).as_posix()
@@ -73,6 +80,7 @@ def _section(root: Path, folder: Path, base: Path) -> str:
         f"{len(verdicts)} cases, sealed {sealed['sealed_utc']}.\n",
         _table(scored["table"]),
         *pictures,
+        _left_out(verdicts),
         _wrong(verdicts),
         _by_hand(root, folder, base, verdicts),
     ]
@@ -86,6 +94,29 @@ def _table(rows: list[dict[str, Any]]) -> str:
         for row in rows
     ]
     return "\n".join(["| what | result | needed | passed |", "|---|---|---|---|", *lines, ""])
+
+
+def _left_out(verdicts: Sequence[Verdict]) -> str:
+    """Return what was found where the real sky, not a drawn cause, was left out of the steering."""
+    cases = [one for one in verdicts if one.group == "ablation"]
+    if not cases:
+        return ""
+    lines = []
+    for one in sorted(cases, key=lambda each: str(each.spec["effect"])):
+        pulls = ", ".join(f"{name} {pull:+.1f} sigma" for _, name, pull in one.pulls) or "none"
+        steps = str(one.spec["effect"]).replace("_", " ").replace("+", ", ")
+        lines.append(f"| {steps} | {sum(one.found)} of {len(one.found)} | {one.said} | {pulls} |")
+    return "\n".join(
+        [
+            "### Steps of the reduction left out\n",
+            "Catalogue sources on the real dates of two campaigns, the Earth turned as it did; a",
+            "coefficient is compared with nature's own. What is too small to be seen is missed.\n",
+            "| left out | found | said first | known coefficients off by |",
+            "|---|---|---|---|",
+            *lines,
+            "",
+        ]
+    )
 
 
 def _wrong(verdicts: Sequence[Verdict]) -> str:
@@ -119,7 +150,7 @@ def _by_hand(root: Path, folder: Path, base: Path, verdicts: Sequence[Verdict]) 
     for suffix in ("truth.json", "nonce"):
         shutil.copyfile(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
     truth = read_json(folder / f"{shown.case}.truth.json")
-    sealed = read_json(folder / "sealed.json")
+    sealed = read_seal(folder / "sealed.json")
     entry = next(one for one in sealed["cases"] if one["case"] == shown.case)
     here = (Path(base.name) / folder.relative_to(base)).as_posix()
     options = {"effect": "--effect", "rho": "--rho", "rows": "--rows", "noise": "--noise"}

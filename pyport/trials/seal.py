@@ -29,6 +29,7 @@ from pyport.progress import track
 from pyport.trials import hashes
 from pyport.trials.files import canonical, write_recordings
 from pyport.trials.protocol import THRESHOLDS, Spec, shuffled
+from pyport.trials.published import read_answers, read_json, read_seal
 
 SCHEMA = "pyport.sealed/1"
 _LIBRARIES = ("numpy", "scipy", "astropy", "pyerfa")
@@ -78,16 +79,6 @@ def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON h
     with write_whole(path) as file:
         json.dump(data, file, indent=1, ensure_ascii=False)
         file.write("\n")
-
-
-def read_json(path: Path) -> Any:  # noqa: ANN401
-    """Read JSON; `BadInput` where there is none."""
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise BadInput("there is no such file: expected one of a sealed set", path) from None
-    except ValueError as error:
-        raise BadInput(f"this is no JSON ({error})", path) from None
 
 
 def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None) -> dict[str, Any]:
@@ -160,7 +151,7 @@ def reveal(root: Path) -> int:
         A case has no answer yet, or a truth is not the one that was sealed.
     """
     folder = Folder(root)
-    sealed = read_json(folder.seal)
+    sealed = read_seal(folder.seal)
     names = [one["case"] for one in sealed["cases"]]
     missing = [name for name in names if not folder.report(name).exists()]
     if missing and not folder.answers.exists():
@@ -203,7 +194,7 @@ def check_truths(place: Path, sealed: dict[str, Any]) -> dict[str, dict[str, Any
 def check_untouched(root: Path, solver: str | None = None) -> None:
     """Raise `BadInput` unless recordings, solver, examiner and thresholds are those sealed."""
     folder = Folder(root)
-    sealed = read_json(folder.seal)
+    sealed = read_seal(folder.seal)
     for one in sealed["cases"]:
         path = folder.recordings(one["case"])
         if not path.exists() or sha256(path) != one["recordings_sha256"]:
@@ -223,7 +214,7 @@ def check_untouched(root: Path, solver: str | None = None) -> None:
 def check_answers(root: Path) -> None:
     """Raise `BadInput` unless the reports are those that stood when the set was opened."""
     folder = Folder(root)
-    for name, expected in read_json(folder.answers)["reports_sha256"].items():
+    for name, expected in read_answers(folder.answers).items():
         path = folder.report(name)
         if not path.exists() or sha256(path) != expected:
             raise BadInput("this report is not the one that stood when the set was opened", path)

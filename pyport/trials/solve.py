@@ -19,7 +19,8 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.progress import track
-from pyport.trials.seal import Folder, check_untouched, read_json
+from pyport.trials.published import read_seal
+from pyport.trials.seal import Folder, check_untouched
 from pyport.workers import workers
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
@@ -42,7 +43,7 @@ def unsolved(root: Path, solver: Sequence[str] = SOLVER) -> list[Task]:
     folder = Folder(root)
     return [
         Task(folder, one["case"], tuple(one["arguments"]), tuple(solver))
-        for one in read_json(folder.seal)["cases"]
+        for one in read_seal(folder.seal)["cases"]
         if not folder.report(one["case"]).exists()
     ]
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 from click.testing import CliRunner
@@ -133,23 +131,24 @@ def test_killed_while_writing_the_old_table_stays(tmp_path):
     """A kill while the new table is being written leaves the old file whole."""
     path = tmp_path / "table.txt"
     path.write_text("old\n")
-    slow = (
-        "import time; from pyport.steering import ascii as a, tabulate, write_ascii\n"
-        "text = a.text\n"
-        "def slowly(table):\n"
-        "    time.sleep(60)\n"
-        "    return text(table)\n"
-        "a.text = slowly\n"
-        "from pyport.steering.grid import Grid, RT32_GRID\n"
-        "grid = Grid(RT32_GRID.az_deg[:3], RT32_GRID.zd_deg)\n"
-        f"write_ascii(tabulate(grid=grid), {str(path)!r})\n"
+    half_written = (
+        "import sys, numpy as np\n"
+        "from pyport.steering import Grid, ascii, tabulate, write_ascii\n"
+        "table = tabulate(grid=Grid(np.array([0.0, 1.0]), np.array([10.0, 20.0])))\n"
+        "def stuck(table):\n"
+        "    print('writing', flush=True)\n"
+        "    return sys.stdin.buffer.read()\n"
+        "ascii.text = stuck\n"
+        f"write_ascii(table, {str(path)!r})\n"
     )
-    process = subprocess.Popen([sys.executable, "-c", slow])
-    for _ in range(600):
-        if any(one.name.startswith(".table.txt.") for one in tmp_path.iterdir()):
-            break
-        time.sleep(0.05)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
+    with subprocess.Popen(
+        [sys.executable, "-c", half_written], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        said = process.stdout.readline()
+        beside = sorted(one.name for one in tmp_path.iterdir())
+        process.kill()
 
+    assert said == b"writing\n"
+    assert beside[0].startswith(".table.txt.")
+    assert process.returncode == -signal.SIGKILL
     assert path.read_text() == "old\n"

@@ -231,6 +231,7 @@ def test_sun_is_tried_late_only_where_it_can_be_computed():
     assert variants("thermal_tilt", without(AT, "time_utc")) == [
         "day and night",
         "while the Sun is up",
+        "as the Sun is high",
     ]
     assert "while the Sun is up" not in variants("thermal_tilt", polar_day)
     assert variants("thermal_tilt")[-1] == "while the Sun is up, 3 h late"

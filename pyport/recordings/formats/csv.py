@@ -16,6 +16,10 @@ from pyport.files import write_whole
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 
+_BLOCK = 2**20
+#: Nothing that a telescope writes is larger; a file may be anything at all.
+LONGEST_LINE, LARGEST_TEXT, MOST_COLUMNS = 16 * 2**20, 2**30, 10_000
+
 
 def read_text(path: Path) -> str:
     """Return the text of a UTF-8 file, with or without a byte-order mark.
@@ -23,19 +27,43 @@ def read_text(path: Path) -> str:
     Raises
     ------
     BadInput
-        The file is empty or is no text.
+        The file is empty, is no text, or is larger or has a longer line than any
+        that a telescope fills; of such a one no more is read than tells so.
     """
-    content = path.read_bytes()
-    if not content.strip():
-        raise BadInput("the file is empty, expected recordings", path)
+    content = _content(path)
     place = content.find(b"\0")
     if place < 0:
         try:
-            return content.decode("utf-8-sig")
+            text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             place = error.start
+        else:
+            if not text.strip():
+                raise BadInput("the file is empty, expected recordings", path)
+            return text
     line = content.count(b"\n", 0, place) + 1
-    raise BadInput("this is a binary file, expected text in UTF-8", path, line)
+    wrong = "this is a binary file or text in another encoding (Latin-1, UTF-16, ...)"
+    raise BadInput(f"{wrong}, expected UTF-8", path, line)
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of a text file, refused as soon as a line or the whole is too long."""
+    blocks: list[bytes] = []
+    size = lines = since_break = 0
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK):
+            lines += block.count(b"\n")
+            last = max(block.rfind(b"\n"), block.rfind(b"\r"))
+            since_break = since_break + len(block) if last < 0 else len(block) - 1 - last
+            size += len(block)
+            blocks.append(block)
+            if since_break > LONGEST_LINE:
+                wrong = f"a line of more than {LONGEST_LINE // 2**20} MB, expected one a recording"
+                raise BadInput(wrong, path, lines + 1)
+            if size > LARGEST_TEXT:
+                wrong = f"a text of more than {LARGEST_TEXT // 2**20} MB, expected several files"
+                raise BadInput(f"{wrong}, or Parquet", path, lines + 1)
+    return b"".join(blocks)
 
 
 def comment(line: str) -> tuple[str, str] | None:
@@ -85,7 +113,12 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
 
 def _names(header: str, path: Path, line: int) -> list[str]:
     """Return the column names of a header line."""
-    names = [name.strip() for name in next(csv.reader([header]))]
+    try:
+        names = [name.strip() for name in next(csv.reader([header]))]
+    except csv.Error as error:
+        raise BadInput(f"{error}, expected column names", path, line) from None
+    if len(names) > MOST_COLUMNS:
+        raise BadInput(f"{len(names)} columns, expected at most {MOST_COLUMNS}", path, line)
     if len(names) == 1:
         wanted = "expected column names separated by commas, such as az_deg,el_deg,d_el_deg"
         raise BadInput(f"the header is {header.strip()[:60]!r}, {wanted}", path, line)

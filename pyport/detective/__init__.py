@@ -1,0 +1,1 @@
+"""The detective on trial: every figure that is promised of a diagnosis, measured anew."""

@@ -1,0 +1,127 @@
+"""What no effect explains: fields, boxes and free edges stand where the misfit is."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pyport.diagnosis.boxes import boxes
+from pyport.diagnosis.case import prepare, weigh
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.edges import _above_each, _path
+from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.field_families import Field
+from pyport.diagnosis.fields import Ground, region
+from pyport.effects.structure import FreeEdge
+from pyport.fitting.models import load
+
+sys.path.insert(0, str(Path(__file__).parent))
+from made import recordings
+
+
+def dent(at):
+    """Return a dip of 12 arcsec at azimuth 200 deg."""
+    off = (at.az - np.radians(200) + np.pi) % (2 * np.pi) - np.pi
+    return -12 * np.exp(-0.5 * (off / np.radians(9)) ** 2)
+
+
+def patch(at):
+    """Return an offset of 8 arcsec in a part of the sky."""
+    az, el = np.degrees(at.az) % 360, np.degrees(at.el)
+    return 8.0 * ((az > 100) & (az < 190) & (el > 25) & (el < 50))
+
+
+def test_a_dent_in_the_rail_is_unknown_and_lies_where_it_is():
+    """Harmonics could draw a dip, several at once; one narrow curve does it better."""
+    found = diagnose(recordings(1200, 5, y=dent), load("altaz"))
+    first = found.findings[0]
+    stretch = first.where.region[0]
+
+    assert first.verdict == "unknown"
+    assert stretch.column == "az_deg"
+    assert 180 < stretch.low < 200 < stretch.high < 220
+
+
+def test_a_part_of_the_sky_comes_back_with_its_edges():
+    """A box in azimuth and elevation is found to a few degrees on all four sides."""
+    found = diagnose(recordings(1200, 6, y=patch), load("altaz"))
+    first = found.findings[0]
+    edges = {one.column: (one.low, one.high) for one in first.where.region}
+
+    assert first.verdict == "unknown"
+    assert edges["az_deg"] == pytest.approx((100, 190), abs=6)
+    assert edges["el_deg"] == pytest.approx((25, 50), abs=3)
+
+
+def test_a_named_effect_keeps_its_name_beside_all_fields():
+    """A smooth field can draw a harmonic, too, but must not win over it."""
+    nodding = diagnose(recordings(1200, 7, y=lambda at: 6 * np.sin(3 * at.az)), load("altaz"))
+
+    assert [one.members for one in nodding.findings] == [("elevation_harmonics",)]
+
+
+def test_the_best_box_is_the_one_that_was_put_there():
+    """The scan over all boxes and the climb of their edges end at the offset."""
+    setup = prepare(recordings(1500, 8, y=patch), load("altaz"))
+    weighed = weigh(setup)
+    along = next(one for one in boxes(setup, weighed, ()) if one.variant.startswith("el"))
+    az, el = along.region
+
+    assert (az.low, az.high) == pytest.approx((100, 190), abs=6)
+    assert (el.low, el.high) == pytest.approx((25, 50), abs=3)
+    assert Ground(setup, weighed, ()).worth_of(along).evidence > 50
+
+
+def test_noise_alone_is_worth_no_field():
+    """Averaged over all forms that it could take, no field explains white noise."""
+    setup = prepare(recordings(800, 9), load("altaz"))
+    worths = list(Ground(setup, weigh(setup), ()).worths())
+
+    assert len(worths) > 50
+    assert max(one.evidence for one in worths) < 10
+
+
+def test_evidence_is_that_of_the_best_normal_prior():
+    """For one coefficient it is gain - 1 - log(gain) where the prior may be any."""
+    gain = 30.0
+    evidence, variance = at_best(np.array([4.0]), np.array([np.sqrt(4.0 * gain)]))
+
+    assert evidence == pytest.approx(gain - 1 - np.log(gain), abs=0.2)
+    assert variance * 4 == pytest.approx(gain - 1, rel=0.4)
+
+
+def test_a_curve_that_swings_everywhere_has_no_place():
+    """Only a narrow stretch beyond half the peak is a region."""
+    values = np.linspace(0, 100, 1000)
+    field = Field("a smooth curve", "follows x", values[:, None], along=("x", values))
+
+    assert region(field, np.sin(values / 20)) == ()
+    (narrow,) = region(field, np.exp(-0.5 * ((values - 40) / 4) ** 2))
+    assert (narrow.low, narrow.high) == pytest.approx((35.3, 44.7), abs=0.5)
+
+
+def test_the_cheapest_path_follows_the_edge_and_pays_for_climbing():
+    """Viterbi's path is the best of all paths, as trying each of them shows."""
+    rng = np.random.default_rng(3)
+    cost = rng.normal(size=(4, 5))
+    paths = np.stack(np.meshgrid(*[np.arange(5)] * 4, indexing="ij"), -1).reshape(-1, 4)
+    totals = cost[np.arange(4), paths].sum(axis=1) + 0.7 * np.abs(np.diff(paths)).sum(axis=1)
+
+    np.testing.assert_array_equal(_path(cost), paths[np.argmin(totals)])
+
+
+def test_sums_above_each_level():
+    """Each cell holds what lies above its level in its column."""
+    column, level = np.array([0, 0, 1, 1]), np.array([1, 2, 2, 3])
+    sums = _above_each((2, 3), column, level, np.array([1.0, 10.0, 100.0, 1000.0]))
+
+    np.testing.assert_array_equal(sums, [[11, 10, 0], [1100, 1100, 1000]])
+
+
+def test_a_free_edge_is_straight_between_its_corners():
+    """Beyond its ends it goes on level."""
+    edge = FreeEdge((0.0, 1.0), (0.2, 0.4))
+
+    np.testing.assert_allclose(edge(np.array([-1.0, 0.5, 2.0])), [0.2, 0.3, 0.4])
+    assert edge.span == (0.0, 1.0)
