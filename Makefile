@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 OUT ?= out
 
 .PHONY: demo test lint format proof proof-small docs api tutorial screenshots golden clean
+.PHONY: fuzz torture lock audit
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -90,6 +91,20 @@ proof-small: $(BIN)/pyport
 
 proof: $(BIN)/pyport
 	$(BIN)/pyport trials prove $(OUT)/proof --set full --jobs 2
+
+# Every reader against spoilt files for SECONDS; every writer against KILLS kills.
+SECONDS ?= 600
+KILLS ?= 200
+
+$(VENV)/fuzz: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet --editable '.[fuzz]'
+	@touch $@
+
+fuzz: $(VENV)/fuzz
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/reliability/fuzz.py --seconds $(SECONDS) --out $(OUT)/fuzz
+
+torture: $(BIN)/pyport
+	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

@@ -285,7 +285,8 @@ def readers() -> dict[str, Reader]:
             (
                 (
                     b"<P><Receiver><receiverCode>X</receiverCode><phi>90.0</phi>"
-                    b"<coefficientNum00>1</coefficientNum00><coefficientVal00>0.1</coefficientVal00>"
+                    b"<coefficientNum00>1</coefficientNum00>"
+                    b"<coefficientVal00>0.1</coefficientVal00>"
                     b"</Receiver></P>"
                 ),
             ),

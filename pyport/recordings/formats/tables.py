@@ -99,10 +99,15 @@ def read_parquet(path: Path) -> Raw:
     if not path.stat().st_size:
         raise BadInput("the file is empty, expected recordings", path)
     try:
-        table = _arrow_table(path)
-    except (pyarrow.ArrowException, OSError) as error:
+        return _parquet_cells(path)
+    except (pyarrow.ArrowException, OSError, UnicodeDecodeError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise BadInput(f"no Parquet table: {reason}", path) from None
+
+
+def _parquet_cells(path: Path) -> Raw:
+    """Return the cells of a Parquet file that can be held."""
+    table = _arrow_table(path)
     if not table.num_rows:
         raise BadInput("no rows in this table", path)
     names = table.column_names
