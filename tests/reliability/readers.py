@@ -235,7 +235,8 @@ def readers() -> dict[str, Reader]:
             ".toml",
             (
                 (
-                    b'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1.5\nfixed = true\n'
+                    b'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1.5\n'
+                    b"fixed = true\n"
                     b"[details]\nx = 1\n"
                 ),
             ),
