@@ -106,5 +106,12 @@ fuzz: $(VENV)/fuzz
 torture: $(BIN)/pyport
 	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
 
+# The versions and hashes that continuous integration installs; what is known against them.
+lock: $(BIN)/pyport
+	$(BIN)/python .ci/lock > .ci/requirements.lock
+
+audit: $(BIN)/tox
+	$(BIN)/tox run -e audit
+
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)
