@@ -84,8 +84,9 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
     with client:
 
         def spread(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-            # what is common to all items travels once
-            shared = client.scatter(call, broadcast=True, hash=False)
+            # What is common to all items travels once; the scheduler, which keeps the task that
+            # makes it, can make it again when the worker that has it dies.
+            shared = client.submit(_same, call, pure=False)
             threads = max(1, sum(client.nthreads().values()))
 
             def submit(_: Callable[[Item], Result], item: Item) -> Any:  # noqa: ANN401
@@ -94,6 +95,10 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
             return _in_order(submit, call, items, AHEAD * threads)
 
         yield spread
+
+
+def _same(function: Callable[[Item], Result]) -> Callable[[Item], Result]:
+    return function
 
 
 def _call(function: Callable[[Item], Result], item: Item) -> Result:
