@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 OUT ?= out
 
 .PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
+.PHONY: fuzz torture lock audit
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -95,6 +96,27 @@ proof: $(BIN)/pyport
 DATA ?= ../shared/data
 detective: $(BIN)/pyport
 	$(BIN)/pyport detective --jobs 2 --data $(DATA)
+
+# Every reader against spoilt files for SECONDS; every writer against KILLS kills.
+SECONDS ?= 600
+KILLS ?= 200
+
+$(VENV)/fuzz: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet --editable '.[fuzz]'
+	@touch $@
+
+fuzz: $(VENV)/fuzz
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/reliability/fuzz.py --seconds $(SECONDS) --out $(OUT)/fuzz
+
+torture: $(BIN)/pyport
+	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
+
+# The versions and hashes that continuous integration installs; what is known against them.
+lock: $(BIN)/pyport
+	$(BIN)/python .ci/lock > .ci/requirements.lock
+
+audit: $(BIN)/tox
+	$(BIN)/tox run -e audit
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

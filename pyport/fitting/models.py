@@ -13,7 +13,6 @@ import numpy as np
 from pyport.angles import RADIANS_PER, Array
 from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
 from pyport.errors import BadInput
-from pyport.recordings.columns import LABELS
 from pyport.recordings.formats.csv import read_text
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
@@ -162,7 +161,7 @@ def _term(row: dict[str, Any], path: Path) -> Term:
     if effect is None:
         raise BadInput(f"no effect is called {row.get('effect')!r}", path)
     per = row.get("per", PER_ANTENNA)
-    if not isinstance(per, list | tuple) or not LABELS.issuperset(map(str, per)):
+    if not isinstance(per, list | tuple) or not all(isinstance(one, str) for one in per):
         raise BadInput(f"{effect.id} has per = {per!r}, expected a list of labels", path)
     given = {key: value for key, value in row.items() if key.startswith("value")}
     if len(given) > 1:

@@ -42,6 +42,8 @@ _OURS = {ours: theirs for theirs, ours in COLUMNS.items()}
 _NEEDED = ("azimuth", "elevation", "delta_azimuth", "delta_elevation")
 _SIGMAS = frozenset({"sigma_az_deg", "sigma_el_deg"})
 ANTENNA = "katpoint_antenna"
+#: What the first three lines of such a file fit into [bytes]; a line may also be endless.
+_HEAD = 2**16
 #: A column that says 0 where a row is not to be kept.
 KEEP, NOT_KEPT = "keep", "not kept in the file"
 
@@ -49,7 +51,7 @@ KEEP, NOT_KEPT = "keep", "not kept in the file"
 def looks_like(path: Path) -> bool:
     """Tell whether a CSV file is one of these: by its first line, or by its columns."""
     with path.open("rb") as file:
-        head = [line.decode("utf-8", "replace") for _, line in zip(range(3), file, strict=False)]
+        head = file.read(_HEAD).decode("utf-8", "replace").splitlines()[:3]
     if not head:
         return False
     names = next((line for line in head if not line.startswith("#")), "")

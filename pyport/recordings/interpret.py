@@ -24,12 +24,16 @@ from pyport.recordings.columns import (
     TIME,
     angle_of,
 )
+from pyport.recordings.duplicates import repeated
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings, SetAside
 
 #: No cable reaches further [deg].
 LARGEST_AZ_DEG = 720
 LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 100
+#: Beyond the zenith only where the header says so: a telescope that plunges is rare, a mistake
+#: (a zenith distance, an azimuth in the wrong column) is not.
+PLUNGE = "highest_el_deg"
 LARGEST_OFFSET_DEG = 180
 
 #: Angles that are offsets, of which a file has one or more.
@@ -182,6 +186,12 @@ def check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
             (angles["el"] < LOWEST_EL_DEG * DEG) | (angles["el"] > HIGHEST_EL_DEG * DEG),
             f"elevation outside [{LOWEST_EL_DEG}, {HIGHEST_EL_DEG}] deg, expected a telescope's",
         )
+        highest = _key(raw, PLUNGE, HIGHEST_EL_DEG) or 90.0
+        raw.refuse(
+            angles["el"] > (highest + 1e-9) * DEG,
+            f"elevation above {highest:g} deg, expected less, or a line '# {PLUNGE}: 95' for a "
+            "telescope that goes beyond the zenith",
+        )
     for name in OFFSETS & set(angles):
         raw.refuse(
             np.abs(angles[name]) > LARGEST_OFFSET_DEG * DEG,
@@ -234,6 +244,8 @@ def _quarantine(everything: Recordings, raw: Raw) -> Recordings:
     no_position = np.isnan(everything.at.az) | np.isnan(everything.at.el)
     reason[(reason == "") & no_offset] = "no offset on either axis"
     reason[(reason == "") & no_position] = "no azimuth or no elevation"
+    for row, line in repeated(raw, everything).items():
+        reason[row] = reason[row] or f"the same as line {line} in every column"
     bad = reason != ""
     aside = tuple(
         SetAside(int(line), str(why))

@@ -14,7 +14,7 @@ from pyport.angles import Array
 from pyport.errors import BadInput
 
 #: Numpy pads text to its longest cell: one runaway cell would cost its length in every row.
-LONGEST_CELL = 1000
+LONGEST_CELL, LARGEST_COLUMN = 1000, 2**28
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,11 @@ class Raw:
             # 130.0 names the same channel as 130
             return np.array(["" if v != v else f"{v:.15g}" for v in cells.tolist()], np.str_)  # noqa: PLR0124
         text = [str(cell).strip() for cell in cells.tolist()]
-        for row, cell in enumerate(text):
-            if len(cell) > LONGEST_CELL:
-                raise self.error(f"{name} has more than {LONGEST_CELL} characters", row)
+        longest = max(map(len, text), default=0)
+        if longest > LONGEST_CELL or longest * len(text) > LARGEST_COLUMN:
+            row = next(n for n, cell in enumerate(text) if len(cell) == longest)
+            most = min(LONGEST_CELL, LARGEST_COLUMN // len(text))
+            raise self.error(f"{name} has more than {most} characters", row)
         return np.array(text, np.str_)
 
     def numbers(self, name: str) -> Array:

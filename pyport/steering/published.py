@@ -100,6 +100,7 @@ def write_recordings(path: str | Path) -> None:
     """
     with write_whole(path) as file:
         file.write("# telescope: RT32, 3model table as printed\n# azimuth_zero: south\n")
+        file.write("# highest_el_deg: 95\n")
         file.write("az_deg,el_deg,d_az_deg,d_zd_deg,sigma_xel_deg,sigma_el_deg\n")
         for block in extracts()[:2]:
             sigma_deg = block.unit_deg / np.sqrt(12)

@@ -24,7 +24,7 @@ sources, real dates and the Earth's real orientation. Truths are sealed by SHA-2
 nonce and the text, together with the hashes of the recordings, the solver, the examiner and the
 thresholds. Each case is solved in a process that sees the recordings alone and cannot open the
 truth. Then the set is opened, once, and scored. Every set that was ever sealed stands in the
-[ledger](proof/ledger.md).
+[ledger](proof/ledger.md); [why some rows did not pass](proof/reasons.md) stands beside it.
 
 Beside the drawn cases stand real recordings, each with a fact that was never in them:
 [the GMRT](proof/gmrt.md), whose antennas were surveyed; [the RT32's published

@@ -31,7 +31,7 @@ def recordings(draw):
     n = draw(st.integers(1, 6))
     words = arrays("U8", n, elements=st.text("abc ,\"'é", max_size=5).map(str.strip))
     columns = {
-        "time": draw(arrays(float, n, elements=st.integers(0, 2**31).map(float))),
+        "time": draw(arrays(float, n, elements=st.integers(0, 2**31).map(float), unique=True)),
         "source": draw(words),
         "temperature_c": draw(gappy_columns_of(n, -40, 40)),
         "scan_rate": draw(columns_of(n, 0, 1e-3)),

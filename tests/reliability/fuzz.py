@@ -313,13 +313,14 @@ def _one(name: str, seconds: float, folder: Path) -> dict[str, Any]:
         old.unlink()
     command = [sys.executable, __file__, name, "--out", str(folder)]
     with (folder / "log").open("wb") as log:
-        done = subprocess.run(
-            [*command, "--worker", "--seconds", str(seconds)],
-            stdout=log,
-            stderr=log,
-            timeout=2 * seconds + 120,
-            check=False,
-        )
+        worker = [*command, "--worker", "--seconds", str(seconds)]
+        try:
+            done = subprocess.run(
+                worker, stdout=log, stderr=log, timeout=2 * seconds + 300, check=False
+            )
+            ended = f"status {done.returncode}" if done.returncode else ""
+        except subprocess.TimeoutExpired:
+            ended = "no end"
     lines = subprocess.run(
         [*command, "--reached"], capture_output=True, text=True, check=False, timeout=300
     )
@@ -329,8 +330,8 @@ def _one(name: str, seconds: float, folder: Path) -> dict[str, Any]:
         if tally.exists()
         else {"tried": 0, "read": 0, "failures": {}, "slowest_s": 0, "peak_mb": 0}
     )
-    if done.returncode:
-        found["failures"][f"the process ended with status {done.returncode}"] = str(folder / "log")
+    if ended:
+        found["failures"][f"the process ended with {ended}"] = str(folder / "log")
     print(
         f"{name:<22}{found['tried']:>9}{found['read']:>9}{lines.stdout or '-':>9}"
         f"{found['slowest_s']:>7} s{found['peak_mb']:>6}  {len(found['failures'])}",

@@ -235,7 +235,8 @@ def readers() -> dict[str, Reader]:
             ".toml",
             (
                 (
-                    b'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1.5\nfixed = true\n'
+                    b'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1.5\n'
+                    b"fixed = true\n"
                     b"[details]\nx = 1\n"
                 ),
             ),
@@ -285,7 +286,8 @@ def readers() -> dict[str, Reader]:
             (
                 (
                     b"<P><Receiver><receiverCode>X</receiverCode><phi>90.0</phi>"
-                    b"<coefficientNum00>1</coefficientNum00><coefficientVal00>0.1</coefficientVal00>"
+                    b"<coefficientNum00>1</coefficientNum00>"
+                    b"<coefficientVal00>0.1</coefficientVal00>"
                     b"</Receiver></P>"
                 ),
             ),

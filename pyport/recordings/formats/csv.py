@@ -122,11 +122,13 @@ def _names(header: str, path: Path, line: int) -> list[str]:
     if len(names) == 1:
         wanted = "expected column names separated by commas, such as az_deg,el_deg,d_el_deg"
         raise BadInput(f"the header is {header.strip()[:60]!r}, {wanted}", path, line)
+    seen: set[str] = set()
     for position, name in enumerate(names):
         if not name:
             raise BadInput(f"column {position + 1} of the header has no name", path, line)
-        if name in names[:position]:
+        if name in seen:
             raise BadInput(f"two columns are called {name!r}, expected one", path, line)
+        seen.add(name)
     return names
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -13,9 +14,12 @@ from pyport.angles import RADIANS_PER
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.columns import ANGLES
-from pyport.recordings.formats.csv import read_text
-from pyport.recordings.raw import Raw
+from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
+from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.tabulate import Table
+
+#: No table of recordings has more; a Parquet file of a few kB may promise any number.
+MOST_CELLS = 2 * 10**8
 
 #: Astropy's names of units -> the suffixes of the contract.
 _SUFFIX = {"hourangle": "h"}
@@ -47,8 +51,17 @@ def read_ecsv(path: Path) -> Raw:
         columns[name] = _filled(column)
     if not len(table):
         raise BadInput("no rows below the column names", path, header)
-    meta = {str(key): str(value) for key, value in table.meta.items()}
+    meta = {str(key): _told(value) for key, value in table.meta.items()}
     return Raw(path, meta, header, columns, np.array(rows[: len(table)], np.int64))
+
+
+def _told(value: object) -> str:
+    """Return what a header key holds as text; what is nested in YAML may be endless."""
+    if not isinstance(value, dict | list | tuple | set):
+        return str(value)
+    short = reprlib.Repr()
+    short.maxlevel, short.maxlist, short.maxdict, short.maxstring = 2, 50, 50, 100
+    return short.repr(value)
 
 
 def _with_unit(name: str, unit: str | None, path: Path) -> str:
@@ -82,14 +95,19 @@ def read_parquet(path: Path) -> Raw:
         The file is no Parquet, or has no rows.
     """
     import pyarrow
-    from pyarrow import parquet
 
     if not path.stat().st_size:
         raise BadInput("the file is empty, expected recordings", path)
     try:
-        table = parquet.read_table(path)
-    except (pyarrow.ArrowException, OSError) as error:
-        raise BadInput(f"no Parquet table: {str(error).splitlines()[0]}", path) from None
+        return _parquet_cells(path)
+    except (pyarrow.ArrowException, OSError, UnicodeDecodeError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise BadInput(f"no Parquet table: {reason}", path) from None
+
+
+def _parquet_cells(path: Path) -> Raw:
+    """Return the cells of a Parquet file that can be held."""
+    table = _arrow_table(path)
     if not table.num_rows:
         raise BadInput("no rows in this table", path)
     names = table.column_names
@@ -100,6 +118,57 @@ def read_parquet(path: Path) -> Raw:
     keys = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
     meta = {k: v for k, v in keys.items() if k not in {"pandas", "ARROW:schema"}}
     return Raw(path, meta, 1, columns, np.arange(1, table.num_rows + 1, dtype=np.int64))
+
+
+def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
+    """Return the table of a Parquet file once its metadata promise one that can be held.
+
+    A file of a few kilobytes may stand for any number of equal cells: text is
+    read as places in a dictionary, so that a long text is there once.
+
+    Raises
+    ------
+    BadInput
+        The table is larger than any of recordings, or a text is longer than a cell may be.
+    """
+    import pyarrow
+    from pyarrow import compute, parquet
+
+    # the types first: only the schema is read
+    schema = parquet.read_schema(path)
+    words = [one.name for one in schema if _is_text(one.type)]
+    with parquet.ParquetFile(path, read_dictionary=words) as file:
+        held = file.metadata
+        size = sum(held.row_group(n).total_byte_size for n in range(held.num_row_groups))
+        if held.num_columns > MOST_COLUMNS:
+            wrong = f"{held.num_columns} columns, expected at most {MOST_COLUMNS}"
+            raise BadInput(wrong, path)
+        if held.num_rows * max(held.num_columns, 1) > MOST_CELLS or size > LARGEST_TEXT:
+            wrong = f"{held.num_rows} rows of {held.num_columns} columns"
+            raise BadInput(f"{wrong}, expected at most {MOST_CELLS} cells in 1 GB", path)
+        table = file.read()
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        if not (pyarrow.types.is_dictionary(column.type) and _is_text(column.type.value_type)):
+            continue
+        for chunk in column.chunks:
+            length = compute.max(compute.binary_length(chunk.dictionary)).as_py() or 0
+            if length > LONGEST_CELL:
+                raise BadInput(f"{name} has more than {LONGEST_CELL} characters", path)
+    return table
+
+
+def _is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed
+    import pyarrow
+
+    return any(
+        test(kind)
+        for test in (
+            pyarrow.types.is_string,
+            pyarrow.types.is_large_string,
+            pyarrow.types.is_binary,
+            pyarrow.types.is_large_binary,
+        )
+    )
 
 
 def _first_double(names: Iterable[str]) -> str | None:
@@ -121,7 +190,7 @@ def _arrow_cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - pyarrow is not 
         return column.cast(pyarrow.timestamp("us")).to_numpy().astype("datetime64[us]")
     if pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind):
         return column.to_numpy()
-    return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], np.str_)
+    return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], object)
 
 
 def write_ecsv(table: Table, path: Path) -> None:

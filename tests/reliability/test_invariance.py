@@ -1,0 +1,111 @@
+"""What must not matter to a diagnosis: order of rows, jobs, locale, time zone, rows told twice."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from pyport.trials.files import write_recordings
+from pyport.trials.protocol import Spec
+
+ROWS = 200
+
+
+@pytest.fixture(scope="module")
+def night(tmp_path_factory):
+    """Return recordings with one cause hidden, simulated."""
+    path = tmp_path_factory.mktemp("night") / "night.csv"
+    write_recordings(Spec("one", "one", "refraction", 1.0, ROWS).make(5), path)
+    return path
+
+
+def diagnosed(*files, out, jobs=1, **environment):
+    """Diagnose files as a user does; return what is written about each."""
+    subprocess.run(
+        [sys.executable, "-m", "pyport", "diagnose", *map(str, files), "--out", str(out),
+         "--jobs", str(jobs), "--quiet"],
+        check=True,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
+    )  # fmt: skip
+    return [(out / file.stem / "report.json").read_text() for file in files]
+
+
+@pytest.fixture(scope="module")
+def plain(night, tmp_path_factory):
+    """Return the diagnosis of the recordings as they are."""
+    (told,) = diagnosed(night, out=tmp_path_factory.mktemp("plain"))
+    return told
+
+
+def rewritten(night, path, change):
+    """Write the recordings with their rows changed; return the path."""
+    lines = night.read_text().splitlines(keepends=True)
+    head = next(n for n, line in enumerate(lines) if not line.startswith("#")) + 1
+    path.write_text("".join([*lines[:head], *change(lines[head:])]))
+    return path
+
+
+def named(report):
+    """Return what was found: effects and verdicts, and the first one's numbers."""
+    found = report["findings"]
+    return [(one["effect"], one["verdict"]) for one in found]
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        {"TZ": "Pacific/Kiritimati"},
+        {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"},
+        {"LC_ALL": "C", "PYTHONUTF8": "0"},
+        {"PYTHONHASHSEED": "7"},
+    ],
+)
+def test_surroundings_change_no_byte(night, plain, tmp_path, environment):
+    """Zone, locale, encoding and the order of sets are no part of the answer."""
+    (told,) = diagnosed(night, out=tmp_path, **environment)
+
+    assert told == plain
+
+
+def test_jobs_change_no_byte(night, plain, tmp_path):
+    """Two files by two processes say what each says alone."""
+    again = tmp_path / "again.csv"
+    again.write_bytes(night.read_bytes())
+    told = diagnosed(night, again, out=tmp_path / "out", jobs=2)
+
+    assert told[0] == plain
+    assert told[1] == plain.replace("night.csv", "again.csv")
+
+
+def test_the_order_of_rows_changes_nothing_but_rounding(night, plain, tmp_path):
+    """The same findings, the same numbers far within their sigmas."""
+    order = np.random.default_rng(1).permutation(ROWS)
+    path = rewritten(night, tmp_path / "night.csv", lambda rows: [rows[n] for n in order])
+    (told,) = diagnosed(path, out=tmp_path)
+    before, after = json.loads(plain), json.loads(told)
+
+    assert named(before)
+    assert named(after) == named(before)
+    for one, other in zip(before["findings"], after["findings"], strict=True):
+        for mine, yours in zip(one["parameters"], other["parameters"], strict=True):
+            assert yours["value"] == pytest.approx(mine["value"], abs=0.1 * mine["sigma"])
+            assert yours["sigma"] == pytest.approx(mine["sigma"], rel=0.02)
+
+
+def test_rows_told_twice_make_nothing_surer(night, plain, tmp_path):
+    """Every row a second time: set aside, each with its reason; every number as before."""
+    path = rewritten(night, tmp_path / "night.csv", lambda rows: rows + rows)
+    (told,) = diagnosed(path, out=tmp_path)
+    before, after = json.loads(plain), json.loads(told)
+    aside = after["input"].pop("set_aside")
+
+    assert len(aside) == ROWS
+    assert all("the same as line" in one["reason"] for one in aside)
+    assert before["input"]["used"] == after["input"]["used"]
+    del before["input"], after["input"]
+    assert after == before
