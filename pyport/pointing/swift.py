@@ -131,8 +131,9 @@ def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, A
     m += alt.sine
     sine = c * alt.sine + along
     along *= m
-    turn = level * (west * az.cosine - south * az.sine)
-    turn *= -m
+    # alt.cosine is level, its sign that of the turn in plunge
+    turn = alt.cosine * (south * az.sine - west * az.cosine)
+    turn *= m
     dot = level * level - along
     m *= m
     m *= lean
@@ -144,8 +145,7 @@ def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, A
     # the tilted mount counts from where it sees the south point
     toward = np.arctan2(west, south)
     sin_t, cos_t = np.sin(toward), np.cos(toward)
-    turn += np.arctan2(sin_t * cos_t * (1 - c), cos_t**2 * c + sin_t**2)
-    turn *= facing
+    turn += facing * np.arctan2(sin_t * cos_t * (1 - c), cos_t**2 * c + sin_t**2)
     return turn, sine, cosine
 
 
@@ -158,7 +158,8 @@ def _skewed(alt: Axis, sine: Array, cosine: Array, sigma: float, beta: float) ->
     sin_turn = sine * (np.sin(sigma) / np.cos(sigma))
     sin_turn += np.sin(beta) / np.cos(sigma)
     sin_turn /= cosine
-    np.clip(sin_turn, -1.0, 1.0, out=sin_turn)
+    if sin_turn.max(initial=0.0) > 1 or sin_turn.min(initial=0.0) < -1:
+        np.clip(sin_turn, -1.0, 1.0, out=sin_turn)
     turn = np.arcsin(sin_turn)
     down = sin_turn * sin_turn
     np.subtract(1.0, down, out=down)
@@ -209,11 +210,11 @@ def _approximate(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array)
 
 
 def _step(az: Array, alt: Array, jump: float, d_alt: Array) -> None:
-    """Add the jump where there is one, looking at the altitudes alone that could have it."""
+    """Add the jump where there is one; of scattered points those alone that could have it."""
     if jump == 0:
         return
-    may = np.flatnonzero((alt < 0) | (alt > _BELOW_THE_JUMP))
     if az.ndim == 2:
-        d_alt[:, may] += jump * has_jumped(az, alt[may])
-    else:
-        d_alt[may] += jump * has_jumped(az[may], alt[may])
+        d_alt += jump * has_jumped(az, alt)
+        return
+    may = np.flatnonzero((alt < 0) | (alt > _BELOW_THE_JUMP))
+    d_alt[may] += jump * has_jumped(az[may], alt[may])
