@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pyport.angles import DEG, Array, wrap
-from pyport.pointing.jump import has_jumped
+from pyport.pointing.jump import has_jumped, jump_altitude
 
 #: Points of a block: a dozen arrays of them fit into a core's second cache.
-BLOCK = 8192
+BLOCK = 16384
 #: Between the horizon and this altitude nothing has jumped. [rad]
 _BELOW_THE_JUMP = 54 * DEG
 #: A quarter turn, and what a double leaves of it. [rad]
@@ -78,25 +78,25 @@ def _by_blocks(
 ) -> tuple[Array, Array]:
     az, alt = np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
     shape = np.broadcast_shapes(az.shape, alt.shape)
-    d_az, d_alt = np.empty(shape), np.empty(shape)
     parameters = [float(one) for one in np.asarray(p, dtype=float)]
     if len(shape) == 2 and az.shape == (shape[0], 1) and alt.shape[-1] == alt.size:
-        _grid(form, az, alt.reshape(-1), parameters, d_az, d_alt)
-    else:
-        az, alt = (np.broadcast_to(one, shape).reshape(-1) for one in (az, alt))
-        flat = d_az.reshape(-1), d_alt.reshape(-1)
-        for block in _slices(len(az), BLOCK):
-            out = flat[0][block], flat[1][block]
-            form(Axis.of(az[block]), Axis.of_altitudes(alt[block]), parameters, *out)
+        return _grid(form, az.reshape(-1), alt.reshape(-1, 1), parameters)
+    d_az, d_alt = np.empty(shape), np.empty(shape)
+    az, alt = (np.broadcast_to(one, shape).reshape(-1) for one in (az, alt))
+    flat = d_az.reshape(-1), d_alt.reshape(-1)
+    for block in _slices(len(az), BLOCK):
+        out = flat[0][block], flat[1][block]
+        form(Axis.of(az[block]), Axis.of_altitudes(alt[block]), parameters, *out)
     return wrapped(d_az)[()], d_alt[()]
 
 
-def _grid(
-    form: _Form, az: Array, alt: Array, parameters: list[float], d_az: Array, d_alt: Array
-) -> None:
+def _grid(form: _Form, az: Array, alt: Array, parameters: list[float]) -> tuple[Array, Array]:
+    """Return the offsets of a grid; in memory azimuths lie together, being the more usually."""
     columns, rows = Axis.of(az), Axis.of_altitudes(alt)
-    for block in _slices(len(az), max(1, BLOCK // max(1, len(alt)))):
-        form(columns[block], rows, parameters, d_az[block], d_alt[block])
+    d_az, d_alt = np.empty((2, len(alt), len(az)))
+    for block in _slices(len(alt), max(1, BLOCK // max(1, len(az)))):
+        form(columns, rows[block], parameters, d_az[block], d_alt[block])
+    return wrapped(d_az).T, d_alt.T
 
 
 def _slices(count: int, size: int) -> Iterator[slice]:
@@ -106,8 +106,9 @@ def _slices(count: int, size: int) -> Iterator[slice]:
 
 def wrapped(angle: Array) -> Array:
     """Bring angles [rad] into [-pi, pi), in place; those that are there stay as they are."""
-    beyond = (angle >= np.pi) | (angle < -np.pi)
-    if beyond.any():
+    # put so that a single NaN does not hide what else is beyond
+    if not (angle.max(initial=0.0) < np.pi and angle.min(initial=0.0) >= -np.pi):
+        beyond = (angle >= np.pi) | (angle < -np.pi)
         angle[beyond] = wrap(angle[beyond])
     return angle
 
@@ -125,9 +126,10 @@ def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, A
     c = np.sqrt(1 - lean)
     level = np.abs(alt.cosine)
     facing = np.copysign(1.0, alt.cosine)
+    plunges = alt.cosine.min(initial=0.0) < 0
 
     along = level * (south * az.cosine + west * az.sine)
-    m = along / (1 + c)
+    m = along * (1 / (1 + c))
     m += alt.sine
     sine = c * alt.sine + along
     along *= m
@@ -140,44 +142,68 @@ def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, A
     m -= along
     m += dot
     cosine = np.sqrt(m, out=m)
-    cosine *= facing
+    if plunges:
+        cosine *= facing
     np.arctan2(turn, dot, out=turn)
     # the tilted mount counts from where it sees the south point
     toward = np.arctan2(west, south)
     sin_t, cos_t = np.sin(toward), np.cos(toward)
-    turn += facing * np.arctan2(sin_t * cos_t * (1 - c), cos_t**2 * c + sin_t**2)
+    zero = np.arctan2(sin_t * cos_t * (1 - c), cos_t**2 * c + sin_t**2)
+    turn += zero * facing if plunges else zero
     return turn, sine, cosine
 
 
-def _skewed(alt: Axis, sine: Array, cosine: Array, sigma: float, beta: float) -> list[Array]:
+def _skewed(
+    alt: Axis, sine: Array, cosine: Array, sigma: float, beta: float
+) -> tuple[Array, Array]:
     """Return the turn of azimuth and the change of altitude by skew and box.
 
     `sine` and `cosine` are those of the altitude that the tilted mount reads;
     both are used up.
     """
-    sin_turn = sine * (np.sin(sigma) / np.cos(sigma))
-    sin_turn += np.sin(beta) / np.cos(sigma)
+    sin_s, cos_s, sin_b, cos_b = np.sin(sigma), np.cos(sigma), np.sin(beta), np.cos(beta)
+    sin_turn = sine * (sin_s / cos_s)
+    sin_turn += sin_b / cos_s
     sin_turn /= cosine
-    if sin_turn.max(initial=0.0) > 1 or sin_turn.min(initial=0.0) < -1:
+    # where no setting reaches the source the azimuth stops, and its sine is no sine
+    reached = sin_turn.max(initial=0.0) <= 1 and sin_turn.min(initial=0.0) >= -1
+    if not reached:
+        stops = np.nonzero(np.abs(sin_turn) > 1)
         np.clip(sin_turn, -1.0, 1.0, out=sin_turn)
+        true = [np.broadcast_to(one, sine.shape)[stops] for one in (alt.sine, alt.cosine)]
+        read = sine[stops], cosine[stops], sin_turn[stops]
     turn = np.arcsin(sin_turn)
     down = sin_turn * sin_turn
     np.subtract(1.0, down, out=down)
     np.sqrt(down, out=down)
     down *= cosine
+    # elsewhere up and down are a sine and a cosine times that of beta, by which the beam is off
     up = sine
-    up *= np.cos(sigma)
-    cosine *= sin_turn
-    cosine *= np.sin(sigma)
-    up += cosine
+    up += sin_s * sin_b
+    up *= 1 / cos_s
     # the angle from the true altitude to the one that is set, not their difference
     rise = up * alt.cosine
     np.multiply(down, alt.sine, out=cosine)
     rise -= cosine
-    up *= alt.sine
-    down *= alt.cosine
-    up += down
-    return [turn, np.arctan2(rise, up, out=rise)]
+    rise *= 1 / cos_b
+    np.arcsin(rise, out=rise)
+    if not reached:
+        rise[stops] = _rise_of_stopped(true, read, sin_s, cos_s)
+    return turn, rise
+
+
+def _rise_of_stopped(
+    true: list[Array], read: tuple[Array, Array, Array], sin_s: float, cos_s: float
+) -> Array:
+    """Return the change of altitude where the azimuth stops a quarter turn off.
+
+    Given are sine and cosine of the true altitude, those of the one that is read and the
+    sine of the turn.
+    """
+    sine, cosine, sin_turn = read
+    up = sine * cos_s + cosine * sin_s * sin_turn
+    down = cosine * np.sqrt(1 - sin_turn * sin_turn)
+    return np.asarray(np.arctan2(up * true[1] - down * true[0], up * true[0] + down * true[1]))
 
 
 def _exact(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
@@ -213,8 +239,10 @@ def _step(az: Array, alt: Array, jump: float, d_alt: Array) -> None:
     """Add the jump where there is one; of scattered points those alone that could have it."""
     if jump == 0:
         return
-    if az.ndim == 2:
-        d_alt += jump * has_jumped(az, alt)
+    if alt.ndim == 2:
+        # below the horizon the step is there whatever the azimuth, on it nowhere
+        height = np.where(alt > 0, alt, np.where(alt < 0, np.inf, -np.inf))
+        d_alt += jump * (height >= jump_altitude(az))
         return
     may = np.flatnonzero((alt < 0) | (alt > _BELOW_THE_JUMP))
     d_alt[may] += jump * has_jumped(az[may], alt[may])
