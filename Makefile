@@ -124,7 +124,7 @@ ROWS ?= 1e7
 BENCH := $(VENV)/bench.json
 
 $(VENV)/bench: $(BIN)/pyport
-	@sh .ci/install-gfortran
+	@sh .ci/install gfortran
 	$(BIN)/python -m pip install --quiet --editable '.[test,bench]'
 	@touch $@
 

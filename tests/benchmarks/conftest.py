@@ -23,7 +23,7 @@ def pytest_ignore_collect(config):
 def compiled(tmp_path_factory):
     """Return what compiles a program or library of ours beside the published routines."""
     if shutil.which("gfortran") is None:
-        pytest.skip("no gfortran: .ci/install-gfortran")
+        pytest.skip("no gfortran: .ci/install gfortran")
     sources = runpy.run_path(str(LEGACY / "checks" / "builds.py"))["sources"]
 
     def build(name, *, promoted=False, library=False):
