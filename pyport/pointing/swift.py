@@ -54,10 +54,10 @@ class _Parameters:
         in_az = sin_2a * cosine - cos_2a * sine, sin_2a * sine + cos_2a * cosine
         in_alt = nod * cosine, nod * sine
         lean = math.hypot(south, west)
+        upright = math.sqrt(max(0.0, 1 - lean**2))
         return cls(
-            az0, alt0, sigma, beta, lean, math.sqrt(max(0.0, 1 - lean**2)), toward, sag, sag_sine, jump,
-            in_az, in_alt,
-        )  # fmt: skip
+            az0, alt0, sigma, beta, lean, upright, toward, sag, sag_sine, jump, in_az, in_alt
+        )
 
 
 #: (azimuth from where the mount leans, altitude, parameters, the two offsets' place, room to
