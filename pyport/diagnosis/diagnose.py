@@ -13,6 +13,7 @@ from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
+from pyport.diagnosis.edge_paths import averaged
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
@@ -116,7 +117,7 @@ def diagnose(
     """
     setup = prepare(recordings, model, refit, seed)
     _enough(setup)
-    outcome = search(setup, tell)
+    outcome = averaged(search(setup, tell))
     setup, weighed = outcome.setup, outcome.weighed
     before = joint.fit(setup, weighed, ())
     after = joint.fit(setup, weighed, outcome.chosen)
