@@ -20,7 +20,7 @@ from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.given import NOTHING, Given
-from pyport.recordings.stream import is_data_set
+from pyport.recordings.stream import is_data_set, pass_files
 from pyport.stages import stage, timed
 from pyport.workers import Spread, workers
 
@@ -146,7 +146,7 @@ def _run_one(
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
-    recordings = stage("reading")(read)(request.file, request.given, spread)
+    recordings = stage("reading")(read)(request.file, request.given, spread, request.folder)
     diagnosis = diagnose(
         recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
     )
@@ -159,4 +159,6 @@ def _run_one(
     if array is not None:
         write_places(array, request.folder)
         text += "\n" + words(array)
+    for kept in pass_files(request.folder):
+        kept.unlink(missing_ok=True)
     return text, json.dumps(report)
