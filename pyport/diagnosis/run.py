@@ -152,13 +152,14 @@ def _run_one(
     )
     array = report_array(diagnosis.setup, diagnosis.after, request.survey)
     diagnosis = with_site(diagnosis, array)
-    report = record.write(diagnosis, request.folder, array)
-    write_findings(diagnosis, request.folder)
-    page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html")
+    beside = write_findings(diagnosis, request.folder)
+    beside.append(page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html"))
     text = summary(diagnosis)
     if array is not None:
-        write_places(array, request.folder)
+        if (places := write_places(array, request.folder)) is not None:
+            beside.append(places)
         text += "\n" + words(array)
+    report = record.write(diagnosis, request.folder, array, beside)
     for kept in pass_files(request.folder):
         kept.unlink(missing_ok=True)
     return text, json.dumps(report)
