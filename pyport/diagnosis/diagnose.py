@@ -19,6 +19,7 @@ from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
@@ -58,6 +59,8 @@ class Diagnosis:
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
     steps
         The turns of the search, each with everything that was tried in it.
+    two_axes
+        Effects of the model that come out different from each axis alone.
     """
 
     setup: Setup
@@ -73,6 +76,7 @@ class Diagnosis:
     heldout: HeldOut
     unseen: tuple[Array, Array]
     steps: tuple[Step, ...] = ()
+    two_axes: tuple[Disagreement, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -148,6 +152,7 @@ def diagnose(
         ),
         unseen=unseen,
         steps=outcome.steps,
+        two_axes=disagreements(setup, weighed, outcome.chosen),
     )
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
@@ -71,6 +72,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "noise_floor_arcsec": diagnosis.heldout.noise_floor / ARCSEC,
             },
         },
+        "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
         "correlation": {"names": names, "matrix": matrix},
