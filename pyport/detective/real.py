@@ -9,7 +9,10 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.detective.drawn import Line
+from pyport.diagnosis import two_axes_words
+from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.effects import CATALOGUE
+from pyport.fitting.models import load
 from pyport.recordings import read
 from pyport.recordings.given import Given
 from pyport.recordings.schema import Recordings
@@ -40,7 +43,6 @@ def lines(data: Path) -> Iterator[Line]:
 
 def _lmt(recordings: Recordings) -> Iterator[Line]:
     """Yield the published terms, refitted, and the tilt of each axis by itself."""
-    tilts = {}
     for axis, (names, published) in _LMT_TERMS.items():
         values, covariance, rms = _fitted(recordings, names, axis)
         sigma = np.sqrt(np.diag(covariance))
@@ -49,17 +51,12 @@ def _lmt(recordings: Recordings) -> Iterator[Line]:
         yield Line(what, f"{off.max():.2f} sigma", "1 sigma", bool(off.max() <= 1))
         told = f"{rms:.4f} arcsec, published {_LMT_RMS[axis]}"
         yield Line(f"LMT, {axis}: rms", told, "the same", abs(rms - _LMT_RMS[axis]) < 0.01)
-        tilts[axis] = values[-2:], covariance[-2:, -2:]
-    differ = tilts["xel"][0] - tilts["el"][0]
-    spread = tilts["xel"][1] + tilts["el"][1]
-    sigmas = float(np.sqrt(differ @ np.linalg.solve(spread, differ)))
-    told = (
-        f"{differ[0]:+.1f}, {differ[1]:+.1f} arcsec north and east (cross-elevation less "
-        f"elevation), {sigmas:.1f} sigma"
-    )
-    yield Line("LMT: the tilts of both axes differ by", told, "3 sigma or more", sigmas >= 3)
-    findings = _findings(recordings, "altaz")[0]
-    yield Line("LMT: diagnose finds", findings, "shown", None)
+    found = _diagnosed(recordings, "altaz")
+    apart = [one for one in found.two_axes if one.chosen.candidate.effect.id == "tilt"]
+    told = two_axes_words.sentence(apart[0]) if apart else "nothing"
+    far = bool(apart) and apart[0].found.sigmas >= 3
+    yield Line("LMT: diagnose says of the tilts of both axes", told, "apart by 3 sigma", far)
+    yield Line("LMT: diagnose finds", _said(found), "shown", None)
 
 
 def _fitted(
@@ -96,14 +93,20 @@ def _auxtel(folder: Path) -> Iterator[Line]:
         yield Line(f"AuxTel {date}: found", told, "shown", None)
 
 
-def _findings(recordings: Recordings, model: str) -> tuple[str, tuple[float, float]]:
-    """Return what a diagnosis says in short, and its rms on points left out [arcsec]."""
-    from pyport.diagnosis.diagnose import diagnose
-    from pyport.fitting.models import load
+def _diagnosed(recordings: Recordings, model: str) -> Diagnosis:
+    """Return the diagnosis of some recordings beside a model or a file of one."""
+    return diagnose(recordings, load(model))
 
-    found = diagnose(recordings, load(model))
+
+def _said(found: Diagnosis) -> str:
+    """Return what a diagnosis finds, in short."""
     words = [
         f"{one.effect} ({one.variant})" if one.variant else one.effect for one in found.findings
     ]
-    held = found.heldout
-    return ", ".join(words) or "nothing", (held.before / ARCSEC, held.after / ARCSEC)
+    return ", ".join(words) or "nothing"
+
+
+def _findings(recordings: Recordings, model: str) -> tuple[str, tuple[float, float]]:
+    """Return what a diagnosis says in short, and its rms on points left out [arcsec]."""
+    found = _diagnosed(recordings, model)
+    return _said(found), (found.heldout.before / ARCSEC, found.heldout.after / ARCSEC)

@@ -36,10 +36,15 @@ _Fitted = tuple[tuple[Noise, ...], Array]
 
 @dataclass(frozen=True)
 class Chosen:
-    """An effect in a fit, and the scope within which its coefficients are shared."""
+    """An effect in a fit, and the scope within which its coefficients are shared.
+
+    `spread` is how far its coefficients scatter over all that was not fitted with them, such
+    as where an edge runs; it adds to their errors.
+    """
 
     candidate: Candidate
     scope: str
+    spread: float = 0.0
 
 
 @dataclass(frozen=True)

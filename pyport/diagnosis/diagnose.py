@@ -13,11 +13,13 @@ from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
+from pyport.diagnosis.edge_paths import averaged
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
@@ -57,6 +59,8 @@ class Diagnosis:
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
     steps
         The turns of the search, each with everything that was tried in it.
+    two_axes
+        Effects of the model that come out different from each axis alone.
     """
 
     setup: Setup
@@ -72,6 +76,7 @@ class Diagnosis:
     heldout: HeldOut
     unseen: tuple[Array, Array]
     steps: tuple[Step, ...] = ()
+    two_axes: tuple[Disagreement, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -116,7 +121,7 @@ def diagnose(
     """
     setup = prepare(recordings, model, refit, seed)
     _enough(setup)
-    outcome = search(setup, tell)
+    outcome = averaged(search(setup, tell))
     setup, weighed = outcome.setup, outcome.weighed
     before = joint.fit(setup, weighed, ())
     after = joint.fit(setup, weighed, outcome.chosen)
@@ -147,6 +152,7 @@ def diagnose(
         ),
         unseen=unseen,
         steps=outcome.steps,
+        two_axes=disagreements(setup, weighed, outcome.chosen),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.fitting.fit import Coefficients, Fit
+from pyport.fitting.two_axes import UNLIKELY
 
 #: A coefficient within so many sigmas of zero might as well be zero.
 WEAK = 2.0
@@ -57,6 +58,13 @@ def warnings(fit: Fit) -> Iterator[str]:
     if weak:
         yield f"within {WEAK:g} sigmas of zero: {', '.join(weak)}; try --drop"
     yield from _tied(fit, everything)
+    for term, apart in fit.two_axes:
+        if apart.p_value < UNLIKELY / len(fit.two_axes):
+            name = term.effect.id.replace("_", " ")
+            yield (
+                f"the {name} seen in cross-elevation and that seen in elevation differ by "
+                f"{apart.sigmas:.1f} sigmas: no {name} does that; pyport diagnose tells where"
+            )
     if fit.condition > ILL_POSED:
         yield (
             f"the condition number {fit.condition:.3g} is above {ILL_POSED:g}: "

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
@@ -13,6 +14,7 @@ from pyport.fitting import robust
 from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.fitting.two_axes import Difference, difference
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -57,6 +59,8 @@ class Fit:
         What is left of each number [rad] and its robust weight, shape (m,).
     condition
         Condition number of the design, columns scaled to unit length.
+    two_axes
+        Terms that act on both axes, with what each axis alone says of their coefficients.
     """
 
     recordings: Recordings
@@ -67,6 +71,7 @@ class Fit:
     residual: Array
     weight: Array
     condition: float
+    two_axes: tuple[tuple[Term, Difference], ...] = ()
 
 
 @one_thread
@@ -105,7 +110,26 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
-    return Fit(recordings, model, data, tuple(found), inverse, left, weight, condition)
+    compared = _two_axes(columns * root[:, None], value * root, data.is_y, owners)
+    return Fit(
+        recordings, model, data, tuple(found), inverse, left, weight, condition, tuple(compared)
+    )
+
+
+def _two_axes(
+    white: Array, value: Array, is_y: NDArray[np.bool_], owners: list[tuple[Term, tuple[str, ...]]]
+) -> Iterator[tuple[Term, Difference]]:
+    """Yield what each axis alone says of the terms that act on both."""
+    width = [len(term.effect.coefficients) for term, _ in owners]
+    of_column = np.repeat([id(term) for term, _ in owners], width)
+    for term in {id(term): term for term, _ in owners}.values():
+        own = white[:, of_column == id(term)]
+        if not (np.any(own[is_y] != 0) and np.any(own[~is_y] != 0)):
+            continue
+        first, second = own * ~is_y[:, None], own * is_y[:, None]
+        apart = difference(white[:, of_column != id(term)], first, second, value)
+        if apart is not None:
+            yield term, apart
 
 
 def _expanded(
