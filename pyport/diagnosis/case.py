@@ -15,7 +15,8 @@ from pyport.diagnosis import common_mode, noise_fit, shapes
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
-from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
+from pyport.diagnosis.noise import Noise, Series, series, whiten
+from pyport.diagnosis.pointings import pointings
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
