@@ -8,6 +8,7 @@ OUT ?= out
 
 .PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
 .PHONY: fuzz torture lock audit
+.PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -111,12 +112,42 @@ fuzz: $(VENV)/fuzz
 torture: $(BIN)/pyport
 	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
 
-# The versions and hashes that continuous integration installs; what is known against them.
+# The versions and hashes that continuous integration installs, for every Python and system;
+# what is known against what is installed.
 lock: $(BIN)/pyport
-	$(BIN)/python .ci/lock > .ci/requirements.lock
+	$(BIN)/python -m pip install --quiet 'uv>=0.5'
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes \
+	  --no-annotate --custom-compile-command 'make lock' --extra test --extra lint \
+	  --output-file .ci/requirements.lock pyproject.toml .ci/oracle.in
 
 audit: $(BIN)/tox
 	$(BIN)/tox run -e audit
+
+# Ours beside what one would take instead, in one run. ROWS is the size of the data set that is read.
+ROWS ?= 1e7
+BENCH := $(VENV)/bench.json
+
+$(VENV)/bench: $(BIN)/pyport
+	@sh .ci/install gfortran
+	$(BIN)/python -m pip install --quiet --editable '.[test,bench]'
+	@touch $@
+
+$(BENCH): $(VENV)/bench FORCE
+	OPENBLAS_NUM_THREADS=1 PYPORT_BENCH_ROWS=$(ROWS) $(BIN)/pytest tests/benchmarks -q \
+	  --benchmark-enable --benchmark-only --benchmark-json=$@ --benchmark-columns=min,rounds
+
+bench: $(BENCH)
+	$(BIN)/python tests/benchmarks/performance.py $(BENCH)
+
+bench-record: $(BENCH)
+	$(BIN)/python tests/benchmarks/performance.py $(BENCH) --record
+
+# Data sets of up to LARGEST rows are written to the temporary folder: 5 GB for 1e8.
+LARGEST ?= 1e7
+growth: $(VENV)/bench
+	$(BIN)/python tests/benchmarks/growth.py all docs/growth.json $(LARGEST)
+
+FORCE:
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

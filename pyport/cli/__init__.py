@@ -35,6 +35,7 @@ COMMANDS = {
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
     "trials": "Hide causes in simulated recordings, and find out whether they are found.",
+    "verify": "Tell whether the files of a diagnosis are all of one run.",
 }
 
 
