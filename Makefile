@@ -112,9 +112,13 @@ fuzz: $(VENV)/fuzz
 torture: $(BIN)/pyport
 	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
 
-# The versions and hashes that continuous integration installs; what is known against them.
+# The versions and hashes that continuous integration installs, for every Python and system;
+# what is known against what is installed.
 lock: $(BIN)/pyport
-	$(BIN)/python .ci/lock > .ci/requirements.lock
+	$(BIN)/python -m pip install --quiet 'uv>=0.5'
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes \
+	  --no-annotate --custom-compile-command 'make lock' --extra test --extra lint \
+	  --output-file .ci/requirements.lock pyproject.toml .ci/oracle.in
 
 audit: $(BIN)/tox
 	$(BIN)/tox run -e audit

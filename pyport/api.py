@@ -131,8 +131,9 @@ class Diagnosis(Shown):
         """Write report.json, rows.csv and report.html into a folder, and return it."""
         from pyport.diagnosis.record import write
 
-        write(self.result, Path(folder))
-        self.page(Path(folder) / "report.html")
+        page = Path(folder) / "report.html"
+        self.page(page)
+        write(self.result, Path(folder), beside=[page])
         return Path(folder)
 
 

@@ -93,3 +93,13 @@ def sha256(path: str | Path) -> str:
     """Return the SHA-256 of a file's bytes as hexadecimal text."""
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def tree(folder: Path, without: Path | None = None) -> str:
+    """Return one SHA-256 for all files in a folder, names and bytes, compiled ones apart."""
+    whole = hashlib.sha256()
+    for path in sorted(folder.rglob("*")):
+        left_out = without is not None and path.is_relative_to(without)
+        if path.is_file() and "__pycache__" not in path.parts and not left_out:
+            whole.update(f"{sha256(path)}  {path.relative_to(folder).as_posix()}\n".encode())
+    return whole.hexdigest()

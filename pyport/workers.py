@@ -54,8 +54,23 @@ def workers(jobs: int = 1, cluster: str | None = None) -> Iterator[Spread[Any, A
     else:
         from concurrent.futures import ProcessPoolExecutor
 
-        with ProcessPoolExecutor(jobs) as pool:
+        with ProcessPoolExecutor(jobs, initializer=_end_with_parent) as pool:
             yield lambda call, items: _in_order(pool.submit, call, items, AHEAD * jobs)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it is killed: nobody waits for its work."""
+    import multiprocessing
+    import os
+    import threading
+
+    def watch() -> None:
+        parent = multiprocessing.parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _in_order(

@@ -31,14 +31,17 @@ def command(
     """Hold the Python ports to the published Fortran routines, in ulp of REAL*4.
 
     With the compiled routines installed (pip install ./legacy_fortran) they are asked anew at every
-    point; without them the ports are held to their stored answers.
+    point; without them the ports are held to their stored answers. Killed and called again in the
+    same words it goes on.
     """
     from pyport.files import write_whole
     from pyport.parity import report as reporting
     from pyport.parity.document import document
+    from pyport.parity.progress import kept_beside
     from pyport.parity.run import run
 
-    parity = run(points, seed, jobs, live=not stored)
+    kept = kept_beside(report, points, seed)
+    parity = run(points, seed, jobs, live=not stored, kept=kept)
     if report:
         with write_whole(report) as file:
             file.write(document(parity))
@@ -46,3 +49,4 @@ def command(
         click.echo(json.dumps(reporting.as_json(parity), indent=1))
     else:
         click.echo(reporting.text(parity), nl=False)
+    kept.unlink(missing_ok=True)

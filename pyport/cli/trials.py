@@ -162,9 +162,13 @@ def prove(
     context: click.Context, folder: Path, which: str, jobs: int, ledger: Path, *, as_json: bool
 ) -> None:
     """Seal, run, reveal and score, from wherever that was interrupted."""
+    from pyport.trials import ledger as book
+    from pyport.trials.published import read_seal
+
     with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):
         if not (folder / "sealed.json").exists():
             context.invoke(seal, folder=folder, which=which, ledger=ledger)
+        book.enter_seal(ledger, folder, read_seal(folder / "sealed.json"))
         if not (folder / "answers.json").exists():
             context.invoke(run, folder=folder, jobs=jobs)
         context.invoke(reveal, folder=folder)

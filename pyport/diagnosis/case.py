@@ -15,7 +15,8 @@ from pyport.diagnosis import common_mode, noise_fit, shapes
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
-from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
+from pyport.diagnosis.noise import Noise, Series, series, whiten
+from pyport.diagnosis.pointings import pointings
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
@@ -36,10 +37,15 @@ _Fitted = tuple[tuple[Noise, ...], Array]
 
 @dataclass(frozen=True)
 class Chosen:
-    """An effect in a fit, and the scope within which its coefficients are shared."""
+    """An effect in a fit, and the scope within which its coefficients are shared.
+
+    `spread` is how far its coefficients scatter over all that was not fitted with them, such
+    as where an edge runs; it adds to their errors.
+    """
 
     candidate: Candidate
     scope: str
+    spread: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,11 @@ class Setup:
     def data(self) -> Array:
         """Return the columns and, last, the residuals, shape (m, K + 1)."""
         return np.concatenate([self.columns, self.residual[:, None]], axis=1)
+
+    @cached_property
+    def possible(self) -> Array:
+        """Return the columns of all candidates, shape (m, k)."""
+        return self.columns[:, np.concatenate([c.columns for c in self.candidates])]
 
     def part(self, chosen: Chosen) -> Part:
         """Return the columns of a choice and who shares their coefficients."""
@@ -211,7 +222,23 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
     noises, weights = _noise(setup, chosen)
-    white = whiten(setup.data, weights, setup.parts, noises)
+    return _weighed(
+        setup, chosen, noises, weights, whiten(setup.data, weights, setup.parts, noises)
+    )
+
+
+@stage("whitening")
+def widened(weighed: Weighed, wider: Setup, chosen: Sequence[Chosen]) -> Weighed:
+    """Return what `weigh` does for a case to which columns were added, whitening only those."""
+    old = weighed.white.shape[1] - 1
+    added = whiten(wider.columns[:, old:], weighed.weights, wider.parts, weighed.noises)
+    white = np.concatenate([weighed.white[:, :-1], added, weighed.white[:, -1:]], axis=1)
+    return _weighed(wider, chosen, weighed.noises, weighed.weights, white)
+
+
+def _weighed(
+    setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...], weights: Array, white: Array
+) -> Weighed:
     evidence = Evidence(
         white,
         np.concatenate([setup.block, setup.block]),
@@ -235,8 +262,7 @@ def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], A
     key = tuple((id(one.candidate), one.scope) for one in chosen)
     if key not in setup.noises:
         known = setup.expanded([*setup.base, *chosen])
-        candidates = setup.columns[:, np.concatenate([c.columns for c in setup.candidates])]
-        noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
+        noises, weights = noise_fit.fit(setup.residual, known, setup.possible, setup.parts)
         setup.noises[key] = tuple(chosen), (tuple(noises), weights)
     return setup.noises[key][1]
 

@@ -12,12 +12,14 @@ from pyport.diagnosis import findings as reading
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
+from pyport.diagnosis.case import Setup, Weighed, prepare
+from pyport.diagnosis.edge_paths import averaged
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
@@ -57,6 +59,8 @@ class Diagnosis:
         Residuals behind `heldout`, before and after [rad], shape (m,) each.
     steps
         The turns of the search, each with everything that was tried in it.
+    two_axes
+        Effects of the model that come out different from each axis alone.
     """
 
     setup: Setup
@@ -72,6 +76,7 @@ class Diagnosis:
     heldout: HeldOut
     unseen: tuple[Array, Array]
     steps: tuple[Step, ...] = ()
+    two_axes: tuple[Disagreement, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -116,7 +121,7 @@ def diagnose(
     """
     setup = prepare(recordings, model, refit, seed)
     _enough(setup)
-    outcome = search(setup, tell)
+    outcome = averaged(search(setup, tell))
     setup, weighed = outcome.setup, outcome.weighed
     before = joint.fit(setup, weighed, ())
     after = joint.fit(setup, weighed, outcome.chosen)
@@ -147,6 +152,7 @@ def diagnose(
         ),
         unseen=unseen,
         steps=outcome.steps,
+        two_axes=disagreements(setup, weighed, outcome.chosen),
     )
 
 
@@ -165,12 +171,13 @@ def _enough(setup: Setup) -> None:
 def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     needed = threshold(outcome.last, FAMILY_ERROR)
+    powers = np.einsum("mk,mk->k", setup.columns, setup.columns) / len(setup.columns)
     limits: dict[str, float] = {}
     for trial in outcome.last:
         if not trial.candidate.effect.physical or "antenna" in trial.scope:
             continue
         gain = gain_needed(trial, needed)
-        power = np.mean(np.sum(setup.expanded([Chosen(trial.candidate, trial.scope)]) ** 2, axis=1))
+        power = float(powers[trial.candidate.columns].sum())
         size = float(np.sqrt(gain * power / max(np.trace(trial.information), 1e-300)))
         effect = trial.candidate.effect.id
         limits[effect] = min(size, limits.get(effect, np.inf))

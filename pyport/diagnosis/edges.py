@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.view import FEWEST, View
 from pyport.effects import Effect
-from pyport.effects.structure import FreeEdge, curved_jump, jump_above
+from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
 from pyport.fitting.stacking import Codes
 
 #: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]
@@ -66,6 +67,69 @@ def edges_of(setup: Setup, view: View, effect: Effect) -> list[tuple[Effect, flo
     return [*found, (curved_jump(tuple(map(float, best))), float(of_number) * numbers)]
 
 
+@dataclass(frozen=True)
+class Sky:
+    """Readings sorted into columns of azimuth and levels of elevation.
+
+    Attributes
+    ----------
+    column, level
+        Of each reading; one on level n is above an edge on any lower level, shape (m,).
+    columns
+        How many columns there are.
+    start, width
+        Azimuth at which the first column begins, and how wide each is [rad].
+    """
+
+    column: Codes
+    level: Codes
+    columns: int
+    start: float
+    width: float
+
+    def of(self, rows: Codes) -> Sky:
+        """Return the same of some of the readings."""
+        return replace(self, column=self.column[rows], level=self.level[rows])
+
+    def above(self, path: Codes) -> NDArray[np.bool_]:
+        """Tell which readings are above an edge with a level in each column, shape (m,)."""
+        return np.asarray(self.level > path[self.column])
+
+    def above_each(self, values: Array) -> Array:
+        """Return sums of values (m,) above each level in each column, (columns, levels)."""
+        total = np.zeros((self.columns, len(LEVELS) + 1))
+        np.add.at(total, (self.column, self.level), values)
+        return np.asarray(total[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:])
+
+    @property
+    def centres(self) -> Array:
+        """Return the azimuth of the middle of each column [rad]."""
+        return np.asarray(self.start + (np.arange(self.columns) + 0.5) * self.width)
+
+    def edge_of(self, path: Codes) -> FreeEdge:
+        """Return the curve through the middles of the columns."""
+        return FreeEdge(tuple(self.centres), tuple(LEVELS[path] * DEG))
+
+    def path_of(self, edge: Edge) -> Codes:
+        """Return the level in each column that is nearest to a curve."""
+        el = np.clip(edge(self.centres) / DEG, LEVELS[0], LEVELS[-1])
+        return np.rint((el - LEVELS[0]) / (LEVELS[1] - LEVELS[0])).astype(int)
+
+
+def sky_of(az: Array, el: Array, counted: NDArray[np.bool_], width: float) -> Sky:
+    """Sort readings (m,) into columns that begin where those that are `counted` begin."""
+    column = np.floor(az / width).astype(int)
+    first, last = int(column[counted].min()), int(column[counted].max())
+    level = ((el / DEG - LEVELS[0]) / (LEVELS[1] - LEVELS[0])).astype(int) + 1
+    return Sky(
+        np.clip(column - first, 0, last - first),
+        np.clip(level, 0, len(LEVELS) - 1),
+        last - first + 1,
+        first * width,
+        width,
+    )
+
+
 def _free(
     view: View, az: Array, el: Array, is_y: NDArray[np.bool_]
 ) -> tuple[FreeEdge, float] | None:
@@ -78,32 +142,28 @@ def _free(
     rows = np.flatnonzero(is_y)
     if len(rows) < 4 * FEWEST:
         return None
-    az, el, root, left = az[rows], el[rows], view.root[rows], view.left[rows]
-    first = np.floor(az.min() / COLUMN)
-    column = (np.floor(az / COLUMN) - first).astype(int)
-    level = np.clip(((el / DEG - LEVELS[0]) / (LEVELS[1] - LEVELS[0])).astype(int) + 1, 0, None)
-    shape = int(column.max()) + 1, len(LEVELS)
-    level = np.minimum(level, len(LEVELS) - 1)
-    mass = _above_each(shape, column, level, root**2)
+    root, left = view.root[rows], view.left[rows]
+    sky = sky_of(az, el, is_y, COLUMN).of(rows)
+    weight = root**2
+    mass = sky.above_each(weight)
     scatter = float(np.median(1 / root))
-    best: tuple[float, Array] | None = None
+    best: tuple[float, Codes] | None = None
     for sign in (1.0, -1.0):
         jump, share = sign * 1.5 * scatter, 0.4
-        path = np.zeros(shape[0], int)
+        path = np.zeros(sky.columns, int)
         for _ in range(ROUNDS):
-            pull = _above_each(shape, column, level, root * (left + jump * share * root))
+            pull = sky.above_each(root * (left + jump * share * root))
             new = _path(jump**2 * mass - 2 * jump * pull)
             if np.array_equal(new, path):
                 break
             path = new
-            above = level > path[column]
+            above = sky.above(path)
             if min(above.sum(), (~above).sum()) < FEWEST:
                 break
-            weight = root**2
             share = float(weight[above].sum() / weight.sum())
             centred = (above - share) * root
             jump = float(centred @ left / (centred @ centred))
-        above = level > path[column]
+        above = sky.above(path)
         if min(above.sum(), (~above).sum()) < FEWEST or jump * sign <= 0:
             continue
         gain = jump**2 * float((((above - above.mean()) * root) ** 2).sum())
@@ -114,16 +174,8 @@ def _free(
         return None
     path = best[1]
     climbed = float(np.abs(np.diff(LEVELS[path])).sum())
-    centres = (first + np.arange(shape[0]) + 0.5) * COLUMN
     # Each step of ten degrees up or down is a number of its own.
-    return FreeEdge(tuple(centres), tuple(LEVELS[path] * DEG)), climbed / 10
-
-
-def _above_each(shape: tuple[int, int], column: Codes, level: Codes, values: Array) -> Array:
-    """Return sums of values at or above each level in each column."""
-    total = np.zeros((shape[0], shape[1] + 1))
-    np.add.at(total, (column, level), values)
-    return np.asarray(total[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:])
+    return sky.edge_of(path), climbed / 10
 
 
 def _path(cost: Array) -> Codes:

@@ -66,7 +66,7 @@ def fit(
         known = np.concatenate([base[part.rows], _of_sessions(part)], axis=1)
         columns = _rich(known, shapes[part.rows], int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
-        weights[part.rows], residual = robust.weights(columns, value[part.rows], TUKEY, floor)
+        weights[part.rows], residual, _ = robust.weights(columns, value[part.rows], TUKEY, floor)
         given = value[part.rows], columns, weights[part.rows], residual
         drafts.append(draft(*given, part, grid, floor))
     noises = [

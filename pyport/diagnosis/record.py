@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
@@ -22,18 +24,24 @@ from pyport.recordings.schema import Recordings
 SCHEMA = "pyport.diagnosis/1"
 
 
-def write(diagnosis: Diagnosis, folder: Path, array: ArrayReport | None = None) -> dict[str, Any]:
-    """Write report.json and rows.csv into a folder, each whole or not at all; return the report."""
+def write(
+    diagnosis: Diagnosis,
+    folder: Path,
+    array: ArrayReport | None = None,
+    beside: Iterable[Path] = (),
+) -> dict[str, Any]:
+    """Write rows.csv and then report.json into a folder, each whole or not at all.
+
+    The report, which is returned, holds the hashes of rows.csv and of the files that
+    were written `beside` it.
+    """
     content = as_json(diagnosis)
     if array is not None:
         content["array"] = array_json(array)
-    report: dict[str, Any] = finite(content)
-    with write_whole(folder / "report.json") as file:
-        json.dump(report, file, indent=1, allow_nan=False)
-        file.write("\n")
-    with write_whole(folder / "rows.csv") as file:
+    rows = folder / "rows.csv"
+    with write_whole(rows) as file:
         _write_rows(diagnosis, file)
-    return report
+    return finish(folder, finite(content), [rows, *beside])
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -64,6 +72,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "noise_floor_arcsec": diagnosis.heldout.noise_floor / ARCSEC,
             },
         },
+        "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
         "correlation": {"names": names, "matrix": matrix},

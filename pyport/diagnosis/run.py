@@ -20,7 +20,7 @@ from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.given import NOTHING, Given
-from pyport.recordings.stream import is_data_set
+from pyport.recordings.stream import is_data_set, pass_files
 from pyport.stages import stage, timed
 from pyport.workers import Spread, workers
 
@@ -146,17 +146,20 @@ def _run_one(
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
-    recordings = stage("reading")(read)(request.file, request.given, spread)
+    recordings = stage("reading")(read)(request.file, request.given, spread, request.folder)
     diagnosis = diagnose(
         recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
     )
     array = report_array(diagnosis.setup, diagnosis.after, request.survey)
     diagnosis = with_site(diagnosis, array)
-    report = record.write(diagnosis, request.folder, array)
-    write_findings(diagnosis, request.folder)
-    page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html")
+    beside = write_findings(diagnosis, request.folder)
+    beside.append(page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html"))
     text = summary(diagnosis)
     if array is not None:
-        write_places(array, request.folder)
+        if (places := write_places(array, request.folder)) is not None:
+            beside.append(places)
         text += "\n" + words(array)
+    report = record.write(diagnosis, request.folder, array, beside)
+    for kept in pass_files(request.folder):
+        kept.unlink(missing_ok=True)
     return text, json.dumps(report)

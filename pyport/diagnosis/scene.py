@@ -72,7 +72,7 @@ def parameters_of(scene: Scene, choice: int) -> list[Parameter]:
     chosen = scene.joint.choices[choice]
     where = scene.joint.slice(choice)
     value = scene.joint.solution.values[where]
-    sigma = sigmas(scene.joint, len(scene.setup.residual))[where]
+    sigma = np.hypot(sigmas(scene.joint, len(scene.setup.residual))[where], chosen.spread)
     known = scene.joint.solution.known[where]
     names = scene.setup.blocks.names(chosen.scope)
     width = len(chosen.candidate.columns)

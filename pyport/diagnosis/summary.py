@@ -7,7 +7,7 @@ import textwrap
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record
+from pyport.diagnosis import record, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 
@@ -41,6 +41,8 @@ def summary(diagnosis: Diagnosis) -> str:
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
         seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
         lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
+    for one in diagnosis.two_axes:
+        lines += _wrapped(two_axes_words.sentence(one))
     lines += _improvement(diagnosis)
     return "\n".join(lines)
 
@@ -66,6 +68,9 @@ def _finding(n: int, finding: Finding) -> list[str]:
             f"{held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} arcsec, noise floor "
             f"{held.noise_floor / ARCSEC:.3g}."
         )
+    if finding.stability is not None and not finding.stability.stable:
+        words = finding.stability.words
+        lines.append(f"   {words[0].upper()}{words[1:]}.")
     if finding.decide_by:
         lines.append(f"   To decide: {finding.decide_by}.")
     return [part for line in lines for part in _wrapped(line)]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
@@ -13,6 +14,7 @@ from pyport.fitting import robust
 from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.fitting.two_axes import Difference, difference
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -57,6 +59,10 @@ class Fit:
         What is left of each number [rad] and its robust weight, shape (m,).
     condition
         Condition number of the design, columns scaled to unit length.
+    two_axes
+        Terms that act on both axes, with what each axis alone says of their coefficients.
+    settled
+        Whether the weights came to rest.
     """
 
     recordings: Recordings
@@ -67,6 +73,8 @@ class Fit:
     residual: Array
     weight: Array
     condition: float
+    two_axes: tuple[tuple[Term, Difference], ...] = ()
+    settled: bool = True
 
 
 @one_thread
@@ -90,7 +98,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
             f"{len(value)} measured offsets cannot determine {columns.shape[1]} coefficients",
             recordings.file,
         )
-    weight, scatter = _weights(recordings, data, columns, value)
+    weight, scatter, settled = _weights(recordings, data, columns, value)
     root = np.sqrt(weight) / scatter
     normal = (columns * root[:, None]).T @ (columns * root[:, None])
     inverse, _, condition, known = inverted(normal)
@@ -105,7 +113,27 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
-    return Fit(recordings, model, data, tuple(found), inverse, left, weight, condition)
+    compared = _two_axes(columns * root[:, None], value * root, data.is_y, owners)
+    return Fit(
+        recordings, model, data, tuple(found), inverse, left, weight, condition, tuple(compared),
+        settled,
+    )  # fmt: skip
+
+
+def _two_axes(
+    white: Array, value: Array, is_y: NDArray[np.bool_], owners: list[tuple[Term, tuple[str, ...]]]
+) -> Iterator[tuple[Term, Difference]]:
+    """Yield what each axis alone says of the terms that act on both."""
+    width = [len(term.effect.coefficients) for term, _ in owners]
+    of_column = np.repeat([id(term) for term, _ in owners], width)
+    for term in {id(term): term for term, _ in owners}.values():
+        own = white[:, of_column == id(term)]
+        if not (np.any(own[is_y] != 0) and np.any(own[~is_y] != 0)):
+            continue
+        first, second = own * ~is_y[:, None], own * is_y[:, None]
+        apart = difference(white[:, of_column != id(term)], first, second, value)
+        if apart is not None:
+            yield term, apart
 
 
 def _expanded(
@@ -125,20 +153,24 @@ def _expanded(
 
 def _weights(
     recordings: Recordings, data: Stack, columns: Array, value: Array
-) -> tuple[Array, Array]:
-    """Return robust weights and the scatter [rad] of each number's antenna, session and axis."""
+) -> tuple[Array, Array, bool]:
+    """Return robust weights and the scatter [rad] of each number's antenna, session and axis.
+
+    Last comes whether all weights came to rest.
+    """
     codes, names = group(recordings, ("antenna", "session"))
     series: Codes = codes[data.row] * 2 + data.is_y
-    weight, scatter = np.ones(len(value)), np.ones(len(value))
+    weight, scatter, settled = np.ones(len(value)), np.ones(len(value)), True
     floors = [robust.rounding(value[data.is_y == is_y]) for is_y in (False, True)]
     for one in range(2 * len(names)):
         rows = np.flatnonzero(series == one)
         if len(rows) == 0:
             continue
         own = columns[rows][:, np.any(columns[rows] != 0, axis=0)]
-        weight[rows], residual = robust.weights(own, value[rows], REACH, floors[one % 2])
+        weight[rows], residual, rest = robust.weights(own, value[rows], REACH, floors[one % 2])
+        settled &= rest
         rank = np.linalg.matrix_rank(own) if own.size else 0
         spare = max(1.0, float(weight[rows].sum()) - rank)
         own_scatter = np.sqrt(float((weight[rows] * residual**2).sum()) / spare)
         scatter[rows] = max(own_scatter, floors[one % 2], 1e-12)
-    return weight, scatter
+    return weight, scatter, settled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record
+from pyport.diagnosis import record, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.joint import sigmas
@@ -219,6 +219,7 @@ def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
     said = []
     if diagnosis.wild:
         said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]
     return tuple(said)
 
 

@@ -3,65 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from pyport.checkpoint import Checkpoint
 from pyport.parity import points, promise, stored
 from pyport.parity.answers import find_oracle, of_legacy, of_oracle, of_pointing
-from pyport.parity.compare import Comparison, compare
 from pyport.parity.edges import edges
-from pyport.parity.ledger import explained
-from pyport.parity.points import Points, Real4
+from pyport.parity.held import Held, hold
+from pyport.parity.progress import over
 from pyport.parity.spread import spread
-from pyport.progress import track
 
 #: Points that one process takes at a time.
 CHUNK = 5000
-
-
-@dataclass(frozen=True)
-class Held:
-    """Both ports held to the oracle at some points; comparisons in the order of ``OUTPUTS``.
-
-    Attributes
-    ----------
-    legacy
-        The statement-by-statement port, which is to be equal bit for bit.
-    pointing
-        The vectorised port, where it promises anything.
-    sky
-        The same without the points that the ledger explains: how far off on the sky.
-    beyond
-        The same, counting only what goes beyond the oracle's own spread as well.
-    explained
-        Entry of the ledger -> number of answers beyond the promise that it explains.
-    """
-
-    legacy: list[Comparison]
-    pointing: list[Comparison]
-    sky: list[Comparison]
-    beyond: list[Comparison]
-    explained: Counter[str]
-
-    def __add__(self, other: Held) -> Held:
-        """Return the same over both sets of points."""
-        return Held(
-            _sum(self.legacy, other.legacy),
-            _sum(self.pointing, other.pointing),
-            _sum(self.sky, other.sky),
-            _sum(self.beyond, other.beyond),
-            Counter({k: self.explained[k] + other.explained[k] for k in self.explained}),
-        )
-
-
-def _sum(one: list[Comparison], other: list[Comparison]) -> list[Comparison]:
-    return [add(*pair) for pair in zip(one, other, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -102,25 +59,13 @@ class Parity:
         return promise.kept([comparison.most for comparison in self.held.beyond])
 
 
-def hold(at: Points, expected: Real4, own_spread: Real4, legacy: Real4, pointing: Real4) -> Held:
-    """Compare both ports' answers with the oracle's, all of shape (n, 5)."""
-    inside = promise.promised(at)
-    there = at.part(inside)
-    true, port = expected[inside], pointing[inside]
-    apart = promise.distances(true, port)
-    outside = ~np.any(list(explained(there, true).values()), axis=0)
-    left, numbers = promise.beyond(true, port, own_spread[:, inside], there)
-    return Held(
-        compare(expected, legacy, at),
-        compare(true, port, there, apart),
-        compare(true, port, there, apart * outside),
-        compare(true, port, there, left),
-        Counter(numbers),
-    )
-
-
 def run(
-    random_points: int = 20_000, seed: int = 0, jobs: int | None = None, *, live: bool = True
+    random_points: int = 20_000,
+    seed: int = 0,
+    jobs: int | None = None,
+    *,
+    live: bool = True,
+    kept: Path | None = None,
 ) -> Parity:
     """Compare both ports with the oracle.
 
@@ -134,6 +79,8 @@ def run(
         Processes; all cores by default.
     live
         Ask the compiled routines where they are installed, instead of their stored answers.
+    kept
+        Where to keep how far it has come; who asks removes that when the answer is written.
     """
     oracle = find_oracle() if live else None
     if oracle is None:
@@ -144,10 +91,11 @@ def run(
         for name, size in sizes.items()
         for start in range(0, size, CHUNK)
     ]
-    with ProcessPoolExecutor(jobs or os.cpu_count()) as pool:
-        parts = track(pool.map(_hold_chunk, chunks), "Comparing", total=len(chunks))
-        held = reduce(add, parts)
-    return Parity("live", stored.describe(oracle), sizes, held, 0)
+    about = stored.describe(oracle)
+    so_far = Checkpoint(kept, about, sizes, seed, CHUNK)
+    held = over(chunks, _hold_chunk, jobs or os.cpu_count() or 1, so_far)
+    assert held is not None  # noqa: S101 - there are the table and the edges
+    return Parity("live", about, sizes, held, 0)
 
 
 def _run_stored() -> Parity:

@@ -41,7 +41,12 @@ def resolve(name: str | Path) -> Path:
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 
-def read(name: str | Path, given: Given = NOTHING, spread: Spread[Any, Any] = map) -> Recordings:
+def read(
+    name: str | Path,
+    given: Given = NOTHING,
+    spread: Spread[Any, Any] = map,
+    beside: Path | None = None,
+) -> Recordings:
     """Read recordings from CSV, ECSV, Parquet, TPOINT's .dat, the Field System's .xtr or .err.
 
     Parameters
@@ -53,6 +58,8 @@ def read(name: str | Path, given: Given = NOTHING, spread: Spread[Any, Any] = ma
         What the file itself does not say: header keys, names of its columns.
     spread
         How the pieces of such a folder are gone through: `map`, or another that keeps order.
+    beside
+        Folder in which is kept how far that has come, if it is to go on after a kill.
 
     Returns
     -------
@@ -69,7 +76,7 @@ def read(name: str | Path, given: Given = NOTHING, spread: Spread[Any, Any] = ma
     if path.is_dir():
         from pyport.recordings.stream import read_data_set
 
-        recordings = read_data_set(path, given, spread)
+        recordings = read_data_set(path, given, spread, beside)
     else:
         recordings = interpret(read_raw(path, given))
     return where(recordings, given.where) if given.where else recordings

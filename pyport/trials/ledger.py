@@ -51,6 +51,9 @@ Seal `{sha256(Folder(root).seal)}`; {len(failed)} cases without a report.
 
 
 def _append(ledger: Path, text: str) -> None:
+    """Add an entry, once: a run that was killed after it did so says it again when called again."""
     before = ledger.read_text(encoding="utf-8") if ledger.exists() else _HEAD
+    if text in before:
+        return
     with write_whole(ledger) as file:
         file.write(before + text)

@@ -13,26 +13,22 @@ and a vault beside it, which holds truths and nonces until then.
 from __future__ import annotations
 
 import json
-import secrets
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.progress import track
 from pyport.trials import hashes
+from pyport.trials.draft import draft
 from pyport.trials.files import canonical, write_recordings
-from pyport.trials.protocol import THRESHOLDS, Spec, shuffled
-from pyport.trials.published import read_answers, read_json, read_seal
+from pyport.trials.protocol import THRESHOLDS, Spec
+from pyport.trials.published import read_answers, read_report, read_seal
 
 SCHEMA = "pyport.sealed/1"
-_LIBRARIES = ("numpy", "scipy", "astropy", "pyerfa")
 
 
 @dataclass(frozen=True)
@@ -50,6 +46,11 @@ class Folder:
     def vault(self) -> Path:
         """Return where truths are until they are opened."""
         return self.root.with_name(f"{self.root.name}.vault")
+
+    @property
+    def draft(self) -> Path:
+        """Return what was drawn for the set, there while it is being sealed."""
+        return self.vault / "draft.json"
 
     @property
     def opened(self) -> Path:
@@ -84,6 +85,8 @@ def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON h
 def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None) -> dict[str, Any]:
     """Draw the truths of a set, write its recordings, and publish what fixes them.
 
+    Killed and called again with the same cases it goes on, and seals the set that it began.
+
     Parameters
     ----------
     root
@@ -98,47 +101,52 @@ def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None
     Raises
     ------
     BadInput
-        The folder holds something already: a set is sealed once.
+        The folder holds something already: a set is sealed once. Or sealing was begun there
+        with other cases, or by another program.
     """
     folder = Folder(root)
-    for place in (root, folder.vault):
-        if place.exists() and any(place.iterdir()):
-            raise BadInput("this folder is not empty: expected a new one for each set", place)
-    order = shuffled(list(specs), np.random.default_rng(secrets.randbits(128)))
-    cases = []
-    for number, spec in enumerate(track(order, "sealing"), start=1):
-        case = f"case-{number:04d}"
-        cases.append(_seal_case(folder, case, spec))
+    if folder.seal.exists() or not folder.draft.exists():
+        for place in (root, folder.vault):
+            # A hidden file is what is left of a run that was killed as it began.
+            if place.exists() and any(one.name[0] != "." for one in place.iterdir()):
+                raise BadInput("this folder is not empty: expected a new one for each set", place)
+    drawn = draft(folder.draft, name, specs, solver)
+    cases = [_seal_case(folder, one) for one in track(drawn["cases"], "sealing")]
     sealed = {
         "schema": SCHEMA,
         "name": name,
         "sealed_utc": datetime.now(UTC).isoformat(timespec="seconds"),
-        "solver_sha256": solver or hashes.solver(),
-        "examiner_sha256": hashes.examiner(),
-        "libraries": {library: version(library) for library in _LIBRARIES},
+        "solver_sha256": drawn["solver_sha256"],
+        "examiner_sha256": drawn["examiner_sha256"],
+        "libraries": drawn["libraries"],
         "thresholds": THRESHOLDS,
         "cases": cases,
     }
     write_json(folder.seal, sealed)
+    folder.draft.unlink()
     return sealed
 
 
-def _seal_case(folder: Folder, case: str, spec: Spec) -> dict[str, Any]:
-    """Make one case, put its truth into the vault, and return what is published of it."""
-    seed = secrets.randbits(64)
-    made = spec.make(seed)
-    text = canonical({"case": case, "seed": seed, "spec": spec.as_json(), "truth": made.truth})
-    nonce = secrets.token_hex(32)
-    write_recordings(made, folder.recordings(case))
-    with write_whole(folder.vault / f"{case}.truth.json") as file:
-        file.write(text)
-    with write_whole(folder.vault / f"{case}.nonce") as file:
-        file.write(nonce)
+def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
+    """Make one case, put its truth into the vault, and return what is published of it.
+
+    The nonce is written last: where it is, the case was made before.
+    """
+    case, seed, spec = (drawn[key] for key in ("case", "seed", "spec"))
+    truth, nonce = (folder.vault / f"{case}.{kind}" for kind in ("truth.json", "nonce"))
+    if not nonce.exists():
+        made = Spec(**spec).make(seed)
+        write_recordings(made, folder.recordings(case))
+        with write_whole(truth) as file:
+            file.write(canonical({"case": case, "seed": seed, "spec": spec, "truth": made.truth}))
+        with write_whole(nonce) as file:
+            file.write(drawn["nonce"])
+    text = truth.read_bytes().decode("utf-8")
     return {
         "case": case,
         "recordings_sha256": sha256(folder.recordings(case)),
-        "truth_commitment": hashes.commitment(nonce, text),
-        "arguments": list(made.arguments),
+        "truth_commitment": hashes.commitment(drawn["nonce"], text),
+        "arguments": json.loads(text)["truth"]["arguments"],
     }
 
 
@@ -161,8 +169,11 @@ def reveal(root: Path) -> int:
             folder.seal,
         )
     check_truths(folder.vault, sealed)
-    answers = {name: sha256(folder.report(name)) for name in names}
-    write_json(folder.answers, {"opened_utc": _now(), "reports_sha256": answers})
+    if folder.answers.exists():
+        check_answers(root)  # what was answered is fixed: the opening goes on
+    else:
+        answers = {name: sha256(folder.report(name)) for name in names}
+        write_json(folder.answers, {"opened_utc": _now(), "reports_sha256": answers})
     for name in names:
         for suffix in ("truth.json", "nonce"):
             with write_whole(folder.opened / f"{name}.{suffix}", "wb") as file:
@@ -218,6 +229,6 @@ def check_answers(root: Path) -> None:
         path = folder.report(name)
         if not path.exists() or sha256(path) != expected:
             raise BadInput("this report is not the one that stood when the set was opened", path)
-        rows, examined = folder.rows(name), read_json(path)["examined"]
+        rows, examined = folder.rows(name), read_report(path)["examined"]
         if rows.exists() and sha256(rows) != examined.get("rows_sha256"):
             raise BadInput("these residuals are not those that came with the report", rows)

@@ -1,4 +1,4 @@
-"""What no effect explains: fields, boxes and free edges stand where the misfit is."""
+"""What no effect explains: fields and boxes stand where the misfit is."""
 
 import sys
 from pathlib import Path
@@ -9,11 +9,9 @@ import pytest
 from pyport.diagnosis.boxes import boxes
 from pyport.diagnosis.case import prepare, weigh
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.edges import _above_each, _path
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.fields import Ground, region
-from pyport.effects.structure import FreeEdge
 from pyport.fitting.models import load
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -99,29 +97,3 @@ def test_a_curve_that_swings_everywhere_has_no_place():
     assert region(field, np.tanh((values - 50) / 5)) == ()
     (narrow,) = region(field, np.exp(-0.5 * ((values - 40) / 4) ** 2))
     assert (narrow.low, narrow.high) == pytest.approx((35.3, 44.7), abs=0.5)
-
-
-def test_the_cheapest_path_follows_the_edge_and_pays_for_climbing():
-    """Viterbi's path is the best of all paths, as trying each of them shows."""
-    rng = np.random.default_rng(3)
-    cost = rng.normal(size=(4, 5))
-    paths = np.stack(np.meshgrid(*[np.arange(5)] * 4, indexing="ij"), -1).reshape(-1, 4)
-    totals = cost[np.arange(4), paths].sum(axis=1) + 0.7 * np.abs(np.diff(paths)).sum(axis=1)
-
-    np.testing.assert_array_equal(_path(cost), paths[np.argmin(totals)])
-
-
-def test_sums_above_each_level():
-    """Each cell holds what lies above its level in its column."""
-    column, level = np.array([0, 0, 1, 1]), np.array([1, 2, 2, 3])
-    sums = _above_each((2, 3), column, level, np.array([1.0, 10.0, 100.0, 1000.0]))
-
-    np.testing.assert_array_equal(sums, [[11, 10, 0], [1100, 1100, 1000]])
-
-
-def test_a_free_edge_is_straight_between_its_corners():
-    """Beyond its ends it goes on level."""
-    edge = FreeEdge((0.0, 1.0), (0.2, 0.4))
-
-    np.testing.assert_allclose(edge(np.array([-1.0, 0.5, 2.0])), [0.2, 0.3, 0.4])
-    assert edge.span == (0.0, 1.0)

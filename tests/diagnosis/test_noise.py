@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pyport.diagnosis import noise_fit
-from pyport.diagnosis.noise import Noise, pointings, series, whiten
+from pyport.diagnosis.noise import Noise, series, whiten
+from pyport.diagnosis.pointings import pointings
 from pyport.effects import Circumstances
 from pyport.fitting.stacking import stack
 from pyport.recordings.schema import Recordings

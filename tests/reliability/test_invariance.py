@@ -77,9 +77,15 @@ def test_jobs_change_no_byte(night, plain, tmp_path):
     again = tmp_path / "again.csv"
     again.write_bytes(night.read_bytes())
     told = diagnosed(night, again, out=tmp_path / "out", jobs=2)
+    before, after = json.loads(plain), json.loads(told[1])
+    files = [one.pop("files") for one in (before, after)]
 
     assert told[0] == plain
-    assert told[1] == plain.replace("night.csv", "again.csv")
+    assert after.pop("input") == before.pop("input") | {"file": "again.csv"}
+    assert after == before
+    # the page and the pictures have the file's name in their titles
+    assert files[0].keys() == files[1].keys()
+    assert files[0]["rows.csv"] == files[1]["rows.csv"]
 
 
 def test_the_order_of_rows_changes_nothing_but_rounding(night, plain, tmp_path):
@@ -107,5 +113,5 @@ def test_rows_told_twice_make_nothing_surer(night, plain, tmp_path):
     assert len(aside) == ROWS
     assert all("the same as line" in one["reason"] for one in aside)
     assert before["input"]["used"] == after["input"]["used"]
-    del before["input"], after["input"]
+    del before["input"], after["input"], before["files"], after["files"]
     assert after == before

@@ -2,106 +2,120 @@
 
 Every command has an old answer in place and is about to replace it by a new
 one. It is killed (SIGKILL) at a random moment of its run, every second time at a
-random moment after it has begun to write. Each of its files must then be the old
-one or the new one, byte for byte. Trials are killed and called again until they
-are done: their answers must be those of a run that nobody disturbed.
+random moment after it has begun to write; runs that were over before do not
+count. Each of its files must then be the old one or the new one, byte for byte,
+and run once more the command must give the new answer. Trials are killed and
+called again until they are done: their answers must be those of a run that
+nobody disturbed. Commands are forked from a process that has imported them
+already, so that no kill is wasted on imports.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import filecmp
 import json
+import multiprocessing
 import os
 import random
 import shutil
-import subprocess
+import signal
 import sys
 import tempfile
 import time
-from collections import Counter
-from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from pyport.trials import seal
-from pyport.trials.protocol import Spec
+from victims import Victim, specs, victims
 
-PYPORT = (sys.executable, "-m", "pyport")
+from pyport import cli
+from pyport.trials import seal
+
 #: With a fixed date in binary tables, two runs of one command write the same bytes.
 ALWAYS = {"SOURCE_DATE_EPOCH": "0", "OPENBLAS_NUM_THREADS": "1"}
-ROWS = 150
+#: A moment that comes too late for so many runs in a row is no moment to kill at.
+MOST_LATE = 20
+TRIALS_SHARE = 0.06
 
 
-@dataclass(frozen=True)
-class Victim:
-    """A command, how it is called for an old and a new answer, and the file or folder it writes."""
+@dataclass
+class Count:
+    """What came of the kills of one command."""
 
     name: str
-    old: tuple[str, ...]
-    new: tuple[str, ...]
-    out: str
+    writing: int = 0
+    elsewhere: int = 0
+    lost: tuple[str, ...] = ()
+
+    @property
+    def kills(self) -> int:
+        """Return how many runs were killed before their end."""
+        return self.writing + self.elsewhere
 
 
-def victims(folder: Path) -> list[Victim]:
-    """Return the commands to kill; makes the files that they read."""
-    for number, name in enumerate(("old", "new")):
-        case = Spec("one", "one", "refraction", 1.0, ROWS * (1 + number)).make(number)
-        seal.write_recordings(case, folder / name / "night.csv")
-    old, new = (str(folder / name / "night.csv") for name in ("old", "new"))
-    few = ("--az", "0:10:1")
-    binary = ("table", "--format", "binary")
-    return [
-        Victim("table", ("table", *few, "-o"), ("table", "-o"), "table.txt"),
-        Victim("table, binary", (*binary, *few, "-o"), (*binary, "-o"), "table.bin"),
-        Victim("convert to CSV", ("convert", old), ("convert", new), "night.csv"),
-        Victim("convert to ECSV", ("convert", old), ("convert", new), "night.ecsv"),
-        Victim("convert to Parquet", ("convert", old), ("convert", new), "night.parquet"),
-        Victim("diagnose", ("diagnose", old, "--out"), ("diagnose", new, "--out"), "answer"),
-    ]
+def start(words: tuple[str, ...]) -> int:
+    """Run pyport in a process forked from this one, with nothing to say; return its number."""
+    number = os.fork()
+    if number:
+        return number
+    status = 1
+    with contextlib.suppress(BaseException):
+        os.setsid()
+        nothing = os.open(os.devnull, os.O_RDWR)
+        for stream in range(3):
+            os.dup2(nothing, stream)
+        sys.argv = ["pyport", *words]
+        try:
+            cli.main()
+        except SystemExit as end:
+            status = end.code if isinstance(end.code, int) else 1
+    os._exit(status)
 
 
-def call(words: Sequence[str], **options: object) -> subprocess.Popen[bytes]:
-    """Start pyport with nothing to say."""
-    return subprocess.Popen(
-        [*PYPORT, *words],
-        env={**os.environ, **ALWAYS},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        **options,  # type: ignore[call-overload]
-    )
-
-
-def finish(words: Sequence[str]) -> float:
+def finish(words: tuple[str, ...]) -> float:
     """Run pyport to its end and return how long that took [s]."""
     started = time.monotonic()
-    if call(words).wait():
+    _, status = os.waitpid(start(words), 0)
+    if status:
         raise SystemExit(f"torture: `pyport {' '.join(words)}` fails on its own")
     return time.monotonic() - started
 
 
+def warm(words: tuple[str, ...]) -> None:
+    """Run pyport in this process, for what it imports."""
+    with open(os.devnull, "w") as nothing, contextlib.redirect_stdout(nothing):  # noqa: PTH123
+        cli.pyport.main(list(words), prog_name="pyport", standalone_mode=False)
+
+
+def is_over(number: int) -> bool:
+    """Tell whether a process has ended, without waiting for it."""
+    return bool(os.waitid(os.P_PID, number, os.WEXITED | os.WNOHANG | os.WNOWAIT))
+
+
 def begun(place: Path) -> bool:
     """Tell whether a temporary file stands in a folder or one below it."""
-    for folder, _, names in os.walk(place):
-        for name in names:
-            if name.startswith(".") and Path(folder, name).suffix:
-                return True
+    for _, _, names in os.walk(place):
+        if any(name.startswith(".") and Path(name).suffix for name in names):
+            return True
     return False
 
 
-def kill(words: Sequence[str], place: Path, took_s: float, *, writing: bool) -> str:
-    """Kill a run at a random moment and return when that was."""
-    process = call(words)
+def kill(words: tuple[str, ...], place: Path, took_s: float, *, writing: bool) -> str:
+    """Kill a run, and all that it started, at a random moment; return when that was."""
+    number = start(words)
     if writing:
-        while process.poll() is None and not begun(place):
-            time.sleep(0.0005)
+        while not is_over(number) and not begun(place):
+            time.sleep(0.001)
         time.sleep(random.uniform(0, 0.02))  # noqa: S311 - no secret
     else:
         time.sleep(random.uniform(0, took_s))  # noqa: S311
-    over = process.poll() is not None
-    process.kill()
-    process.wait()
-    return "after the end" if over else "writing" if begun(place) else "elsewhere"
+    over = is_over(number)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(number, signal.SIGKILL)
+    os.waitpid(number, 0)
+    return "late" if over else "writing" if begun(place) else "elsewhere"
 
 
 def files(place: Path) -> dict[str, Path]:
@@ -113,75 +127,67 @@ def files(place: Path) -> dict[str, Path]:
     }
 
 
-def lost(after: Path, old: Path, new: Path) -> list[str]:
-    """Return the files of an answer that are neither the old ones nor the new ones."""
-    now, then, wanted = files(after), files(old), files(new)
+def lost(after: Path, *allowed: Path) -> list[str]:
+    """Return the files of the first allowed answer, or of this one, that are in no allowed one."""
+    now, states = files(after), [files(one) for one in allowed]
     damaged = [
         name
         for name, path in now.items()
         if not any(
-            name in kept and filecmp.cmp(path, kept[name], shallow=False) for kept in (then, wanted)
+            name in state and filecmp.cmp(path, state[name], shallow=False) for state in states
         )
     ]
-    return damaged + [name for name in then if name not in now]
+    return damaged + [name for name in states[0] if name not in now]
 
 
-def torture(victim: Victim, kills: int, folder: Path) -> tuple[Counter[str], int]:
-    """Kill a command so often; return when, and how many files were lost."""
+def torture(victim: Victim, kills: int, folder: Path) -> Count:
+    """Kill a command so often; return what came of it."""
     place = folder / victim.name.replace(" ", "-").replace(",", "")
     old, new, now = (place / name for name in ("old", "new", "now"))
-    for one in (old, new):
-        one.mkdir(parents=True)
-    finish([*victim.old, str(old / victim.out)])
-    took_s = finish([*victim.new, str(new / victim.out)])
-    when: Counter[str] = Counter()
-    damaged = 0
-    for number in range(kills):
+    old.mkdir(parents=True)
+    victim.prepare(old)
+    warm((*victim.old, str(old / victim.out)))
+    shutil.copytree(old, new)
+    took_s = finish((*victim.new, str(new / victim.out)))
+    count = Count(victim.name)
+    damaged: list[str] = []
+    words = (*victim.new, str(now / victim.out))
+    late = 0
+    while count.kills < kills and late < MOST_LATE:
         shutil.rmtree(now, ignore_errors=True)
         shutil.copytree(old, now)
-        words = [*victim.new, str(now / victim.out)]
-        when[kill(words, now, took_s, writing=number % 2 == 0)] += 1
-        bad = lost(now, old, new)
-        damaged += len(bad)
-        for name in bad:
-            print(f"    lost: {name} of {victim.name}", flush=True)
-    finish([*victim.new, str(now / victim.out)])
-    left = {name: path.read_bytes() for name, path in files(now).items() if name in files(new)}
-    if left != {name: path.read_bytes() for name, path in files(new).items()}:
-        damaged += 1
-        print(f"    lost: {victim.name} does not recover", flush=True)
-    return when, damaged
+        when = kill(words, now, took_s, writing=count.kills % 2 == 0)
+        late = late + 1 if when == "late" else 0
+        count.writing += when == "writing"
+        count.elsewhere += when == "elsewhere"
+        damaged += [f"{name} is neither old nor new" for name in lost(now, old, new)]
+        if victim.resumes and count.kills == kills:
+            finish(words)
+            damaged += [f"{name} is not new when run again" for name in lost(now, new)]
+    count.lost = tuple(damaged)
+    return count
 
 
-def torture_trials(kills: int, folder: Path) -> tuple[Counter[str], int]:
+def torture_trials(kills: int, folder: Path) -> Count:
     """Kill the solving of a sealed set so often, and compare with one that ran in peace."""
     quiet, loud = folder / "quiet" / "set", folder / "loud" / "set"
-    specs = [
-        Spec("null", "null", rows=ROWS, noise="white"),
-        *(Spec("one", "one", one, 1.0, ROWS) for one in ("refraction", "tilt", "drift")),
-        Spec("unknown", "unknown", "mixed_wave", 1.0, ROWS),
-    ]
-    seal.seal(quiet, "set", specs)
+    seal.seal(quiet, "set", specs())
     shutil.copytree(quiet.parent, loud.parent)
-    took_s = finish(["trials", "run", str(quiet)])
-    when: Counter[str] = Counter()
-    for _ in range(kills):
-        process = call(["trials", "run", str(loud)], start_new_session=True)
-        time.sleep(random.uniform(0, 0.7 * took_s))  # noqa: S311
-        when["after the end" if process.poll() is not None else "elsewhere"] += 1
-        if process.poll() is None:
-            os.killpg(process.pid, 9)
-        process.wait()
-        if len(_answers(loud)) == len(specs):  # all is answered: begin again
+    took_s = finish(("trials", "run", str(quiet)))
+    words = ("trials", "run", str(loud))
+    count = Count("trials")
+    while count.kills < kills:
+        when = kill(words, loud, took_s / 2, writing=count.kills % 2 == 0)
+        count.writing += when == "writing"
+        count.elsewhere += when == "elsewhere"
+        if len(_answers(loud)) == len(specs()):  # all is answered: begin again
             shutil.rmtree(loud / "reports")
-    finish(["trials", "run", str(loud)])
+    finish(words)
     for root in (quiet, loud):
-        finish(["trials", "reveal", str(root)])
+        finish(("trials", "reveal", str(root)))
     ours, theirs = _answers(loud), _answers(quiet)
-    wrong = sum(ours.get(name) != theirs[name] for name in theirs)
-    same = "identical" if not wrong else f"{wrong} of {len(theirs)} differ"
-    print(f"{'':<22}answers after being resumed: {same}", flush=True)
-    return when, wrong
+    count.lost = tuple(f"{name} differs" for name in theirs if ours.get(name) != theirs[name])
+    return count
 
 
 def _answers(root: Path) -> dict[str, object]:
@@ -194,37 +200,61 @@ def _answers(root: Path) -> dict[str, object]:
     return found
 
 
+def one(name: str, kills: int, seed: int | None, folder: Path) -> Count:
+    """Torture one command, in a process of its own."""
+    os.environ.update(ALWAYS)
+    random.seed(None if seed is None else f"{seed} {name}")
+    if name == "trials":
+        return torture_trials(kills, folder)
+    return torture(victims(folder)[name], kills, folder)
+
+
+def shared(kills: int, folder: Path) -> dict[str, int]:
+    """Return how many kills each command gets."""
+    weights = {name: victim.share for name, victim in victims(folder).items()}
+    weights["trials"] = TRIALS_SHARE * sum(weights.values())
+    whole = sum(weights.values())
+    found = {name: max(1, int(kills * weight / whole)) for name, weight in weights.items()}
+    found["table"] += max(0, kills - sum(found.values()))
+    return found
+
+
 def main() -> int:
     """Torture every command; return 1 where anything was lost."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("commands", nargs="*", help="all, when none is named")
     parser.add_argument("--kills", type=int, default=200, help="in all")
     parser.add_argument("--seed", type=int, default=None)
+    parser.add_argument("--jobs", type=int, default=2, help="commands at the same time")
     told = parser.parse_args()
-    random.seed(told.seed)
-    tried = damaged = 0
-    with tempfile.TemporaryDirectory(prefix="torture-") as name:
-        folder = Path(name)
-        all_of_them = victims(folder)
-        each, rest = divmod(told.kills, len(all_of_them) + 1)
-        shares = [each + (n < rest) for n in range(len(all_of_them) + 1)]
-        print(f"{'command':<22}{'kills':>6}{'writing':>9}{'elsewhere':>11}{'after':>7}{'lost':>6}")
+    counts = []
+    started = time.monotonic()
+    print(f"{'command':<22}{'kills':>6}{'writing':>9}{'elsewhere':>11}{'lost':>6}", flush=True)
+    forge = multiprocessing.get_context("spawn")
+    with (
+        tempfile.TemporaryDirectory(prefix="torture-") as name,
+        ProcessPoolExecutor(told.jobs, forge, max_tasks_per_child=1) as pool,
+    ):
+        shares = shared(told.kills, Path(name))
+        slowest_first = sorted(told.commands or shares, key=lambda what: shares[what])
         runs = [
-            *(
-                (one.name, lambda kills, one=one: torture(one, kills, folder))
-                for one in all_of_them
-            ),
-            ("trials", lambda kills: torture_trials(kills, folder)),
+            pool.submit(one, what, shares[what], told.seed, Path(name)) for what in slowest_first
         ]
-        for (what, run), kills in zip(runs, shares, strict=True):
-            when, bad = run(kills)
-            tried, damaged = tried + kills, damaged + bad
+        for run in as_completed(runs):
+            count = run.result()
+            counts.append(count)
             print(
-                f"{what:<22}{kills:>6}{when['writing']:>9}{when['elsewhere']:>11}"
-                f"{when['after the end']:>7}{bad:>6}",
+                f"{count.name:<22}{count.kills:>6}{count.writing:>9}{count.elsewhere:>11}"
+                f"{len(count.lost):>6}",
+                *(f"\n    {what}" for what in count.lost),
                 flush=True,
             )
-    print(f"kills tried {tried}, files lost {damaged}")
-    return int(damaged > 0)
+    bad = sum(len(count.lost) for count in counts)
+    print(
+        f"kills tried {sum(count.kills for count in counts)}, files lost {bad}, answers when run"
+        f" again {'identical' if not bad else 'as told above'}; {time.monotonic() - started:.0f} s"
+    )
+    return int(bad > 0)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from pyport.errors import BadInput
 from pyport.fitting.gram import inverse_of, inverted
 from pyport.fitting.rt32.campaigns import BoxStep
 from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
+from pyport.fitting.soundness import doubts
 from pyport.fitting.stacking import Codes, Stack, stack
 from pyport.pointing import PARAMETERS, Rt32Model, approximate_columns
 from pyport.recordings.schema import Recordings
@@ -61,6 +62,8 @@ class Rt32Fit:
         How often votes were weighed before they settled.
     condition
         Condition number of the weighted columns, scaled to unit length.
+    settled
+        Whether the votes came to rest.
     """
 
     recordings: Recordings
@@ -78,6 +81,7 @@ class Rt32Fit:
     tuned: Tuned
     rounds: int
     condition: float
+    settled: bool
 
     @property
     def sigmas(self) -> Array:
@@ -87,7 +91,23 @@ class Rt32Fit:
     @property
     def correlation(self) -> Array:
         """Return the correlations of the parameters."""
-        return self.covariance / np.outer(self.sigmas, self.sigmas)
+        sigma = np.where(self.sigmas > 0, self.sigmas, np.nan)
+        return self.covariance / np.outer(sigma, sigma)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Return what is wrong with the fit as a whole."""
+        known = np.isfinite(self.values)
+        voting = self.inside if self.method == "document" else self.weight > 0
+        return list(
+            doubts(
+                condition=self.condition,
+                covariance=self.covariance[np.ix_(known, known)],
+                numbers=int(voting.sum()),
+                rank=int(known.sum()),
+                settled=self.settled,
+            )
+        )
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -97,7 +117,8 @@ class Rt32Fit:
     @property
     def rms(self) -> float:
         """Return the rms of the residuals within the level [rad]."""
-        return float(np.sqrt(np.mean(self.residual[self.inside] ** 2)))
+        inside = self.residual[self.inside]
+        return float(np.sqrt(np.mean(inside**2))) if len(inside) else float("nan")
 
 
 @one_thread
@@ -166,7 +187,7 @@ def fit_rt32(
         left = left - (p[-1] if step is None else step) * stepped
         if step is None:
             columns = np.column_stack([columns, stepped])
-        change, tuned, rounds = settle(
+        change, tuned, rounds, settled = settle(
             columns,
             left,
             data.is_y,
@@ -192,7 +213,7 @@ def fit_rt32(
         recordings, data, method, level, exact, np.nan if step is None else step,
         p * open_or_not,
         inverse * variance(residual, tuned, prior) * np.outer(open_or_not, open_or_not),
-        columns, residual, weight, prior, tuned, rounds, condition,
+        columns, residual, weight, prior, tuned, rounds, condition, settled,
     )  # fmt: skip
 
 
@@ -204,8 +225,10 @@ def settle(
     times: Array,
     start: Array | None = None,
     most: int = _ROUNDS,
-) -> tuple[Array, Tuned, int]:
-    """Return the coefficients at which votes and residuals agree, the loss, and the rounds it took.
+) -> tuple[Array, Tuned, int, bool]:
+    """Return the coefficients at which votes and residuals agree, and how that came about.
+
+    With them come the loss, the rounds it took, and whether votes had settled by then.
 
     Parameters
     ----------
@@ -237,11 +260,11 @@ def settle(
         tuned = tune(residual)
         new = tuned.weight(residual)
         if np.max(np.abs(new - weight)) < _SETTLED:
-            return solution, tuned, rounds
+            return solution, tuned, rounds, True
         weight = new
         # near the end Newton's steps: they know that votes change as residuals do
         slope = weight if rounds == 1 else np.maximum(tuned.slope(residual), weight / 4)
-    return solution, tuned, most
+    return solution, tuned, most, False
 
 
 def _halves(columns: Array, is_y: NDArray[np.bool_]) -> list[tuple[slice, Codes, Array]]:

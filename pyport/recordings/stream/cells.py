@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -161,6 +162,43 @@ class Gathered:
         self.waiting.append(cells)
         if sum(map(len, self.waiting)) > max(self.most // 4, len(self.sum or ()) // 2):
             self.total()
+
+    @property
+    def anything(self) -> bool:
+        """Tell whether any table was added."""
+        return self.sum is not None or bool(self.waiting)
+
+    def as_state(self) -> tuple[list[dict[str, Any]], dict[str, NDArray[Any]]]:
+        """Return what it holds, table by table, so that `of_state` goes on to the last digit."""
+        told: list[dict[str, Any]] = []
+        arrays: dict[str, NDArray[Any]] = {}
+        for n, one in enumerate([*([] if self.sum is None else [self.sum]), *self.waiting]):
+            words = {"level": one.level, "labels": one.label_names, "names": one.names}
+            told.append(words | {"sums": one.sums, "waits": one is not self.sum})
+            arrays |= {f"label{n}": one.label, f"key{n}": one.key, f"totals{n}": one.totals}
+        return told, arrays
+
+    @classmethod
+    def of_state(
+        cls, most: int, told: list[dict[str, Any]], arrays: Mapping[str, NDArray[Any]]
+    ) -> Gathered:
+        """Return the running sum that `as_state` told of."""
+        found = cls(most)
+        for n, words in enumerate(told):
+            one = Cells(
+                words["level"],
+                tuple(words["labels"]),
+                [tuple(name) for name in words["names"]],
+                arrays[f"label{n}"],
+                arrays[f"key{n}"],
+                tuple(words["sums"]),
+                arrays[f"totals{n}"],
+            )
+            if words["waits"]:
+                found.waiting.append(one)
+            else:
+                found.sum = one
+        return found
 
     def total(self) -> Cells:
         """Return the sum of all tables so far."""

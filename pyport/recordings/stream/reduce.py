@@ -31,13 +31,12 @@ from pyport.recordings.stream.cells import (
 )
 from pyport.recordings.stream.chunk import Aside, chunk_of
 from pyport.recordings.stream.middles import Middle, first_totals, middle_of
+from pyport.recordings.stream.passes import MOST_CELLS, passes
 from pyport.recordings.stream.pieces import Piece, files_of, pieces_of
 from pyport.recordings.stream.points import SUMMED, as_raw
 from pyport.recordings.stream.votes import places_of, second_totals
 from pyport.workers import Spread
 
-#: Cells that are kept while the data set is gone through: what bounds the memory.
-MOST_CELLS = 300_000
 #: Places that effects are computed at: a point's share of an effect is the mean over its places.
 MOST_PLACES = 40_000
 #: Measured numbers that a diagnosis is given at most.
@@ -69,7 +68,12 @@ def is_data_set(path: Path) -> bool:
     return path.is_dir() and bool(files_of(path))
 
 
-def read_data_set(root: Path, given: Given = NOTHING, spread: Spread[Any, Any] = map) -> Recordings:
+def read_data_set(
+    root: Path,
+    given: Given = NOTHING,
+    spread: Spread[Any, Any] = map,
+    beside: Path | None = None,
+) -> Recordings:
     """Return the normal points of a data set as recordings.
 
     Parameters
@@ -80,6 +84,9 @@ def read_data_set(root: Path, given: Given = NOTHING, spread: Spread[Any, Any] =
         Header keys that the files do not tell.
     spread
         How the pieces are gone through: `map`, or another that keeps their order.
+    beside
+        Folder in which is kept how far it has come, so that it goes on when it was killed; None
+        where that is not wanted. Whoever names it removes what is in there: `pass_files`.
 
     Returns
     -------
@@ -93,19 +100,20 @@ def read_data_set(root: Path, given: Given = NOTHING, spread: Spread[Any, Any] =
     """
     pieces, keys = pieces_of(root)
     keys |= dict(given.keys)
-    first, aside, rows = _pass(_First(), pieces, spread)
-    if first is None:
+    one, two = passes(pieces, beside)
+    first = one.through(_First(), pieces, spread)
+    if first.cells is None:
         raise BadInput("no usable row in this data set", root)
-    middle = middle_of(first)
-    second, _, _ = _pass(_Second(middle), pieces, spread)
+    middle = middle_of(first.cells)
+    second = two.through(_Second(middle), pieces, spread).cells
     assert second is not None  # noqa: S101 - the rows of the first pass are still there
     fine = shrunk(second, MOST_PLACES)
     points = shrunk(fine, MOST_NUMBERS, _numbers)
     recordings = interpret(as_raw(points, root, keys))
     recordings = recordings.take(np.argsort(_times(points)[recordings.line - 1], kind="stable"))
     at = replace(recordings.at, fine=_fine(points, fine, recordings.line - 1, root, keys))
-    listed = tuple(SetAside(line, f"{file}: {why}") for file, line, why in aside.listed)
-    told = _reduction(points, fine, aside, rows)
+    listed = tuple(SetAside(line, f"{file}: {why}") for file, line, why in first.aside.listed)
+    told = _reduction(points, fine, first.aside, first.rows)
     return replace(recordings, at=at, set_aside=listed, reduction=told)
 
 
@@ -125,22 +133,6 @@ def _fine(points: Cells, fine: Cells, used: Codes, root: Path, keys: dict[str, s
     return Fine(at.take(order), of[order], share[order]).take(used)
 
 
-def _pass(
-    through: Callable[[Piece], tuple[Cells, Aside, int]],
-    pieces: list[Piece],
-    spread: Spread[Piece, tuple[Cells, Aside, int]],
-) -> tuple[Cells | None, Aside, int]:
-    """Go through all pieces and add up what they say, in their order."""
-    gathered, aside, rows = Gathered(MOST_CELLS), Aside(), 0
-    for cells, set_aside, count in spread(through, pieces):
-        if len(cells):
-            gathered.add(cells)
-        aside.add(set_aside)
-        rows += count
-    anything = gathered.sum is not None or gathered.waiting
-    return gathered.total() if anything else None, aside, rows
-
-
 def _gone_through(
     piece: Piece, level: int, totals_of: Callable[..., tuple[tuple[str, ...], Array]]
 ) -> tuple[Cells, Aside, int]:
@@ -158,8 +150,7 @@ def _gone_through(
         where = chunk.label[first], key[first]
         sums, totals = totals_of(chunk, where[0], where[1], cell)
         gathered.add(Cells(level, chunk.label_names, chunk.names, where[0], where[1], sums, totals))
-    anything = gathered.sum is not None or gathered.waiting
-    return gathered.total() if anything else empty, aside, rows
+    return gathered.total() if gathered.anything else empty, aside, rows
 
 
 def _numbers(cells: Cells) -> int:

@@ -15,7 +15,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.stream import cells, middles, pieces, reduce, votes
+from pyport.recordings.stream import cells, middles, passes, pieces, reduce, votes
 from pyport.recordings.stream.cells import LEVELS, grown, key_of
 from pyport.recordings.stream.chunk import Chunk
 
@@ -156,7 +156,8 @@ def test_pieces_and_chunks_change_nothing_but_rounding(tmp_path, monkeypatch, si
 
 def test_memory_is_bounded_by_growing_cells(tmp_path, monkeypatch):
     """More cells than there is room for become fewer and larger ones, and no row is lost."""
-    monkeypatch.setattr(reduce, "MOST_CELLS", 300)
+    for module in (passes, reduce):
+        monkeypatch.setattr(module, "MOST_CELLS", 300)
     found = read(write(tmp_path, campaign()))
 
     assert found.reduction.places <= 300

@@ -1,0 +1,114 @@
+"""One effect seen twice: whether its coefficients come out alike from either part of the data.
+
+What leans or turns a telescope acts on cross-elevation and elevation at once, in a
+ratio that geometry fixes. Each axis alone then gives the coefficients, and the two must
+agree; where they do not, the effect is not what moves the telescope, or not all of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.fitting.gram import inverted
+
+#: Axes that agree differ so much with less than this chance, over all effects of a model.
+UNLIKELY = 0.01
+
+
+@dataclass(frozen=True)
+class Difference:
+    """An effect's coefficients from one part of the data and from another, in internal units.
+
+    Attributes
+    ----------
+    of
+        Which of the coefficients are compared: those that either part determines, shape (k,).
+    first, second
+        Their values from each part, shape (k,).
+    sigma_first, sigma_second
+        One-sigma errors of those, shape (k,).
+    chi2
+        Square of their difference in units of its covariance.
+    p_value
+        Chance of differing so much or more when both are one.
+    """
+
+    of: NDArray[np.intp]
+    first: Array
+    second: Array
+    sigma_first: Array
+    sigma_second: Array
+    chi2: float
+    p_value: float
+
+    @property
+    def sigmas(self) -> float:
+        """Return how far apart they are: the deviation of a normal that is as unlikely."""
+        from scipy.special import ndtri
+
+        return float(-ndtri(max(self.p_value, 1e-300) / 2))
+
+
+def difference(
+    others: Array, first: Array, second: Array, data: Array, dof: float = np.inf
+) -> Difference | None:
+    """Compare what two parts of the data say of an effect, everything else fitted to all.
+
+    Parameters
+    ----------
+    others
+        Columns of unit scatter of everything else in the model, shape (m, p).
+    first, second
+        Those of the effect as it acts on one part and on the other, shape (m, k) each.
+    data
+        The offsets, of unit scatter, shape (m,).
+    dof
+        Deviations from which the scatter is known.
+
+    Returns
+    -------
+    Difference | None
+        None where no coefficient is determined by either part alone. More scatter than
+        unity widens the errors; less does not narrow them.
+    """
+    k = first.shape[1]
+    columns = np.concatenate([others, first, second], axis=1)
+    inverse, rank, _, known = inverted(columns.T @ columns)
+    there = known[-2 * k : -k] & known[-k:]
+    if not there.any():
+        return None
+    if not there.all():
+        rest = np.concatenate([others, (first + second)[:, ~there]], axis=1)
+        found = difference(rest, first[:, there], second[:, there], data, dof)
+        return found and replace(found, of=np.flatnonzero(there)[found.of])
+    values = inverse @ (columns.T @ data)
+    left = data - columns @ values
+    spare = max(1, int(np.count_nonzero(data)) - rank)
+    covariance = inverse[-2 * k :, -2 * k :] * max(1.0, float(left @ left) / spare)
+    chi2 = _chi2(values[-2 * k :], covariance)
+    sigma = np.sqrt(np.diag(covariance))
+    chance = _chance(chi2, k, min(dof, spare))
+    return Difference(
+        np.arange(k), values[-2 * k : -k], values[-k:], sigma[:k], sigma[k:], chi2, chance
+    )
+
+
+def _chi2(values: Array, covariance: Array) -> float:
+    """Return the squared difference of two halves of some values (2k,) over its covariance."""
+    k = len(values) // 2
+    apart = values[:k] - values[k:]
+    own = covariance[:k, :k] + covariance[k:, k:] - covariance[:k, k:] - covariance[k:, :k]
+    return float(apart @ inverted(own)[0] @ apart)
+
+
+def _chance(chi2: float, k: int, dof: float) -> float:
+    """Return the chance of so large a square of `k` differences, the scatter known from `dof`."""
+    from scipy.special import chdtrc, fdtrc
+
+    if not np.isfinite(dof) or dof > 1e6:
+        return float(chdtrc(k, chi2))
+    return float(fdtrc(k, dof, chi2 / k))

@@ -1,0 +1,105 @@
+"""Edges of any form: the best one, all that are as likely, and the jump averaged over them."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.edge_paths import CLIMB, _good, _log_likely, _path
+from pyport.diagnosis.edges import _path as cheapest
+from pyport.diagnosis.edges import sky_of
+from pyport.effects.structure import FreeEdge
+from pyport.fitting.models import load
+
+sys.path.insert(0, str(Path(__file__).parent))
+from made import recordings
+
+DEG = np.pi / 180
+
+
+def jagged(az):
+    """Return an edge that no two waves draw [rad]."""
+    corners = np.array([0, 60, 100, 140, 200, 260, 300, 360])
+    return np.interp(np.degrees(az) % 360, corners, [40, 62, 44, 66, 48, 66, 46, 40]) * DEG
+
+
+def loose(at):
+    """Return a jump of 20 arcsec above that edge."""
+    return np.where(at.el >= jagged(at.az), -20.0, 0.0)
+
+
+def test_the_cheapest_path_follows_the_edge_and_pays_for_climbing():
+    """Viterbi's path is the best of all paths, as trying each of them shows."""
+    rng = np.random.default_rng(3)
+    cost = rng.normal(size=(4, 5))
+    paths = np.stack(np.meshgrid(*[np.arange(5)] * 4, indexing="ij"), -1).reshape(-1, 4)
+    totals = cost[np.arange(4), paths].sum(axis=1) + 0.7 * np.abs(np.diff(paths)).sum(axis=1)
+
+    np.testing.assert_array_equal(cheapest(cost), paths[np.argmin(totals)])
+
+
+def test_sums_above_each_level():
+    """Each cell holds what lies above its level in its column."""
+    az, el = np.array([2, 3, 12, 13]) * DEG, np.array([0.5, 1.5, 1.5, 2.5]) * DEG
+    sky = sky_of(az, el, np.ones(4, bool), 10 * DEG)
+    sums = sky.above_each(np.array([1.0, 10.0, 100.0, 1000.0]))
+
+    np.testing.assert_array_equal(sums[:, :3], [[11, 10, 0], [1100, 1100, 1000]])
+    np.testing.assert_array_equal(sky.above(np.array([1, 2])), [False, True, False, True])
+
+
+def test_a_free_edge_is_straight_between_its_corners():
+    """Beyond its ends it goes on level."""
+    edge = FreeEdge((0.0, 1.0), (0.2, 0.4))
+
+    np.testing.assert_allclose(edge(np.array([-1.0, 0.5, 2.0])), [0.2, 0.3, 0.4])
+    assert edge.span == (0.0, 1.0)
+
+
+def test_a_path_becomes_a_curve_and_a_path_again():
+    """A curve's levels in the middles of the columns are those it was made of."""
+    rng = np.random.default_rng(2)
+    sky = sky_of(rng.uniform(-1, 5, 300), rng.uniform(0, 1.5, 300), np.ones(300, bool), 0.1)
+    path = rng.integers(0, 90, sky.columns)
+
+    np.testing.assert_array_equal(sky.path_of(sky.edge_of(path)), path)
+
+
+def test_paths_are_drawn_as_often_as_they_are_likely():
+    """Shares of many draws are those that trying every path gives."""
+    rng = np.random.default_rng(3)
+    likelier = rng.normal(scale=1.5, size=(3, 4))
+    paths = np.stack(np.meshgrid(*[np.arange(4)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    step = np.exp(-CLIMB * np.abs(np.arange(4)[:, None] - np.arange(4)))
+    step /= step.sum(axis=1, keepdims=True)
+    chance = np.exp(likelier[np.arange(3), paths].sum(axis=1))
+    chance *= step[paths[:, 0], paths[:, 1]] * step[paths[:, 1], paths[:, 2]]
+    chance /= chance.sum()
+    drawn = np.array([_path(likelier, rng) for _ in range(20_000)]) @ [16, 4, 1]
+
+    shares = np.bincount(drawn, minlength=64) / len(drawn)
+    assert np.abs(shares - chance).max() < 5 * np.sqrt(0.25 / len(drawn))
+
+
+def test_a_pointing_far_from_both_sides_is_thought_bad():
+    """One ten sigmas off is bad, one within a sigma is as good as never; neither decides."""
+    rng = np.random.default_rng(4)
+
+    assert _good(np.zeros(1000), rng).mean() > 0.98
+    assert not _good(np.full(1000, 10.0), rng).any()
+    assert _log_likely(np.array([30.0])) - _log_likely(np.array([26.0])) > -2
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+def test_a_jump_above_a_jagged_edge_comes_out_with_its_size(seed):
+    """The error holds what is not known of the edge; the edge is near the true one."""
+    found = diagnose(recordings(1600, seed, y=loose), load("altaz"))
+    first = found.findings[0]
+    jump = first.parameters[0]
+    az, el = np.array(first.where.curve).T * DEG
+
+    assert first.effect == "subreflector_jump"
+    assert abs(jump.value + 20) < 3 * jump.sigma
+    assert np.median(np.abs(el - jagged(az))) < 2 * DEG

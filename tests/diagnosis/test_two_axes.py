@@ -1,0 +1,67 @@
+"""A tilt that is not the same in both axes: found, put in its place, and said."""
+
+import numpy as np
+from diagnosis.made import recordings
+
+from pyport.diagnosis import record, two_axes_words
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.summary import summary
+from pyport.fitting import advice
+from pyport.fitting.fit import fit
+from pyport.fitting.models import load
+
+
+def _eccentric(at):
+    """Return what an azimuth encoder off its centre adds across elevation [arcsec]."""
+    return 12 * np.sin(at.az) * np.cos(at.el)
+
+
+def test_named_by_the_search_the_cause_settles_it():
+    """Once the search has named the eccentricity both axes have one tilt."""
+    found = diagnose(recordings(160, 3, noise_arcsec=4.0, x=_eccentric), load("altaz"))
+
+    assert "azimuth_eccentricity" in [one.effect for one in found.findings]
+    assert found.two_axes == ()
+
+
+def test_a_wave_in_one_axis_alone_is_told_with_its_place_and_its_cause():
+    """Beside the bare model the tilt differs, across elevation, and an eccentricity settles it."""
+    from pyport.diagnosis.case import prepare, weigh
+    from pyport.diagnosis.two_axes import disagreements
+
+    setup = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))
+    (one,) = disagreements(setup, weigh(setup), ())
+    said = two_axes_words.sentence(one)
+
+    assert one.chosen.candidate.effect.id == "tilt"
+    assert one.found.sigmas > 5
+    assert "It lies in cross-elevation" in said
+    assert "azimuth_eccentricity" in [name for name, _ in one.causes]
+    assert two_axes_words.as_json(one)["parameters"][0]["name"] == "tilt_north"
+
+
+def test_a_tilt_of_the_mount_is_passed_over():
+    """Where both axes have the same tilt nothing is said, in the report and in the fit."""
+    data = recordings(160, 5)
+    found = diagnose(data, load("altaz"))
+
+    assert record.as_json(found)["two_axes"] == []
+    assert "differ by" not in summary(found)
+    assert not any("differ by" in one for one in advice.warnings(fit(data, load("altaz"))))
+
+
+def test_a_fit_warns_of_axes_that_disagree():
+    """The fit says so too."""
+    data = recordings(200, 4, noise_arcsec=2.0, x=_eccentric)
+
+    assert any("no tilt does that" in one for one in advice.warnings(fit(data, load("altaz"))))
+
+
+def test_one_axis_alone_is_compared_with_nothing():
+    """Recordings of elevation alone have no second axis."""
+    from dataclasses import replace
+
+    data = recordings(120, 6)
+    found = diagnose(replace(data, x=np.full(len(data), np.nan)), load("altaz"))
+
+    assert found.two_axes == ()
