@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.effects import MissingColumn
 from pyport.errors import BadInput
 from pyport.fitting import robust
 from pyport.fitting.models import Model
@@ -67,8 +68,18 @@ class Night:
         return cls(recordings, stack(recordings))
 
     def columns(self, model: Model) -> Array:
-        """Return the columns of a model's free terms, shape (m, p)."""
-        parts = [self.stack.columns(term.effect, self.recordings.at) for term in model.fitted()]
+        """Return the columns of a model's free terms, shape (m, p).
+
+        Raises
+        ------
+        BadInput
+            A term needs more than these recordings tell.
+        """
+        at, file = self.recordings.at, self.recordings.file
+        try:
+            parts = [self.stack.columns(term.effect, at) for term in model.fitted()]
+        except MissingColumn as lack:
+            raise BadInput(f"{model.name} {lack}, which is not there", file) from None
         return np.concatenate([np.zeros((len(self.stack), 0)), *parts], axis=1)
 
     def value(self, model: Model) -> Array:
