@@ -27,8 +27,8 @@ from pyport.threads import one_thread
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
-#: Linearisations of the exact form: from zero the third one changes nothing that is measured.
-_LINEARISATIONS = 4
+#: Linearisations of the exact form: from zero a fourth one changes a ten-millionth of a sigma.
+_LINEARISATIONS = 3
 #: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
 _ROUGH, _ROUNDS = 4, 60
 _SETTLED = 1e-4
@@ -253,14 +253,13 @@ def settle(
     """
     weight = np.ones(len(value)) if start is None else start
     halves = _halves(columns, is_y)
+    solution, residual, slope = np.zeros(columns.shape[1]), value, weight
     for rounds in range(1, most + 1):
-        votes = weight * times
-        normal, right = np.zeros((columns.shape[1],) * 2), np.zeros(columns.shape[1])
+        normal, right = np.zeros((len(solution),) * 2), np.zeros(len(solution))
         for rows, which, own in halves:
-            weighted = own * votes[rows]
-            normal[np.ix_(which, which)] += weighted @ own.T
-            right[which] += weighted @ value[rows]
-        solution = inverse_of(normal)[0] @ right
+            normal[np.ix_(which, which)] += own * (slope * times)[rows] @ own.T
+            right[which] += own @ (weight * times * residual)[rows]
+        solution = solution + inverse_of(normal)[0] @ right
         residual = np.concatenate(
             [value[rows] - solution[which] @ own for rows, which, own in halves]
         )
@@ -269,6 +268,8 @@ def settle(
         if np.max(np.abs(new - weight)) < _SETTLED:
             return solution, tuned, rounds, True
         weight = new
+        # near the end Newton's steps: they know that votes change as residuals do
+        slope = weight if rounds == 1 else np.maximum(tuned.slope(residual), weight / 4)
     return solution, tuned, most, False
 
 
