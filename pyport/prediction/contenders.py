@@ -94,7 +94,7 @@ def solved(columns: Array, value: Array, is_y: Rows, rows: Rows) -> tuple[Array,
             continue
         there = columns[own][:, np.any(columns[own] != 0, axis=0)]
         floor = robust.rounding(value[own])
-        weight[own], left = robust.weights(there, value[own], shrunk.REACH, floor)
+        weight[own], left, _ = robust.weights(there, value[own], shrunk.REACH, floor)
         spare = max(1.0, float(weight[own].sum()) - there.shape[1])
         size = float(np.sqrt((weight[own] * left**2).sum() / spare))
         scatter[own] = max(size, floor, 1e-12)

@@ -100,7 +100,7 @@ def fit(known: Known, start: Array | None = None) -> Shrunk:
         rows = known.is_y == axis
         own = known.model[rows][:, np.any(known.model[rows] != 0, axis=0)]
         floor = robust.rounding(known.value[rows])
-        weight[rows], left[rows] = robust.weights(own, known.value[rows], REACH, floor)
+        weight[rows], left[rows], _ = robust.weights(own, known.value[rows], REACH, floor)
     size = max(float(np.sqrt(np.average(left**2, weights=weight + 1e-9))), 1e-30)
     first = _best(known, weight, size, start)
     if weight.min() == 1:
