@@ -8,6 +8,7 @@ OUT ?= out
 
 .PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
 .PHONY: fuzz torture lock audit
+.PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
@@ -121,6 +122,34 @@ lock: $(BIN)/pyport
 
 audit: $(BIN)/tox
 	$(BIN)/tox run -e audit
+
+# Ours beside what one would take instead, in one run. ROWS is the size of the data set that is read.
+ROWS ?= 1e7
+BENCH := $(VENV)/bench.json
+
+$(VENV)/bench: $(BIN)/pyport
+	@sh .ci/install gfortran
+	$(BIN)/python -m pip install --quiet --editable '.[test,bench]'
+	@touch $@
+
+$(BENCH): $(VENV)/bench FORCE
+	OPENBLAS_NUM_THREADS=1 PYPORT_BENCH_ROWS=$(ROWS) $(BIN)/pytest tests/benchmarks -q \
+	  --benchmark-enable --benchmark-only --benchmark-json=$@ --benchmark-columns=min,rounds
+
+# Prints the table beside the last recorded run; bench-record also records it, writes docs/performance.md.
+bench: $(BENCH)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/benchmarks/performance.py show $(BENCH)
+
+bench-record: $(BENCH)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/benchmarks/performance.py record $(BENCH)
+
+# Data sets of up to LARGEST rows are written to the temporary folder: 5 GB for 1e8.
+LARGEST ?= 1e8
+growth: $(VENV)/bench
+	$(BIN)/python tests/benchmarks/growth.py all docs/growth.json $(LARGEST)
+	$(BIN)/python tests/benchmarks/performance.py page
+
+FORCE:
 
 clean:
 	rm -rf $(VENV) .tox build dist $(OUT)

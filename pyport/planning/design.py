@@ -117,7 +117,8 @@ def _noise(
         columns = base[axis] / sigma[axis, None]
         weighed = value[axis] / sigma[axis]
         left = weighed - columns @ np.linalg.lstsq(columns, weighed, rcond=1e-9)[0]
-        spare = max(1, len(left) - np.linalg.matrix_rank(columns))
+        rank = np.linalg.matrix_rank(columns) if columns.size else 0
+        spare = max(1, len(left) - rank)
         scatter = robust.scale(left) * np.sqrt(len(left) / spare)
         enlarged |= scatter > 1
         sigma[axis] *= max(scatter, 1.0 if trusted else 1e-12)

@@ -9,14 +9,18 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.pointing.swift import Axis, tilted
+from pyport.pointing.axis import Axis
 
 #: d(azimuth, altitude) per radian of something.
 Slopes = tuple[Array, Array]
 
 
-def tilt_slopes(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Slopes, Slopes]:
+def tilt_slopes(
+    az: Axis, alt: Axis, xi: float, zeta: float
+) -> tuple[Slopes, Slopes, tuple[Array, Array]]:
     """Return d(azimuth, altitude) that the tilted mount reads, per radian of xi and of zeta.
+
+    And sine and cosine of that altitude.
 
     The lean q = (sin xi, sin zeta) turns the horizontal part v of a direction of
     height z into w = v - m q, m = q.v/(1 + c) + z, c the lean's cosine, and its
@@ -27,6 +31,7 @@ def tilt_slopes(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Slopes, Sl
     lean = float(np.sin(xi)), float(np.sin(zeta))
     c = float(np.sqrt(1 - lean[0] ** 2 - lean[1] ** 2))
     swings, square = _swings(v, facing * alt.sine, lean, c)
+    sine = c * alt.sine + facing * (lean[0] * v[0] + lean[1] * v[1])
     # the mount counts from where it sees the south point
     zeros, _ = _swings((np.ones(()), np.zeros(())), np.zeros(()), lean, c)
     level = facing * np.sqrt(square)
@@ -35,7 +40,7 @@ def tilt_slopes(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Slopes, Sl
         turn = facing * (swings[axis] - zeros[axis])
         height = (facing * v[axis] - alt.sine * (lean[axis] / c)) / level
         slopes.append((np.cos(angle) * turn, np.cos(angle) * height))
-    return slopes[0], slopes[1]
+    return slopes[0], slopes[1], (sine, level)
 
 
 def _swings(
@@ -93,9 +98,9 @@ def exact_slopes(az_south: Array, altitude: Array, p: Array) -> dict[int, Slopes
         Index of the parameter (2 skew, 3 box, 4 and 5 tilt) to its two slopes, shape (n,) each.
     """
     az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
-    _, sine, cosine = tilted(az, alt, p[4], p[5])
-    by_skew, by_box, by_altitude = skew_slopes(sine, cosine, p[2], p[3])
+    *by_tilt, read = tilt_slopes(az, alt, p[4], p[5])
+    by_skew, by_box, by_altitude = skew_slopes(*read, p[2], p[3])
     slopes = {2: by_skew, 3: by_box}
-    for index, (turn, rise) in zip((4, 5), tilt_slopes(az, alt, p[4], p[5]), strict=True):
+    for index, (turn, rise) in zip((4, 5), by_tilt, strict=True):
         slopes[index] = turn + by_altitude[0] * rise, by_altitude[1] * rise
     return slopes

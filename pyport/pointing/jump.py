@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG, Array
 
+#: Between which altitudes the curve runs east of south: 65 less and plus 7 deg. [rad]
+_EAST_LOW, _EAST_HIGH = 57.9 * DEG, 72.1 * DEG
+
 
 def jump_altitude(az_south: ArrayLike) -> Array:
     """Return the altitude of the jump [rad].
@@ -23,9 +26,22 @@ def jump_altitude(az_south: ArrayLike) -> Array:
     A <= 0, 55 + 15 ((A - 95)/90)^2 deg beyond.
     """
     az_south = np.asarray(az_south, dtype=float)
-    east = 65 + 7 * np.cos(az_south / 2)
-    west = 55 + 15 * ((az_south / DEG - 95) / 90) ** 2
-    return np.where(az_south <= 0, east, west) * DEG
+    return np.where(az_south <= 0, _east(az_south), _west(az_south))
+
+
+def _east(az_south: Array) -> Array:
+    return np.asarray((65 + 7 * np.cos(az_south / 2)) * DEG)
+
+
+def _west(az_south: Array) -> Array:
+    curve = az_south / DEG
+    curve -= 95
+    curve /= 90
+    curve *= curve
+    curve *= 15
+    curve += 55
+    curve *= DEG
+    return curve
 
 
 def has_jumped(az_south: ArrayLike, altitude: ArrayLike) -> NDArray[np.bool_]:
@@ -41,6 +57,14 @@ def has_jumped(az_south: ArrayLike, altitude: ArrayLike) -> NDArray[np.bool_]:
     altitude
         True altitude [rad], of a shape that broadcasts with the azimuth's.
     """
-    altitude = np.asarray(altitude, dtype=float)
-    above = (altitude > 0) & (altitude >= jump_altitude(az_south))
-    return above | (altitude < 0)
+    az, alt = np.broadcast_arrays(
+        np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
+    )
+    shape, az, alt = alt.shape, az.reshape(-1), alt.reshape(-1)
+    east = az <= 0
+    jumped = (east & (alt >= _EAST_HIGH)) | (~east & (alt >= _west(az)))
+    # a cosine costs as much as all the rest: few points are so near that they need it
+    near = np.flatnonzero(east & (alt > _EAST_LOW) & (alt < _EAST_HIGH))
+    jumped[near] = alt[near] >= _east(az[near])
+    jumped |= alt < 0
+    return jumped.reshape(shape)[()]

@@ -2,101 +2,123 @@
 
 The formulae are those of `exact` and `approximate`, rearranged so that every
 point costs two arctangents and an arcsine (the approximate form: none) and a
-few dozen products. Work goes block by block, so that what stands between the
+few dozen products. Azimuths are counted from where the mount leans: a lean has
+then one component. Work goes block by block, so that what stands between the
 first sine and the offset stays in the processor's cache. A grid is given by its
 two axes, azimuths (n, 1) and altitudes (m,): its sines are those of the axes.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pyport.angles import DEG, Array, wrap
-from pyport.pointing.jump import has_jumped
+from pyport.angles import Array, wrap
+from pyport.pointing.axis import Axis
+from pyport.pointing.jump import has_jumped, jump_altitude
 
-#: Points of a block: a dozen arrays of them fit into a core's second cache.
-BLOCK = 8192
-#: Between the horizon and this altitude nothing has jumped. [rad]
-_BELOW_THE_JUMP = 54 * DEG
-#: A quarter turn, and what a double leaves of it. [rad]
-_QUARTER, _QUARTER_LOW = np.pi / 2, 6.123233995736766e-17
+#: Points of a block, and arrays that its work needs: together they fit into a core's second cache.
+BLOCK, _ROOMS = 16384, 10
 
 
 @dataclass(frozen=True)
-class Axis:
-    """An angle and its sine and cosine, from one tangent of the half angle.
+class _Parameters:
+    """p1..p12 [rad] by name, and what follows from them for azimuths counted from `toward`."""
 
-    Both come out within 3e-16: a tangent costs a fifth of a sine where the
-    processor computes eight at a time.
-    """
-
-    angle: Array
-    sine: Array
-    cosine: Array
+    az0: float
+    alt0: float
+    sigma: float
+    beta: float
+    lean: float
+    upright: float
+    toward: float
+    sag: float
+    sag_sine: float
+    jump: float
+    #: What sin(2 Az) and cos(2 Az) add to the offsets in azimuth and in altitude.
+    in_az: tuple[float, float]
+    in_alt: tuple[float, float]
 
     @classmethod
-    def of(cls, angle: Array) -> Axis:
-        """Return an axis of angles [rad]."""
-        t = np.tan(angle / 2)
-        scale = 1 / (1 + t * t)
-        return cls(angle, 2 * t * scale, (1 - t) * (1 + t) * scale)
-
-    @classmethod
-    def of_altitudes(cls, altitude: Array) -> Axis:
-        """Return an axis of altitudes [rad], whose cosines matter near the zenith.
-
-        They come from the zenith distance, pi/2 taken to twice the digits.
-        """
-        zenith = cls.of((_QUARTER - altitude) + _QUARTER_LOW)
-        return cls(altitude, zenith.cosine, zenith.sine)
-
-    def __getitem__(self, rows: slice) -> Axis:
-        """Return some rows of it."""
-        return Axis(self.angle[rows], self.sine[rows], self.cosine[rows])
+    def of(cls, p: ArrayLike, tilt: Callable[[float], float]) -> _Parameters:
+        """Return them; `tilt` tells which function of xi and zeta the form adds as a vector."""
+        given = [float(one) for one in np.asarray(p, dtype=float)]
+        az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = given
+        south, west = tilt(xi), tilt(zeta)
+        toward = math.atan2(west, south)
+        sine, cosine = math.sin(2 * toward), math.cos(2 * toward)
+        in_az = sin_2a * cosine - cos_2a * sine, sin_2a * sine + cos_2a * cosine
+        in_alt = nod * cosine, nod * sine
+        lean = math.hypot(south, west)
+        upright = math.sqrt(max(0.0, 1 - lean**2))
+        return cls(
+            az0, alt0, sigma, beta, lean, upright, toward, sag, sag_sine, jump, in_az, in_alt
+        )
 
 
-#: (azimuth, altitude, parameters, the two offsets' place) -> None
-_Form = Callable[[Axis, Axis, list[float], Array, Array], None]
+#: (azimuth from where the mount leans, altitude, parameters, the two offsets' place, room to
+#: work) -> None; what an offset's place holds is added to.
+_Form = Callable[[Axis, Axis, _Parameters, tuple[Array, Array], Array], None]
 
 
 def exact(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.exact.exact_offsets` does, within 1e-15/cos(alt) rad."""
-    return _by_blocks(_exact, az_south, altitude, p)
+    return _by_blocks(_exact, az_south, altitude, _Parameters.of(p, math.sin))
 
 
 def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.approximate.approximate_offsets` does."""
-    return _by_blocks(_approximate, az_south, altitude, p)
+    return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, float))
 
 
 def _by_blocks(
-    form: _Form, az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike
+    form: _Form, az_south: ArrayLike, altitude: ArrayLike, p: _Parameters
 ) -> tuple[Array, Array]:
     az, alt = np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
     shape = np.broadcast_shapes(az.shape, alt.shape)
-    d_az, d_alt = np.empty(shape), np.empty(shape)
-    parameters = [float(one) for one in np.asarray(p, dtype=float)]
     if len(shape) == 2 and az.shape == (shape[0], 1) and alt.shape[-1] == alt.size:
-        _grid(form, az, alt.reshape(-1), parameters, d_az, d_alt)
-    else:
-        az, alt = (np.broadcast_to(one, shape).reshape(-1) for one in (az, alt))
-        flat = d_az.reshape(-1), d_alt.reshape(-1)
-        for block in _slices(len(az), BLOCK):
-            out = flat[0][block], flat[1][block]
-            form(Axis.of(az[block]), Axis.of_altitudes(alt[block]), parameters, *out)
-    return wrapped(d_az)[()], d_alt[()]
+        return _grid(form, az.reshape(-1), alt.reshape(-1, 1), p)
+    d_az, d_alt = np.empty(shape), np.empty(shape)
+    az, alt = (np.broadcast_to(one, shape).reshape(-1) for one in (az, alt))
+    room = np.empty((_ROOMS, min(BLOCK, len(az))))
+    for block in _slices(len(az), BLOCK):
+        across, along = d_az.reshape(-1)[block], d_alt.reshape(-1)[block]
+        work = room[:, : len(across)]
+        axes = Axis.of(az[block], p.toward, work[:2]), Axis.of_altitudes(alt[block], work[2:4])
+        _waves(axes[0], p, (across, along), work[4])
+        along += _sags(axes[1], p, work[4:6])
+        form(*axes, p, (across, along), work[4:])
+        _wrap(across)
+        if p.jump != 0:
+            along += p.jump * has_jumped(az[block], alt[block])
+    return d_az[()], d_alt[()]
 
 
-def _grid(
-    form: _Form, az: Array, alt: Array, parameters: list[float], d_az: Array, d_alt: Array
-) -> None:
-    columns, rows = Axis.of(az), Axis.of_altitudes(alt)
-    for block in _slices(len(az), max(1, BLOCK // max(1, len(alt)))):
-        form(columns[block], rows, parameters, d_az[block], d_alt[block])
+def _grid(form: _Form, az: Array, alt: Array, p: _Parameters) -> tuple[Array, Array]:
+    """Return the offsets of a grid; in memory azimuths lie together, being the more usually."""
+    columns, rows = Axis.of(az, p.toward), Axis.of_altitudes(alt)
+    waves, sags = np.empty((3, len(az))), np.empty((2, *alt.shape))
+    _waves(columns, p, (waves[0], waves[1]), waves[2])
+    _sags(rows, p, sags)
+    # below the horizon the step is there whatever the azimuth, on it nowhere
+    height = np.where(alt > 0, alt, np.where(alt < 0, np.inf, -np.inf))
+    curve = jump_altitude(az)
+    d_az, d_alt = np.empty((2, len(alt), len(az)))
+    size = max(1, BLOCK // max(1, len(az)))
+    room = np.empty((_ROOMS, size, len(az)))
+    for block in _slices(len(alt), size):
+        across, along = d_az[block], d_alt[block]
+        across[...] = waves[0]
+        np.add(waves[1], sags[0, block], out=along)
+        form(columns, rows[block], p, (across, along), room[:, : len(across)])
+        _wrap(across)
+        if p.jump != 0:
+            along += p.jump * (height[block] >= curve)
+    return d_az.T, d_alt.T
 
 
 def _slices(count: int, size: int) -> Iterator[slice]:
@@ -104,116 +126,130 @@ def _slices(count: int, size: int) -> Iterator[slice]:
         yield slice(low, low + size)
 
 
-def wrapped(angle: Array) -> Array:
+def _waves(az: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
+    """Write what depends on azimuth alone: zeros of both axes, encoders and rail."""
+    waves = zip(out, (p.az0, p.alt0), (p.in_az, p.in_alt), strict=True)
+    for offset, zero, (by_sine, by_cosine) in waves:
+        # the cosine of twice the azimuth is 1 - 2 sin^2
+        wave = np.multiply(az.cosine, 2 * by_sine, out=offset)
+        wave -= np.multiply(az.sine, 2 * by_cosine, out=room)
+        wave *= az.sine
+        wave += zero + by_cosine
+
+
+def _sags(alt: Axis, p: _Parameters, room: Array) -> Array:
+    """Return what depends on altitude alone, written to the first of two arrays."""
+    np.multiply(alt.cosine, p.sag, out=room[0])
+    room[0] += np.multiply(alt.sine, p.sag_sine, out=room[1])
+    return room[0]
+
+
+def _wrap(angle: Array) -> None:
     """Bring angles [rad] into [-pi, pi), in place; those that are there stay as they are."""
-    beyond = (angle >= np.pi) | (angle < -np.pi)
-    if beyond.any():
+    # put so that a single NaN does not hide what else is beyond
+    if not (angle.max(initial=0.0) < np.pi and angle.min(initial=0.0) >= -np.pi):
+        beyond = (angle >= np.pi) | (angle < -np.pi)
         angle[beyond] = wrap(angle[beyond])
-    return angle
 
 
-def tilted(az: Axis, alt: Axis, xi: float, zeta: float) -> tuple[Array, Array, Array]:
-    """Return the change of azimuth, and sine and cosine of the altitude that a tilted mount reads.
+def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
+    """Add the exact form's arcs, eqs. 1 to 4, 15 and 16."""
+    facing = np.copysign(1.0, alt.cosine) if alt.cosine.min(initial=0.0) < 0 else None
+    _tilted(az, alt, p, facing, out[0], room)
+    _skewed(alt, p, facing, out, room)
+    # the tilted mount counts from where it sees the south point
+    sine, cosine = math.sin(p.toward), math.cos(p.toward)
+    south = math.atan2(sine * cosine * (1 - p.upright), cosine**2 * p.upright + sine**2)
+    across = out[0]
+    across += south if facing is None else south * facing
 
-    With the lean q = (sin xi, sin zeta), its sign turned in plunge, a direction
-    (v, z) reads (w, q.v + z c), w = v - m q, m = q.v/(1 + c) + z, c the lean's
-    cosine. The angle from v to w is the turn of azimuth, |w| the cosine of the
-    altitude that is read, so that neither has to be found as an angle.
+
+def _tilted(
+    az: Axis, alt: Axis, p: _Parameters, facing: Array | None, d_az: Array, room: Array
+) -> None:
+    """Add the turn of azimuth by a tilt.
+
+    Sine and squared cosine of the altitude that the mount reads are left in the first
+    two rooms. With the lean q, along the south of these azimuths, its sign turned in
+    plunge, a direction (v, z) reads (w, q.v + z c), w = v - m q, m = q.v/(1 + c) + z,
+    c the lean's cosine. The angle from v to w is the turn of azimuth, |w| the cosine
+    of the altitude that is read, so that neither has to be found as an angle.
     """
-    south, west = np.sin(xi), np.sin(zeta)
-    lean = south * south + west * west
-    c = np.sqrt(1 - lean)
-    level = np.abs(alt.cosine)
-    facing = np.copysign(1.0, alt.cosine)
-
-    along = level * (south * az.cosine + west * az.sine)
-    m = along / (1 + c)
+    sine, m, along, dot, turn = room[:5]
+    spare = room[5] if alt.sine.shape == d_az.shape else None
+    c = p.upright
+    leaning = np.multiply(alt.cosine, p.lean, out=spare)
+    np.multiply(leaning, az.sine, out=turn)
+    np.multiply(leaning, az.cosine, out=along)
+    if facing is not None:
+        along *= facing
+    np.multiply(along, 1 / (1 + c), out=m)
     m += alt.sine
-    sine = c * alt.sine + along
+    np.add(along, np.multiply(alt.sine, c, out=spare), out=sine)
     along *= m
-    turn = level * (west * az.cosine - south * az.sine)
-    turn *= -m
-    dot = level * level - along
+    turn *= m
+    np.subtract(np.multiply(alt.cosine, alt.cosine, out=spare), along, out=dot)
+    np.arctan2(turn, dot, out=turn)
+    d_az += turn
     m *= m
-    m *= lean
+    m *= p.lean**2
     m -= along
     m += dot
-    cosine = np.sqrt(m, out=m)
-    cosine *= facing
-    np.arctan2(turn, dot, out=turn)
-    # the tilted mount counts from where it sees the south point
-    toward = np.arctan2(west, south)
-    sin_t, cos_t = np.sin(toward), np.cos(toward)
-    turn += np.arctan2(sin_t * cos_t * (1 - c), cos_t**2 * c + sin_t**2)
-    turn *= facing
-    return turn, sine, cosine
 
 
-def _skewed(alt: Axis, sine: Array, cosine: Array, sigma: float, beta: float) -> list[Array]:
-    """Return the turn of azimuth and the change of altitude by skew and box.
+def _skewed(
+    alt: Axis, p: _Parameters, facing: Array | None, out: tuple[Array, Array], room: Array
+) -> None:
+    """Add the turn of azimuth and the change of altitude by skew and box.
 
-    `sine` and `cosine` are those of the altitude that the tilted mount reads;
-    both are used up.
+    The first two rooms hold sine and squared cosine of the altitude that the tilted mount
+    reads.
     """
-    sin_turn = sine * (np.sin(sigma) / np.cos(sigma))
-    sin_turn += np.sin(beta) / np.cos(sigma)
-    sin_turn /= cosine
-    np.clip(sin_turn, -1.0, 1.0, out=sin_turn)
-    turn = np.arcsin(sin_turn)
-    down = sin_turn * sin_turn
-    np.subtract(1.0, down, out=down)
-    np.sqrt(down, out=down)
-    down *= cosine
-    up = sine
-    up *= np.cos(sigma)
-    cosine *= sin_turn
-    cosine *= np.sin(sigma)
-    up += cosine
+    sine, square, across, level, rise = room[:5]
+    spare = room[5] if alt.sine.shape == level.shape else None
+    cos_s, tan_s = math.cos(p.sigma), math.tan(p.sigma)
+    sin_b, cos_b = math.sin(p.beta), math.cos(p.beta)
+    np.multiply(sine, tan_s, out=across)
+    across += sin_b / cos_s
+    np.multiply(across, across, out=level)
+    np.subtract(square, level, out=level)
+    # where no setting reaches the source the azimuth stops
+    stops = np.nonzero(level < 0) if level.min(initial=0.0) < 0 else None
+    if stops is not None:
+        reach = np.copysign(np.sqrt(np.maximum(square[stops], 0.0)), across[stops])
+        up = sine[stops] + tan_s * reach
+        true = [np.broadcast_to(one, level.shape)[stops] for one in (alt.cosine, alt.sine)]
+        level[stops] = 0.0
+    np.sqrt(level, out=level)
+    if facing is not None:
+        level *= facing
     # the angle from the true altitude to the one that is set, not their difference
-    rise = up * alt.cosine
-    np.multiply(down, alt.sine, out=cosine)
-    rise -= cosine
-    up *= alt.sine
-    down *= alt.cosine
-    up += down
-    return [turn, np.arctan2(rise, up, out=rise)]
+    np.add(sine, sin_b * cos_s * tan_s, out=rise)
+    rise *= np.multiply(alt.cosine, 1 / (cos_s * cos_b), out=spare)
+    rise -= np.multiply(level, np.multiply(alt.sine, 1 / cos_b, out=spare), out=sine)
+    np.arcsin(rise, out=rise)
+    if stops is not None:
+        rise[stops] = np.arctan2(up * true[0], up * true[1])
+    with np.errstate(divide="ignore"):
+        across /= level
+    d_az, d_alt = out
+    d_az += np.arctan(across, out=across)
+    d_alt += rise
 
 
-def _exact(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
-    """Write the exact offsets of a block of points, eqs. 1 to 4 and 15 to 19."""
-    az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = p
-    turn_of_tilt, sine, cosine = tilted(az, alt, xi, zeta)
-    turn, rise = _skewed(alt, sine, cosine, sigma, beta)
-    double_sine = 2 * az.sine * az.cosine
-    double_cosine = (az.cosine - az.sine) * (az.cosine + az.sine)
-    np.add(turn, turn_of_tilt, out=d_az)
-    d_az += az0 + sin_2a * double_sine + cos_2a * double_cosine
-    np.add(rise, alt0 + sag * alt.cosine + sag_sine * alt.sine, out=d_alt)
-    d_alt += nod * double_sine
-    _step(az.angle, alt.angle, jump, d_alt)
-
-
-def _approximate(az: Axis, alt: Axis, p: list[float], d_az: Array, d_alt: Array) -> None:
-    """Write the approximate offsets of a block of points, eqs. 18 and 19."""
-    az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = p
-    double_sine = 2 * az.sine * az.cosine
-    double_cosine = (az.cosine - az.sine) * (az.cosine + az.sine)
-    np.multiply(sigma + (xi * az.sine - zeta * az.cosine), alt.sine / alt.cosine, out=d_az)
-    d_az += beta / alt.cosine
-    d_az += az0 + sin_2a * double_sine + cos_2a * double_cosine
-    facing = np.where(alt.angle > np.pi / 2, -1.0, 1.0)
-    np.multiply(xi * az.cosine + zeta * az.sine, facing, out=d_alt)
-    d_alt += alt0 + sag * alt.cosine + sag_sine * alt.sine
-    d_alt += nod * double_sine
-    _step(az.angle, alt.angle, jump, d_alt)
-
-
-def _step(az: Array, alt: Array, jump: float, d_alt: Array) -> None:
-    """Add the jump where there is one, looking at the altitudes alone that could have it."""
-    if jump == 0:
-        return
-    may = np.flatnonzero((alt < 0) | (alt > _BELOW_THE_JUMP))
-    if az.ndim == 2:
-        d_alt[:, may] += jump * has_jumped(az, alt[may])
-    else:
-        d_alt[may] += jump * has_jumped(az[may], alt[may])
+def _approximate(
+    az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array
+) -> None:
+    """Add what depends on both angles in the approximate form, eqs. 18 and 19."""
+    across, along = room[:2]
+    np.multiply(az.sine, p.lean, out=across)
+    across += p.sigma
+    across *= alt.sine
+    across += p.beta
+    across /= alt.cosine
+    np.multiply(az.cosine, p.lean, out=along)
+    if alt.angle.max(initial=0.0) > np.pi / 2:
+        along *= np.where(alt.angle > np.pi / 2, -1.0, 1.0)
+    d_az, d_alt = out
+    d_az += across
+    d_alt += along

@@ -16,7 +16,7 @@ from pyport.trials import controls, score
 from pyport.trials.judge import Verdict, judge
 from pyport.trials.places import place, read_table
 from pyport.trials.protocol import THRESHOLDS, Spec
-from pyport.trials.published import read_json, read_seal
+from pyport.trials.published import read_report, read_seal
 from pyport.trials.seal import (
     Folder,
     check_answers,
@@ -73,7 +73,7 @@ def examine(root: Path, jobs: int = 1, solver_sha256: str | None = None) -> Scor
 
 def _judge(task: tuple[Folder, str, dict[str, Any]]) -> Verdict:
     folder, case, truth = task
-    report = read_json(folder.report(case))
+    report = read_report(folder.report(case))
     verdict = judge(case, truth, report)
     table = read_table(folder.recordings(case))
     verdict = replace(

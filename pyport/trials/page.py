@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.trials import figures
 from pyport.trials.judge import Verdict
@@ -68,8 +68,13 @@ def _section(root: Path, folder: Path, base: Path) -> str:
     """Write the files of one set and return its part of the page."""
     folder.mkdir(parents=True, exist_ok=True)
     scored, sealed = read_json(root / "score.json"), read_seal(Folder(root).seal)
-    verdicts = [Verdict(**one) for one in scored["verdicts"]]
-    shutil.copyfile(Folder(root).seal, folder / "sealed.json")
+    try:
+        verdicts = [Verdict(**one) for one in scored["verdicts"]]
+    except (KeyError, TypeError) as error:
+        raise BadInput(f"this is no score ({error})", root / "score.json") from None
+    if not {one.case for one in verdicts} <= {one["case"] for one in sealed["cases"]}:
+        raise BadInput("a case that the seal has not, expected its own", root / "score.json")
+    _copy(Folder(root).seal, folder / "sealed.json")
     place = folder.relative_to(base).as_posix()
     pictures = [
         f"![{_CAPTIONS[name]}]({place}/{name})\n\n{_CAPTIONS[name]}\n"
@@ -148,7 +153,7 @@ def _by_hand(root: Path, folder: Path, base: Path, verdicts: Sequence[Verdict]) 
     shown = next((one for one in verdicts if one.group == "one" and one.first), verdicts[0])
     opened = Folder(root).opened
     for suffix in ("truth.json", "nonce"):
-        shutil.copyfile(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
+        _copy(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
     truth = read_json(folder / f"{shown.case}.truth.json")
     sealed = read_seal(folder / "sealed.json")
     entry = next(one for one in sealed["cases"] if one["case"] == shown.case)
@@ -179,3 +184,9 @@ the fourth what it holds of the recordings, `{entry["recordings_sha256"]}`
 (with the same libraries; with others the last digit of a number may differ);
 the fifth what was answered: {shown.said}.
 """
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a file, whole or not at all."""
+    with write_whole(target, "wb") as file:
+        file.write(source.read_bytes())

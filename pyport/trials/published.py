@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +67,94 @@ def read_answers(path: Path) -> dict[str, str]:
         _name(case, path)
         _text(hashes, case, path)
     return hashes
+
+
+def read_report(path: Path) -> dict[str, Any]:
+    """Read what was kept of a solver's answer, `report.json`.
+
+    Raises
+    ------
+    BadInput
+        There is no such file, or something that scoring relies on is of another kind.
+    """
+    report = check_report(read_json(path), path)
+    examined = _table(report.get("examined"), path, "examined")
+    for key in ("failed", "rows_sha256"):
+        _optional(examined, key, path, _is_text, "text")
+    return report
+
+
+def check_report(value: object, path: Path) -> dict[str, Any]:
+    """Return a solver's answer, whoever the solver was.
+
+    Raises
+    ------
+    BadInput
+        Something that scoring relies on is of another kind than a report's.
+    """
+    report = _table(value, path, "a report")
+    _optional(report, "p_value", path, _is_number, "a number")
+    for finding in _list(report, "findings", path):
+        for key in ("effect", "verdict"):
+            _text(finding, key, path)
+        names = finding.get("class")
+        if not isinstance(names, list) or not all(map(_is_text, names)):
+            raise BadInput("a finding has no list of names as its class", path)
+        for parameter in _list(finding, "parameters", path):
+            _text(parameter, "name", path)
+            if not _is_number(parameter.get("value")):
+                raise BadInput(f"parameter {parameter['name'][:40]!r} has no number", path)
+            for key in ("sigma", "expected"):
+                _optional(parameter, key, path, _is_number, "a number")
+        evidence = _table(finding.get("evidence") or {}, path, "evidence")
+        _optional(evidence, "runner_up", path, _is_text, "text")
+        _check_place(_table(finding.get("where"), path, "where"), path)
+    return report
+
+
+def _check_place(where: dict[str, Any], path: Path) -> None:
+    for interval in _list(where, "region", path):
+        _text(interval, "column", path)
+        for key in ("low", "high"):
+            _optional(interval, key, path, _is_number, "a number")
+    for point in _list(where, "curve", path):
+        if not (_is_number(point.get("az_deg")) and _is_number(point.get("el_deg"))):
+            raise BadInput("a point of a curve is not az_deg and el_deg, expected both", path)
+    _optional(where, "since", path, _is_moment, "an ISO 8601 time")
+
+
+def _list(table: dict[str, Any], key: str, path: Path) -> list[dict[str, Any]]:
+    """Return a list of tables, empty where there is none."""
+    found = table.get(key) or []
+    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        raise BadInput(f"{key} is {str(found)[:40]!r}, expected a list of JSON objects", path)
+    return found
+
+
+def _optional(
+    table: dict[str, Any], key: str, path: Path, fits: Callable[[object], bool], wanted: str
+) -> None:
+    """Refuse what is there and of another kind than wanted."""
+    value = table.get(key)
+    if value is not None and not fits(value):
+        raise BadInput(f"{key} is {str(value)[:40]!r}, expected {wanted}", path)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _is_number(value: object) -> bool:
+    """Tell whether a value is a number that sums of squares can hold."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e99
+
+
+def _is_moment(value: object) -> bool:
+    try:
+        datetime.fromisoformat(str(value)).timestamp()
+    except (ValueError, OverflowError, OSError):
+        return False
+    return isinstance(value, str)
 
 
 def _table(value: object, path: Path, what: str) -> dict[str, Any]:

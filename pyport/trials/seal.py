@@ -26,7 +26,7 @@ from pyport.trials import hashes
 from pyport.trials.draft import draft
 from pyport.trials.files import canonical, write_recordings
 from pyport.trials.protocol import THRESHOLDS, Spec
-from pyport.trials.published import read_answers, read_json, read_seal
+from pyport.trials.published import read_answers, read_report, read_seal
 
 SCHEMA = "pyport.sealed/1"
 
@@ -229,6 +229,6 @@ def check_answers(root: Path) -> None:
         path = folder.report(name)
         if not path.exists() or sha256(path) != expected:
             raise BadInput("this report is not the one that stood when the set was opened", path)
-        rows, examined = folder.rows(name), read_json(path)["examined"]
+        rows, examined = folder.rows(name), read_report(path)["examined"]
         if rows.exists() and sha256(rows) != examined.get("rows_sha256"):
             raise BadInput("these residuals are not those that came with the report", rows)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
+from pyport.errors import BadInput
 from pyport.trials.case import Case
 from pyport.trials.places import numbers, read_table
 from pyport.trials.projection import altaz_columns
@@ -78,12 +79,16 @@ def _left_out(rows: Path, recordings: Path, count: int) -> tuple[Array, Array]:
     with recordings.open(encoding="utf-8") as file:
         first_line = 2 + sum(1 for line in file if line.startswith("#"))
     before, after = np.full((2, count), np.nan), np.full((2, count), np.nan)
-    with rows.open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            place = (0 if row["axis"] == "xel" else 1), int(row["line"]) - first_line
-            for values, column in ((before, "before"), (after, "after")):
-                text = row[f"heldout_{column}_arcsec"]
-                values[place] = float(text) * ARCSEC if text else np.nan
+    try:
+        with rows.open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                place = (0 if row["axis"] == "xel" else 1), int(row["line"]) - first_line
+                for values, column in ((before, "before"), (after, "after")):
+                    text = row[f"heldout_{column}_arcsec"]
+                    values[place] = float(text) * ARCSEC if text else np.nan
+    except (KeyError, TypeError, ValueError, IndexError, csv.Error) as error:
+        wanted = "expected columns axis, line, heldout_before_arcsec and heldout_after_arcsec"
+        raise BadInput(f"{type(error).__name__} {error}: {wanted}", rows) from None
     return before, after
 
 

@@ -19,7 +19,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.progress import track
-from pyport.trials.published import read_seal
+from pyport.trials.published import check_report, read_json, read_seal
 from pyport.trials.seal import Folder, check_untouched
 from pyport.workers import workers
 
@@ -122,15 +122,23 @@ def _keep(task: Task, answer: Path, failure: str | None, took_s: float) -> None:
     report = task.folder.report(task.case)
     examined: dict[str, Any] = {"seconds": round(took_s, 2)}
     content: dict[str, Any] = {}
-    if failure is None and not (answer / "report.json").exists():
-        failure = "the solver ended well and left no report.json"
+    if failure is None:
+        content, failure = _answered(answer / "report.json")
     if failure is not None:
         examined["failed"] = failure
-    else:
-        content = json.loads((answer / "report.json").read_text(encoding="utf-8"))
-        if (answer / "rows.csv").exists():
-            with write_whole(task.folder.rows(task.case), "wb") as file:
-                file.write((answer / "rows.csv").read_bytes())
-            examined["rows_sha256"] = sha256(task.folder.rows(task.case))
+    elif (answer / "rows.csv").exists():
+        with write_whole(task.folder.rows(task.case), "wb") as file:
+            file.write((answer / "rows.csv").read_bytes())
+        examined["rows_sha256"] = sha256(task.folder.rows(task.case))
     with write_whole(report) as file:
         json.dump({**content, "examined": examined}, file, indent=1)
+
+
+def _answered(report: Path) -> tuple[dict[str, Any], str | None]:
+    """Return a solver's report, or nothing and why there is none to score."""
+    if not report.exists():
+        return {}, "the solver ended well and left no report.json"
+    try:
+        return check_report(read_json(report), report), None
+    except BadInput as error:
+        return {}, f"the solver's report.json cannot be scored: {error.message}"

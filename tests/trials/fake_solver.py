@@ -15,6 +15,8 @@ def main(how: str, file: str, _: str, out: str, *arguments: str) -> None:
         return
     if how == "spy":
         Path(arguments[-1]).read_text()
+    if how == "babble":
+        findings = [{"effect": ["refraction"], "class": 3}]
     if how == "parrot":
         findings = [{"effect": "refraction", "class": ["refraction"], "verdict": "named",
                      "where": {}, "parameters": []}]  # fmt: skip

@@ -12,6 +12,7 @@ from pyport.cli.trials import command
 from pyport.files import sha256
 from pyport.trials import page, seal
 from pyport.trials.examine import examine
+from pyport.trials.published import read_json
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def test_one_case_can_be_checked_by_hand(record, tmp_path, monkeypatch):
 def test_wrong_answers_are_shown(answered, tmp_path):
     """A confident wrong name stands on the page with what was hidden."""
     folder = seal.Folder(answered)
-    for one in seal.read_json(folder.seal)["cases"]:
+    for one in read_json(folder.seal)["cases"]:
         report = {"effect": "drift", "class": ["drift"], "verdict": "named", "where": {}}
         content = {"mismatch": True, "p_value": 0.0, "findings": [report], "examined": {}}
         folder.report(one["case"]).write_text(json.dumps(content))

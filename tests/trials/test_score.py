@@ -15,6 +15,7 @@ from pyport.trials.intervals import Rate
 from pyport.trials.judge import judge
 from pyport.trials.kinds import make_case
 from pyport.trials.projection import altaz_columns
+from pyport.trials.published import read_json
 
 
 def finding(effect, *members, verdict="named", **more):
@@ -221,7 +222,7 @@ def test_metadata_that_tells_is_told(tmp_path):
 def test_all_right_passes_every_row_and_is_written_down(answered, tmp_path):
     """A set whose every answer is right passes, and the ledger has its table."""
     book = tmp_path / "ledger.md"
-    ledger.enter_seal(book, answered, seal.read_json(seal.Folder(answered).seal))
+    ledger.enter_seal(book, answered, read_json(seal.Folder(answered).seal))
     seal.reveal(answered)
 
     whole = examine(answered)
@@ -239,7 +240,7 @@ def test_all_right_passes_every_row_and_is_written_down(answered, tmp_path):
 def test_silence_passes_where_nothing_is_hidden_and_nowhere_else(sealed, tmp_path):
     """A solver that says nothing claims nothing, finds nothing, and the ledger says so."""
     folder = seal.Folder(sealed)
-    for one in seal.read_json(folder.seal)["cases"]:
+    for one in read_json(folder.seal)["cases"]:
         report = folder.report(one["case"])
         report.parent.mkdir(parents=True)
         report.write_text(json.dumps({"mismatch": False, "findings": [], "examined": {}}))

@@ -9,6 +9,7 @@ from pyport.errors import BadInput
 from pyport.trials import hashes, seal
 from pyport.trials.examine import examine
 from pyport.trials.protocol import Spec
+from pyport.trials.published import read_json
 
 
 def flip(path):
@@ -21,7 +22,7 @@ def flip(path):
 def test_a_seal_is_sha256_of_nonce_and_truth(sealed):
     """Anyone can check an opened truth by hand: SHA-256 over 32 bytes of nonce and the text."""
     vault = seal.Folder(sealed).vault
-    for one in seal.read_json(seal.Folder(sealed).seal)["cases"]:
+    for one in read_json(seal.Folder(sealed).seal)["cases"]:
         nonce = (vault / f"{one['case']}.nonce").read_text()
         truth = (vault / f"{one['case']}.truth.json").read_bytes()
 

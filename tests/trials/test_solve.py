@@ -7,13 +7,14 @@ import pytest
 
 from pyport.errors import BadInput
 from pyport.trials import seal, solve
+from pyport.trials.published import read_json
 
 pytestmark = pytest.mark.usefixtures("solvers")
 
 
 def reports(root):
     """Return all reports of a set."""
-    return [seal.read_json(path) for path in sorted(root.glob("reports/*/report.json"))]
+    return [read_json(path) for path in sorted(root.glob("reports/*/report.json"))]
 
 
 def test_a_solver_sees_the_recordings_and_nothing_else(sealed):
@@ -50,7 +51,12 @@ def test_a_solver_that_reaches_for_the_vault_is_stopped(sealed):
 
 
 @pytest.mark.parametrize(
-    ("how", "why"), [("crash", "I have no idea"), ("mute", "left no report.json")]
+    ("how", "why"),
+    [
+        ("crash", "I have no idea"),
+        ("mute", "left no report.json"),
+        ("babble", "cannot be scored: 'effect' is"),
+    ],
 )
 def test_a_solver_that_fails_is_recorded_as_failing(sealed, how, why):
     """No answer is an answer, with what the solver said when it died."""

@@ -19,15 +19,16 @@ from pyport.fitting.gram import inverse_of, inverted
 from pyport.fitting.rt32.campaigns import BoxStep
 from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.fitting.soundness import doubts
-from pyport.fitting.stacking import Stack, stack
+from pyport.fitting.stacking import Codes, Stack, stack
 from pyport.pointing import PARAMETERS, Rt32Model, approximate_columns
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
-#: Linearisations of the exact form: from zero the third one changes nothing that is measured.
-_LINEARISATIONS = 4
+#: Linearisations of the exact form: from zero a fourth one changes a ten-millionth of a sigma.
+_LINEARISATIONS = 3
 #: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
 _ROUGH, _ROUNDS = 4, 60
 _SETTLED = 1e-4
@@ -120,6 +121,7 @@ class Rt32Fit:
         return float(np.sqrt(np.mean(inside**2))) if len(inside) else float("nan")
 
 
+@one_thread
 def fit_rt32(
     recordings: Recordings,
     *,
@@ -175,10 +177,14 @@ def fit_rt32(
     for turn in range(turns):
         # On the way votes go on from where they were; at the end they settle from equal ones.
         last = turn == turns - 1
-        model = Rt32Model(p[: len(PARAMETERS)], exact)
-        with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
-            columns = data.spread(*model.columns(recordings.at, linear))
-            left = data.value - data.spread(*model.offsets(recordings.at))
+        if turn == 0:
+            # both forms are the same about zero, where all offsets are zero
+            columns, left = data.spread(*linear), data.value
+        else:
+            model = Rt32Model(p[: len(PARAMETERS)], exact)
+            with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
+                columns = data.spread(*model.columns(recordings.at, linear))
+                left = data.value - data.spread(*model.offsets(recordings.at))
         if not (np.isfinite(left).all() and np.isfinite(columns).all()):
             raise BadInput(
                 "the fit does not converge: it asks for parameters that no telescope can have",
@@ -188,7 +194,13 @@ def fit_rt32(
         if step is None:
             columns = np.column_stack([columns, stepped])
         change, tuned, rounds, settled = settle(
-            columns, left, tune, prior, None if last else start, _ROUNDS if last else _ROUGH
+            columns,
+            left,
+            data.is_y,
+            tune,
+            prior,
+            None if last else start,
+            _ROUNDS if last else _ROUGH,
         )
         p = p + change
         start = tuned.weight(left - columns @ change)
@@ -214,6 +226,7 @@ def fit_rt32(
 def settle(
     columns: Array,
     value: Array,
+    is_y: NDArray[np.bool_],
     tune: Tune,
     times: Array,
     start: Array | None = None,
@@ -227,6 +240,8 @@ def settle(
     ----------
     columns, value
         The design (m, P) and the data (m,).
+    is_y
+        Which axis each datum is of, cross-elevations first as a stack has them, shape (m,).
     tune
         What sets the votes by the residuals.
     times
@@ -237,14 +252,32 @@ def settle(
         Rounds after which it ends whether votes have settled or not.
     """
     weight = np.ones(len(value)) if start is None else start
-    rows = np.ascontiguousarray(columns.T)
+    halves = _halves(columns, is_y)
+    solution, residual, slope = np.zeros(columns.shape[1]), value, weight
     for rounds in range(1, most + 1):
-        weighted = rows * (weight * times)
-        solution = inverse_of(weighted @ columns)[0] @ (weighted @ value)
-        residual = value - solution @ rows
+        normal, right = np.zeros((len(solution),) * 2), np.zeros(len(solution))
+        for rows, which, own in halves:
+            normal[np.ix_(which, which)] += own * (slope * times)[rows] @ own.T
+            right[which] += own @ (weight * times * residual)[rows]
+        solution = solution + inverse_of(normal)[0] @ right
+        residual = np.concatenate(
+            [value[rows] - solution[which] @ own for rows, which, own in halves]
+        )
         tuned = tune(residual)
         new = tuned.weight(residual)
         if np.max(np.abs(new - weight)) < _SETTLED:
             return solution, tuned, rounds, True
         weight = new
+        # near the end Newton's steps: they know that votes change as residuals do
+        slope = weight if rounds == 1 else np.maximum(tuned.slope(residual), weight / 4)
     return solution, tuned, most, False
+
+
+def _halves(columns: Array, is_y: NDArray[np.bool_]) -> list[tuple[slice, Codes, Array]]:
+    """Return the rows of either axis, the columns that move it, and these turned, (k, rows)."""
+    first = int((~is_y).sum())
+    found = []
+    for rows in (slice(0, first), slice(first, len(columns))):
+        which = np.flatnonzero(columns[rows].any(axis=0))
+        found.append((rows, which, np.ascontiguousarray(columns[rows][:, which].T)))
+    return found

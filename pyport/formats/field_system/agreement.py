@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from pyport.formats.field_system.sections import section, sections
 from pyport.formats.field_system.xtr import read_xtr
 from pyport.formats.lines import Line
 from pyport.formats.terms import field_system
+from pyport.recordings.formats import csv
 
 GRID, MODEL = "fs_fln_flt_grid.csv", "mdlpo.ctl"
 _GRID_COLUMNS = ("az_deg", "el_deg", "dx_per_unit", "dy_per_unit")
@@ -51,15 +51,17 @@ def responses(path: Path) -> list[Response]:
     BadInput
         The file has not the columns phi_deg, param, az_deg, el_deg, dx_per_unit, dy_per_unit.
     """
-    with path.open(newline="", encoding="utf-8") as file:
-        reader = csv.DictReader(file)
-        wanted = {"phi_deg", "param", *_GRID_COLUMNS}
-        if not wanted <= set(reader.fieldnames or ()):
-            raise BadInput(f"the columns are not {', '.join(sorted(wanted))}", path)
-        groups: dict[tuple[float, str], list[list[float]]] = {}
-        for row in reader:
-            numbers = [float(row[name]) for name in _GRID_COLUMNS]
-            groups.setdefault((float(row["phi_deg"]), row["param"]), []).append(numbers)
+    raw = csv.read(path)
+    wanted = {"phi_deg", "param", *_GRID_COLUMNS}
+    if not wanted <= set(raw.columns):
+        raise BadInput(f"the columns are not {', '.join(sorted(wanted))}", path)
+    numbers = np.stack([raw.numbers(name) for name in ("phi_deg", *_GRID_COLUMNS)], axis=1)
+    raw.refuse(
+        np.asarray(np.isnan(numbers).any(axis=1)), "a cell is blank, expected a number in each"
+    )
+    groups: dict[tuple[float, str], list[Array]] = {}
+    for row, name in zip(numbers, raw.words("param").tolist(), strict=True):
+        groups.setdefault((float(row[0]), name), []).append(row[1:])
     found = []
     for (phi, name), rows in groups.items():
         az, el, d_az, d_el = np.array(rows).T
@@ -78,9 +80,14 @@ def compared(folder: Path, name: str) -> Compared:
     path = folder / f"{name}.err"
     theirs = sections(path)
     value, sigma = _values_and_sigmas(section(theirs, "fit_data", path))
-    triangle = _triangle(section(theirs, "correlation", path))
+    correlation = section(theirs, "correlation", path)
+    triangle = _triangle(correlation)
     ours = err.fitted(read_xtr(folder / f"{name}.xtr"), ctl.read(folder / MODEL)).fit
     chosen = np.array(ours.numbers) - 1
+    if min(len(value), len(sigma), len(triangle)) <= chosen.max():
+        wanted = f"expected one of each up to P{chosen.max() + 1}"
+        told = f"{len(value)} values, {len(sigma)} sigmas, {len(triangle)} rows of correlations"
+        raise correlation[0].error(f"{told}, {wanted}")
     return Compared(
         name,
         tuple(f"P{n}" for n in ours.numbers),
@@ -93,7 +100,7 @@ def compared(folder: Path, name: str) -> Compared:
 def _values_and_sigmas(lines: list[Line]) -> tuple[Array, Array]:
     """Return what stands in lines of values and lines of sigmas by turns, below two others."""
     values, sigmas = (
-        np.array([float(word) for line in lines[first::2] for word in line.words])
+        np.array([_number(line, word) for line in lines[first::2] for word in line.words])
         for first in (2, 3)
     )
     return values, sigmas
@@ -101,11 +108,17 @@ def _values_and_sigmas(lines: list[Line]) -> tuple[Array, Array]:
 
 def _triangle(lines: list[Line]) -> Array:
     """Return a symmetric matrix from the rows of its lower triangle, wherever they are broken."""
-    told = [float(word) for line in lines for word in line.words]
+    told = [_number(line, word) for line in lines for word in line.words]
     size = int(np.sqrt(2 * len(told)))
+    if size * (size + 1) // 2 != len(told):
+        raise lines[-1].error(f"{len(told)} correlations, expected those of a triangle")
     matrix = np.zeros((size, size))
     matrix[np.tril_indices(size)] = told
     return matrix + np.tril(matrix, -1).T
+
+
+def _number(line: Line, word: str) -> float:
+    return float(line.decimal(word, "a number of the fit"))
 
 
 def _found(folder: Path) -> tuple[Path, list[str]]:

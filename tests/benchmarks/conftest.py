@@ -1,0 +1,96 @@
+"""Benchmarks are collected when they are asked for: `make bench`, or `--benchmark-enable`."""
+
+from __future__ import annotations
+
+import ctypes
+import runpy
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+LEGACY = Path(__file__).parents[2] / "legacy_fortran"
+FORTRAN = Path(__file__).parent / "fortran"
+FLAGS = ("-O3", "-march=native", "-std=legacy", "-fPIC")
+
+
+def pytest_ignore_collect(config):
+    """Leave the default suite alone."""
+    return None if config.getoption("benchmark_enable") else True
+
+
+@pytest.fixture(scope="session")
+def compiled(tmp_path_factory):
+    """Return what compiles a program or library of ours beside the published routines."""
+    if shutil.which("gfortran") is None:
+        pytest.skip("no gfortran: .ci/install gfortran")
+    sources = runpy.run_path(str(LEGACY / "checks" / "builds.py"))["sources"]
+
+    def build(name, *, promoted=False, library=False):
+        folder = tmp_path_factory.mktemp(name)
+        routines = sources(promoted=promoted)
+        for file, text in routines.items():
+            (folder / file).write_text(text, encoding="ascii")
+        shutil.copy(FORTRAN / f"{name}.f90", folder)
+        more = [*(["-shared"] if library else []), *(["-freal-4-real-8"] if promoted else [])]
+        command = ["gfortran", *FLAGS, *more, *routines, f"{name}.f90", "-o", "built"]
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+        return folder / "built"
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def routines(compiled):
+    """Return the published routines in loops, by the type of their numbers: REAL*4 and REAL*8."""
+
+    def caller(library):
+        def call(name, *arguments):
+            given = [
+                ctypes.byref(ctypes.c_int(one))
+                if isinstance(one, int)
+                else one.ctypes.data_as(ctypes.c_void_p)
+                for one in arguments
+            ]
+            getattr(library, f"{name}_")(*given)
+
+        return call
+
+    return {
+        real: caller(ctypes.CDLL(str(compiled("loops", promoted=promoted, library=True))))
+        for real, promoted in ((np.float32, False), (np.float64, True))
+    }
+
+
+@pytest.fixture
+def beside(benchmark, request):
+    """Return what measures a call and its peers in turn, so that a busy minute hits all of them.
+
+    A peer that returns a float has taken its own time [s]. What is `unavoidable` is measured
+    with them: a call and how many points it is for.
+    """
+
+    def measure(call, peers, *, rounds=5, unavoidable=None):
+        taken, floor = {}, {}
+
+        def every_peer():
+            if unavoidable is not None:
+                begin = time.perf_counter()
+                unavoidable[0]()
+                seconds = time.perf_counter() - begin
+                floor.update(points=unavoidable[1], floor=min(seconds, floor.get("floor", seconds)))
+                benchmark.extra_info.update(floor)
+            for who, peer in peers.items():
+                begin = time.perf_counter()
+                own = peer()
+                seconds = own if isinstance(own, float) else time.perf_counter() - begin
+                taken[who] = min(seconds, taken.get(who, seconds))
+
+        benchmark.group = request.module.ROWS[request.function.__name__]
+        benchmark.extra_info["peers"] = taken
+        return benchmark.pedantic(call, setup=every_peer, rounds=rounds, warmup_rounds=1)
+
+    return measure

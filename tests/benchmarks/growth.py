@@ -1,0 +1,196 @@
+"""Growth: how time and memory grow with the rows, and with the candidates that are tried.
+
+python growth.py make FOLDER ROWS      write a data set
+python growth.py read FOLDER           diagnose it by normal points; print what that took, as JSON
+python growth.py diagnose ROWS         diagnose so many rows in memory, without pages
+python growth.py candidates EVERY      the same on 5,600 rows, one candidate out of so many
+python growth.py all OUT [LARGEST]     all of it up to data sets of LARGEST rows, into OUT
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+DAYS, ANTENNAS = 20, 2
+META = {"latitude_deg": "53.0955", "longitude_deg": "18.5640", "height_m": "133"}
+CHUNK = 1 << 20
+
+
+def make(root: Path, rows: int) -> None:
+    """Write tracks across the sky: refraction left out, noise of 10 arcsec, one outlier in 200."""
+    import pyarrow
+    from pyarrow import parquet
+
+    rng = np.random.default_rng(1)
+    each = rows // (DAYS * ANTENNAS)
+    for n in range(DAYS * ANTENNAS):
+        day, antenna = divmod(n, ANTENNAS)
+        left = each if n else rows - each * (DAYS * ANTENNAS - 1)
+        path = root / f"night={day:03d}" / f"A{antenna}.parquet"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        writer, begin, step = None, 1.7668e9 + 86400 * day, 80000 / left
+        while left:
+            size = min(CHUNK, left)
+            columns = tracks(rng, begin + step * np.arange(size), f"A{antenna}")
+            table = pyarrow.table(columns).replace_schema_metadata(META)
+            writer = writer or parquet.ParquetWriter(path, table.schema)
+            writer.write_table(table)
+            begin, left = begin + step * size, left - size
+        writer.close()
+
+
+def tracks(rng: np.random.Generator, time_s: np.ndarray, antenna: str) -> dict[str, object]:
+    """Return the columns of some tracks of 600 rows."""
+    import pyarrow
+
+    size = len(time_s)
+    first = rng.uniform([-90, 8], [450, 84], (-(-size // 600), 2))
+    along = np.arange(size) % 600 / 600
+    az, el = np.repeat(first, 600, axis=0)[:size].T + along
+    x = 20 * np.cos(np.radians(el)) - 10 + rng.normal(0, 10, size)
+    y = 30 + 12 / np.tan(np.radians(el)) + rng.normal(0, 10, size)
+    bad = rng.random(size) < 1 / 200
+    x[bad] += rng.normal(0, 300, bad.sum())
+    return {
+        "az_deg": az,
+        "el_deg": el,
+        "d_xel_arcsec": x,
+        "d_el_arcsec": y,
+        "time_utc": (time_s * 1e6).astype("datetime64[us]"),
+        "antenna": pyarrow.array(np.full(size, antenna)).dictionary_encode(),
+        "temperature_c": 10 + 5 * np.sin(time_s / 13751) + rng.normal(0, 0.1, size),
+    }
+
+
+def peak_mb() -> float:
+    """Return this process's largest memory so far [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
+
+
+def read(root: Path) -> dict[str, float]:
+    """Diagnose a data set: two passes over its rows, the search over its normal points."""
+    from pyport.diagnosis.diagnose import diagnose as run
+    from pyport.fitting.models import load
+    from pyport.recordings import read as reduce
+
+    begin, worked = time.perf_counter(), time.process_time()
+    recordings = reduce(root)
+    between, passes_s = time.perf_counter(), time.process_time() - worked
+    found = recordings.reduction
+    told = {
+        "rows": found.rows,
+        "reduced": found.rows - sum(found.set_aside.values()),
+        "points": found.points,
+        "antennas": ANTENNAS,
+        "seconds": between - begin,
+        "processor_s": passes_s,
+    }
+    named = [one.effect for one in run(recordings, load("altaz")).findings]
+    told |= {"diagnosis_s": time.perf_counter() - between, "peak_mb": peak_mb()}
+    return {**told, "named": named}
+
+
+def cut(design: Callable[..., Any], every: int) -> Callable[..., Any]:
+    """Return a design that keeps one candidate out of so many."""
+
+    def some(*given: object) -> object:
+        columns, found, *rest = design(*given)
+        found = found[::every]
+        kept = [columns[:, one.columns] for one in found]
+        ends = np.cumsum([one.shape[1] for one in kept])
+        again = [
+            replace(one, columns=np.arange(end - own.shape[1], end))
+            for one, own, end in zip(found, kept, ends, strict=True)
+        ]
+        return np.concatenate(kept, axis=1), again, *rest
+
+    return some
+
+
+def diagnose(kind: str, rows: int, every: int = 1) -> dict[str, float]:
+    """Diagnose recordings that are in memory, with all candidates or one out of so many.
+
+    Where a cause is hidden that no candidate stands for, the search goes on and on: nothing is
+    hidden in the recordings that few candidates are tried on.
+    """
+    from pyport.diagnosis import candidates, shapes
+    from pyport.diagnosis.diagnose import diagnose as run
+    from pyport.fitting.models import load
+    from pyport.recordings import read as read_file
+    from pyport.trials.files import write_recordings
+    from pyport.trials.kinds import make_case
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "case.csv"
+        write_recordings(make_case(kind, 91, rows=rows), path)
+        recordings = read_file(path)
+    for module in (candidates, shapes):
+        module.design = cut(module.design, every)  # type: ignore[attr-defined]
+    begin = time.perf_counter()
+    done = run(recordings, load("altaz"))
+    tried = sum(len(one.columns) for one in (*done.setup.candidates, *done.setup.shapes))
+    return {
+        "rows": rows,
+        "columns": tried,
+        "seconds": time.perf_counter() - begin,
+        "peak_mb": peak_mb(),
+    }
+
+
+def apart(*words: object) -> dict[str, float]:
+    """Run one measurement in a process of its own."""
+    command = [sys.executable, __file__, *map(str, words)]
+    one = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=one)
+    return json.loads(done.stdout)
+
+
+def everything(largest: int) -> dict[str, list[dict[str, float]]]:
+    """Measure all sizes."""
+    found: dict[str, list[dict[str, float]]] = {"rows": [], "candidates": [], "data_sets": []}
+    for rows in (1000, 3000, 10_000, 30_000):
+        found["rows"].append(apart("diagnose", rows))
+    for every in (100, 30, 10, 3, 1):
+        found["candidates"].append(apart("candidates", every))
+    rows = 1000
+    while rows <= largest:
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder) / "set"
+            make(root, rows)
+            found["data_sets"].append(apart("read", root))
+            shutil.rmtree(root)
+        rows *= 10
+    return found
+
+
+def main() -> None:
+    """Do what the command line says."""
+    what, *rest = sys.argv[1:]
+    if what == "make":
+        make(Path(rest[0]), int(float(rest[1])))
+    elif what == "all":
+        largest = int(float(rest[1])) if rest[1:] else 10_000_000
+        Path(rest[0]).write_text(json.dumps(everything(largest), indent=1) + "\n")
+    elif what == "read":
+        sys.stdout.write(json.dumps(read(Path(rest[0]))))
+    elif what == "diagnose":
+        sys.stdout.write(json.dumps(diagnose("rt32", int(rest[0]))))
+    else:
+        sys.stdout.write(json.dumps(diagnose("null", 5600, int(rest[0]))))
+
+
+if __name__ == "__main__":
+    main()
