@@ -46,7 +46,8 @@ class _Parameters:
     @classmethod
     def of(cls, p: ArrayLike, tilt: Callable[[float], float]) -> _Parameters:
         """Return them; `tilt` tells which function of xi and zeta the form adds as a vector."""
-        given = [float(one) for one in np.asarray(p, dtype=float)]
+        # an infinite angle has no sine
+        given = [one if math.isfinite(one) else math.nan for one in map(float, np.asarray(p))]
         az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = given
         south, west = tilt(xi), tilt(zeta)
         toward = math.atan2(west, south)
