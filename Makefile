@@ -136,16 +136,18 @@ $(BENCH): $(VENV)/bench FORCE
 	OPENBLAS_NUM_THREADS=1 PYPORT_BENCH_ROWS=$(ROWS) $(BIN)/pytest tests/benchmarks -q \
 	  --benchmark-enable --benchmark-only --benchmark-json=$@ --benchmark-columns=min,rounds
 
+# Prints the table beside the last recorded run; bench-record also records it, writes docs/performance.md.
 bench: $(BENCH)
-	$(BIN)/python tests/benchmarks/performance.py $(BENCH)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/benchmarks/performance.py show $(BENCH)
 
 bench-record: $(BENCH)
-	$(BIN)/python tests/benchmarks/performance.py $(BENCH) --record
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/benchmarks/performance.py record $(BENCH)
 
 # Data sets of up to LARGEST rows are written to the temporary folder: 5 GB for 1e8.
-LARGEST ?= 1e7
+LARGEST ?= 1e8
 growth: $(VENV)/bench
 	$(BIN)/python tests/benchmarks/growth.py all docs/growth.json $(LARGEST)
+	$(BIN)/python tests/benchmarks/performance.py page
 
 FORCE:
 

@@ -7,6 +7,8 @@ import math
 import os
 import signal
 import socket
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
+from pyport.diagnosis import run as diagnoses
 from pyport.errors import BadInput
 from pyport.recordings import read, resolve
 from pyport.trials.protocol import Spec
@@ -116,14 +119,69 @@ def test_processes_change_no_digit(data_set):
         np.testing.assert_array_equal(one, other)
 
 
+def test_diagnoses_of_each_antenna_survive_a_dead_worker(cluster, tmp_path):
+    """Antenna by antenna, a worker killed half-way: reports are those of one process."""
+    rng = np.random.default_rng(7)
+    for n in range(4):
+        rows, folder = 300, tmp_path / "set" / f"antenna=A{n}"
+        folder.mkdir(parents=True)
+        columns = {
+            "az_deg": rng.uniform(0, 360, rows),
+            "el_deg": rng.uniform(10, 80, rows),
+            "d_xel_arcsec": rng.normal(0, 10, rows),
+            "d_el_arcsec": rng.normal(0, 10, rows),
+        }
+        parquet.write_table(pyarrow.table(columns), folder / "night.parquet")
+    names = diagnoses.apart([str(tmp_path / "set")], "antenna")
+    asked = {
+        kind: diagnoses.requests(names, model="altaz", refit="all", seed=0, out=tmp_path / kind)
+        for kind in ("alone", "together")
+    }
+    alone = [done.report for done in diagnoses.run_all(asked["alone"])]
+
+    together = []
+    for done in diagnoses.run_all(asked["together"], cluster=cluster.scheduler_address):
+        if not together:
+            kill_one(cluster)
+        together.append(done.report)
+
+    assert together == alone
+    assert len({json.loads(one)["input"]["file"] for one in together}) == 4
+
+
+def kill_one(cluster):
+    """Kill a worker as the system would that has no memory left."""
+    with distributed.Client(cluster, set_as_default=False) as client:
+        victim = next(iter(client.run(os.getpid).values()))
+    os.kill(victim, signal.SIGKILL)
+
+
 def test_a_campaign_of_trials_is_solved_on_a_cluster(cluster, tmp_path):
-    """Every case gets its answer; a solver that says nothing is recorded as having failed."""
-    root = tmp_path / "a-set"
-    seal(root, "a-set", [Spec("null", "null", rows=60)] * 3)
+    """Every case gets its answer, a worker killed on the way or not, and the same as elsewhere.
 
-    solved = run(root, solver=("pyport.version_of_nothing",), cluster=cluster.scheduler_address)
+    A solver that says nothing is recorded as having failed.
+    """
+    answers = []
+    for name, where in (("here", None), ("there", cluster.scheduler_address)):
+        root = tmp_path / name
+        seal(root, "a-set", [Spec("null", "null", rows=60)] * 6)
+        killer = threading.Thread(target=kill_when_one_is_solved, args=(cluster, root))
+        if where is not None:
+            killer.start()
 
-    assert solved == 3
-    reports = [json.loads(one.read_text()) for one in root.rglob("report.json")]
-    assert len(reports) == 3
-    assert all("failed" in one["examined"] for one in reports)
+        solved = run(root, solver=("pyport.version_of_nothing",), cluster=where)
+
+        if where is not None:
+            killer.join()
+        reports = [json.loads(one.read_text()) for one in root.rglob("report.json")]
+        assert solved == len(reports) == 6
+        answers.append(sorted(one["examined"]["failed"] for one in reports))
+
+    assert answers[0] == answers[1]
+
+
+def kill_when_one_is_solved(cluster, root):
+    """Wait for the first answer, then kill a worker."""
+    while not list(root.rglob("report.json")):
+        time.sleep(0.02)
+    kill_one(cluster)

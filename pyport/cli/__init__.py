@@ -30,6 +30,7 @@ COMMANDS = {
     "offsets": "Measure pointing offsets in scans across a source.",
     "parity": "Hold the Python port to the published Fortran routines.",
     "plot": "Draw the panels of a diagnosis or fit as PDF, PNG or SVG for print.",
+    "predict": "Compare models by how they predict recordings that they were not fitted to.",
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",

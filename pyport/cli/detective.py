@@ -36,14 +36,12 @@ def command(data: Path | None, jobs: int, seed: int, *, as_json: bool, quiet: bo
 
 
 def _lines(data: Path | None, jobs: int, seed: int) -> Iterator[Line]:
-    from pyport.detective import drawn, jump, real
+    from pyport.detective import array, drawn, jump, real
     from pyport.recordings.antennas import read_survey
-    from pyport.report import gmrt_array
 
     there = data is not None and data.is_dir()
     survey = read_survey(data / "gmrt" / "antennas_enu.csv") if data is not None and there else None
-    for check in gmrt_array.evidence(survey).checks:
-        yield drawn.Line(check.what, f"{check.value:.3f}", check.wanted, check.passed)
+    yield from array.lines(survey)
     if data is not None and there:
         yield from real.lines(data)
     else:

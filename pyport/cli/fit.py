@@ -146,7 +146,7 @@ def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bo
     """Print a fit as text or JSON, and leave the JSON in a folder where one is asked for."""
     from pyport.files import write_whole
 
-    whole = json.dumps(report, indent=1)
+    whole = json.dumps(report, indent=1, allow_nan=False)
     if out is not None:
         with write_whole(out / "fit.json") as file:
             file.write(whole + "\n")

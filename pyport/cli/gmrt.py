@@ -64,11 +64,12 @@ def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
     from pyport.recordings.gmrt.sessions import LATITUDE_DEG, SESSIONS, apparent_place
 
     june = tracks(read("gmrt-cyg-a"))
-    times_cos_el = curves(june, times_cos_el=True)
+    plain, times_cos_el = curves(june), curves(june, times_cos_el=True)
     _, dec = apparent_place(SESSIONS[2])
     return june, {
         "Recovery": recovery.text(seeds),
-        "Curves, forward and reverse apart": summary.forms(curves(june), times_cos_el),
+        "Curves, forward and reverse apart": summary.forms(plain, times_cos_el),
+        "Doubts about these curves": summary.warnings([*plain, *times_cos_el]),
         "Places": summary.site(times_cos_el, dec, LATITUDE_DEG * DEG),
         "Repeatability": summary.repeatability(repeatability(june)),
         "Mirror images": summary.mirrors(mirrors(times_cos_el)),

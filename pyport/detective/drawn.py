@@ -92,13 +92,19 @@ def _solve(task: _Task) -> Verdict:
 
 def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
     """Return the report of a made case; what may be seen of it is written to `path`."""
+    from pyport.trials.files import write_recordings
+
+    write_recordings(made, path)
+    return reported(made, path, model)
+
+
+def reported(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
+    """Return the report of a made case that was written to `path` before."""
     from pyport.diagnosis.diagnose import diagnose
     from pyport.diagnosis.record import as_json, finite
     from pyport.fitting.models import load
     from pyport.recordings import read
-    from pyport.trials.files import write_recordings
 
-    write_recordings(made, path)
     asked = dict(zip(made.arguments[::2], made.arguments[1::2], strict=True))
     refit = None if asked.get("--refit", "all") == "all" else ()
     found = diagnose(read(path), load(model or asked.get("--model", "altaz")), refit=refit)

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG
-from pyport.detective.drawn import Line, diagnosed
+from pyport.detective.drawn import Line, reported
 from pyport.trials.faults.mount import rt32_edge_on_the_cable
+from pyport.trials.files import write_recordings
 from pyport.trials.kinds import make_case
 
 #: The published model without its last parameter.
@@ -39,8 +40,10 @@ def lines(seed: int) -> Iterator[Line]:
 
 def _campaign(seed: int, folder: Path, model: str) -> Iterator[Line]:
     made = make_case("rt32-campaign", seed)
+    path = folder / f"campaign-{seed}.csv"
+    write_recordings(made, path)
     started = time.perf_counter()
-    report = diagnosed(made, folder / f"campaign-{seed}.csv", model)
+    report = reported(made, path, model)
     took = time.perf_counter() - started
     head = f"RT32 campaign {seed}"
     jumps = [one for one in report["findings"] if one["effect"] == "subreflector_jump"]
@@ -59,7 +62,10 @@ def _campaign(seed: int, folder: Path, model: str) -> Iterator[Line]:
     yield Line(f"{head}: found besides", ", ".join(others) or "nothing", "shown", None)
     rows = report["input"]["rows"]
     yield Line(
-        f"{head}: {rows} rows diagnosed in", f"{took:.1f} s", f"{SECONDS:g} s", took < SECONDS
+        f"{head}: {rows} rows diagnosed in",
+        f"{took:.1f} s",
+        f"{SECONDS:g} s",
+        took < SECONDS,
     )
 
 

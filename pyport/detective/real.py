@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
+from pyport.detective import auxtel
 from pyport.detective.drawn import Line
+from pyport.detective.said import diagnosed, said
 from pyport.diagnosis import two_axes_words
-from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.effects import CATALOGUE
-from pyport.fitting.models import load
 from pyport.recordings import read
 from pyport.recordings.given import Given
 from pyport.recordings.schema import Recordings
@@ -23,7 +23,6 @@ _LMT_COLUMNS = (
     *("d_xel_arcsec", "sigma_xel_arcsec", "d_el_arcsec", "sigma_el_arcsec"),
 )
 _LMT_SITE = {"latitude_deg": "18.9857", "longitude_deg": "-97.3148"}
-_AUXTEL_SITE = {"longitude_deg": "-70.7477"}
 #: What was published for the LMT: coefficients [arcsec] by axis, in the order of the effects.
 _LMT_TERMS = {
     "xel": (("collimation", "skew", "azimuth_zero", "tilt"), (-0.329, 25.016, 774.087)),
@@ -37,12 +36,13 @@ _LMT_RMS = {"xel": 2.0077, "el": 3.7337}
 
 def lines(data: Path) -> Iterator[Line]:
     """Yield the figures of both telescopes' recordings in a folder of data."""
-    yield from _lmt(read(data / "lmt" / "PointingData.csv", Given(_LMT_SITE, _LMT_COLUMNS)))
-    yield from _auxtel(data / "auxtel")
+    yield from lmt(data / "lmt" / "PointingData.csv")
+    yield from auxtel.lines(data / "auxtel")
 
 
-def _lmt(recordings: Recordings) -> Iterator[Line]:
-    """Yield the published terms, refitted, and the tilt of each axis by itself."""
+def lmt(file: Path) -> Iterator[Line]:
+    """Yield the published terms, refitted, and what is said of the tilt of each axis."""
+    recordings = read(file, Given(_LMT_SITE, _LMT_COLUMNS))
     for axis, (names, published) in _LMT_TERMS.items():
         values, covariance, rms = _fitted(recordings, names, axis)
         sigma = np.sqrt(np.diag(covariance))
@@ -51,12 +51,12 @@ def _lmt(recordings: Recordings) -> Iterator[Line]:
         yield Line(what, f"{off.max():.2f} sigma", "1 sigma", bool(off.max() <= 1))
         told = f"{rms:.4f} arcsec, published {_LMT_RMS[axis]}"
         yield Line(f"LMT, {axis}: rms", told, "the same", abs(rms - _LMT_RMS[axis]) < 0.01)
-    found = _diagnosed(recordings, "altaz")
+    found = diagnosed(recordings, "altaz")
     apart = [one for one in found.two_axes if one.chosen.candidate.effect.id == "tilt"]
     told = two_axes_words.sentence(apart[0]) if apart else "nothing"
     far = bool(apart) and apart[0].found.sigmas >= 3
     yield Line("LMT: diagnose says of the tilts of both axes", told, "apart by 3 sigma", far)
-    yield Line("LMT: diagnose finds", _said(found), "shown", None)
+    yield Line("LMT: diagnose finds", said(found), "shown", None)
 
 
 def _fitted(
@@ -74,39 +74,3 @@ def _fitted(
     spare = len(data) - columns.shape[1]
     covariance = np.linalg.inv(columns.T @ columns) * float(left @ left) / spare
     return values, covariance, float(np.sqrt(np.mean(left**2)))
-
-
-def _auxtel(folder: Path) -> Iterator[Line]:
-    """Yield what others' models and the tool's own choice predict of points left out."""
-    few = read(folder / "AT_point_file_20200315T022713.dat", Given(_AUXTEL_SITE))
-    found, chosen = _findings(few, "altaz")
-    _, automatic = _findings(few, str(folder / "at_20200314_fauto.mod"))
-    told = f"{chosen[1]:.1f} arcsec, the 24 terms {automatic[0]:.1f}"
-    what = "AuxTel 2020-03-14: points left out, own choice"
-    yield Line(what, told, "the better", chosen[1] < automatic[0])
-    yield Line("AuxTel 2020-03-14: found", found, "shown", None)
-    for date, stem in (("2021-06-09", "20210609_tw003"), ("2022-04-06", "20220406_tw004_corr")):
-        found, (before, after) = _findings(
-            read(folder / f"AT_point_data_{stem}.dat", Given(_AUXTEL_SITE)), "altaz"
-        )
-        told = f"{found}; left out {before:.1f} -> {after:.1f} arcsec"
-        yield Line(f"AuxTel {date}: found", told, "shown", None)
-
-
-def _diagnosed(recordings: Recordings, model: str) -> Diagnosis:
-    """Return the diagnosis of some recordings beside a model or a file of one."""
-    return diagnose(recordings, load(model))
-
-
-def _said(found: Diagnosis) -> str:
-    """Return what a diagnosis finds, in short."""
-    words = [
-        f"{one.effect} ({one.variant})" if one.variant else one.effect for one in found.findings
-    ]
-    return ", ".join(words) or "nothing"
-
-
-def _findings(recordings: Recordings, model: str) -> tuple[str, tuple[float, float]]:
-    """Return what a diagnosis says in short, and its rms on points left out [arcsec]."""
-    found = _diagnosed(recordings, model)
-    return _said(found), (found.heldout.before / ARCSEC, found.heldout.after / ARCSEC)

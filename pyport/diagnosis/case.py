@@ -15,7 +15,8 @@ from pyport.diagnosis import common_mode, noise_fit, shapes
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
-from pyport.diagnosis.noise import Noise, Series, pointings, series, whiten
+from pyport.diagnosis.noise import Noise, Series, series, whiten
+from pyport.diagnosis.pointings import pointings
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
@@ -102,6 +103,16 @@ class Setup:
     def data(self) -> Array:
         """Return the columns and, last, the residuals, shape (m, K + 1)."""
         return np.concatenate([self.columns, self.residual[:, None]], axis=1)
+
+    @cached_property
+    def possible(self) -> tuple[Array, ...]:
+        """Return the columns of all candidates that are not empty in a series, for each series."""
+        columns = self.columns[:, np.concatenate([c.columns for c in self.candidates])]
+        found = []
+        for part in self.parts:
+            own = columns[part.rows]
+            found.append(own[:, own.any(axis=0)])
+        return tuple(found)
 
     def part(self, chosen: Chosen) -> Part:
         """Return the columns of a choice and who shares their coefficients."""
@@ -216,7 +227,23 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
     noises, weights = _noise(setup, chosen)
-    white = whiten(setup.data, weights, setup.parts, noises)
+    return _weighed(
+        setup, chosen, noises, weights, whiten(setup.data, weights, setup.parts, noises)
+    )
+
+
+@stage("whitening")
+def widened(weighed: Weighed, wider: Setup, chosen: Sequence[Chosen]) -> Weighed:
+    """Return what `weigh` does for a case to which columns were added, whitening only those."""
+    old = weighed.white.shape[1] - 1
+    added = whiten(wider.columns[:, old:], weighed.weights, wider.parts, weighed.noises)
+    white = np.concatenate([weighed.white[:, :-1], added, weighed.white[:, -1:]], axis=1)
+    return _weighed(wider, chosen, weighed.noises, weighed.weights, white)
+
+
+def _weighed(
+    setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...], weights: Array, white: Array
+) -> Weighed:
     evidence = Evidence(
         white,
         np.concatenate([setup.block, setup.block]),
@@ -231,17 +258,30 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     return Weighed(noises, weights, white, evidence)
 
 
+@stage("whitening")
+def weigh_alike(setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...]) -> Weighed:
+    """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
+    key = _key(chosen)
+    known = setup.expanded([*setup.base, *chosen])
+    weights = noise_fit.weights(setup.residual, known, setup.parts)
+    setup.noises[key] = tuple(chosen), (noises, weights)
+    return weigh(setup, chosen)
+
+
+def _key(chosen: Sequence[Chosen]) -> tuple[tuple[int, str], ...]:
+    return tuple((id(one.candidate), one.scope) for one in chosen)
+
+
 @stage("fitting noise")
 def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], Array]:
     """Fit the noise beside some effects, or remember it: columns that join later do not touch it.
 
     Effects are told apart by what they are, not by what they look like.
     """
-    key = tuple((id(one.candidate), one.scope) for one in chosen)
+    key = _key(chosen)
     if key not in setup.noises:
         known = setup.expanded([*setup.base, *chosen])
-        candidates = setup.columns[:, np.concatenate([c.columns for c in setup.candidates])]
-        noises, weights = noise_fit.fit(setup.residual, known, candidates, setup.parts)
+        noises, weights = noise_fit.fit(setup.residual, known, setup.possible, setup.parts)
         setup.noises[key] = tuple(chosen), (tuple(noises), weights)
     return setup.noises[key][1]
 

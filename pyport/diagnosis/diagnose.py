@@ -12,7 +12,7 @@ from pyport.diagnosis import findings as reading
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Chosen, Setup, Weighed, prepare
+from pyport.diagnosis.case import Setup, Weighed, prepare
 from pyport.diagnosis.edge_paths import averaged
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.joint import rms
@@ -171,12 +171,13 @@ def _enough(setup: Setup) -> None:
 def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     needed = threshold(outcome.last, FAMILY_ERROR)
+    powers = np.einsum("mk,mk->k", setup.columns, setup.columns) / len(setup.columns)
     limits: dict[str, float] = {}
     for trial in outcome.last:
         if not trial.candidate.effect.physical or "antenna" in trial.scope:
             continue
         gain = gain_needed(trial, needed)
-        power = np.mean(np.sum(setup.expanded([Chosen(trial.candidate, trial.scope)]) ** 2, axis=1))
+        power = float(powers[trial.candidate.columns].sum())
         size = float(np.sqrt(gain * power / max(np.trace(trial.information), 1e-300)))
         effect = trial.candidate.effect.id
         limits[effect] = min(size, limits.get(effect, np.inf))

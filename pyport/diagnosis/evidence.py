@@ -97,35 +97,40 @@ class Evidence:
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self._given = white, block, kind, draws, rng
+        self._given = white, block, kind
+        self._draws, self._rng = draws, rng
 
-    @property
+    @cached_property
+    def _slabs(self) -> list[Slab]:
+        return slabs(*self._given)
+
+    @cached_property
+    @stage("products and draws")
     def gram(self) -> Gram:
         """Return the products of all columns and the data."""
-        return self._products[0]
+        return Gram.summed(self._slabs, len(self.blocks), self._given[0].shape[1])
 
     @property
     def noise(self) -> Array:
         """Return the products of the columns with drawn noise, shape (blocks, K, draws)."""
-        return self._products[1]
+        return self._drawn[0]
 
     @property
     def luck(self) -> Array:
         """Return by what each draw's gain is off because the common mode is, shape (draws,)."""
-        return self._products[2]
+        return self._drawn[1]
 
     @cached_property
     @stage("products and draws")
-    def _products(self) -> tuple[Gram, Array, Array]:
-        """Return what is made of the whitened columns when it is first asked for; let those go."""
-        white, block, kind, draws, rng = self._given
-        del self._given
-        cut = slabs(white, block, kind)
-        noise = self._draw(cut, white.shape[1] - 1, draws, rng)
-        luck = np.ones(draws)
+    def _drawn(self) -> tuple[Array, Array]:
+        """Return products with drawn noise and the luck of each draw; let the columns go."""
+        assert self.gram is not None  # noqa: S101 - made before they are gone
+        noise = self._draw(self._slabs, self._given[0].shape[1] - 1, self._draws, self._rng)
+        luck = np.ones(self._draws)
         if np.isfinite(self.common.dof):
-            luck = self.common.dof / rng.chisquare(self.common.dof, draws)
-        return Gram.summed(cut, len(self.blocks), white.shape[1]), noise, luck
+            luck = self.common.dof / self._rng.chisquare(self.common.dof, self._draws)
+        del self._given, self._slabs
+        return noise, luck
 
     def _draw(self, cut: Sequence[Slab], size: int, draws: int, rng: np.random.Generator) -> Array:
         """Return products of the columns with drawn noise, shape (blocks, size, draws).
@@ -140,9 +145,12 @@ class Evidence:
         for one in range(len(self.blocks)):
             own = without([slab for slab in cut if slab.block == one], last=size)
             rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))
-            drawn = rng.standard_normal((len(rows), draws)) * scale[antenna[one]]
+            # Single precision is more than the few hundred draws can tell.
+            drawn = rng.standard_normal((len(rows), draws), np.float32)
             for slab in own:
-                out[one, slab.columns] += slab.values.T @ drawn[np.searchsorted(rows, slab.rows)]
+                values = slab.values.astype(np.float32)
+                out[one, slab.columns] += values.T @ drawn[np.searchsorted(rows, slab.rows)]
+            out[one] *= scale[antenna[one]]
         return out
 
     def beside(self, model: Sequence[Part]) -> Beside:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from pyport.angles import ARCSEC, Array
+
+if TYPE_CHECKING:
+    from pyport.diagnosis.resampling import Stability
 
 
 @dataclass(frozen=True)
@@ -64,8 +68,9 @@ class Finding:
 
     `variant` says which member of a family it is; `visible_rms` and `true_rms`
     [rad] are the effect's size after and before the model took its share;
-    `checks` are the ones that were made, with their outcome in words; `curve`
-    is what is visible of the effect in each reading [rad], shape (m,).
+    `checks` are the ones that were made, with their outcome in words; `stability`
+    says how often its name came back on resampled data, None where it has none;
+    `curve` is what is visible of the effect in each reading [rad], shape (m,).
     """
 
     effect: str
@@ -82,6 +87,7 @@ class Finding:
     looks_like: str | None = None
     decide_by: str | None = None
     checks: tuple[str, ...] = ()
+    stability: Stability | None = None
     curve: Array | None = field(default=None, compare=False, repr=False)
 
     def as_json(self) -> dict[str, object]:
@@ -117,4 +123,5 @@ class Finding:
             "looks_like": self.looks_like,
             "decide_by": self.decide_by,
             "checks": list(self.checks),
+            "stability": None if self.stability is None else self.stability.as_json(),
         }

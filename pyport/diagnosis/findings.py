@@ -11,6 +11,7 @@ from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where
+from pyport.diagnosis.honest import honest
 from pyport.diagnosis.joint import contribution, visible
 from pyport.diagnosis.scene import (
     Scene,
@@ -35,9 +36,10 @@ def collect(scene: Scene) -> list[Finding]:
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n)
         if parts is None:
-            found.append(_single(scene, first + n, step, earlier))
+            told = [_single(scene, first + n, step, earlier)]
         else:
-            found += of_array(scene, first + n, step, earlier, parts)
+            told = of_array(scene, first + n, step, earlier, parts)
+        found += honest(scene, first + n, step, told)
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 

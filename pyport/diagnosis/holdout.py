@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.fitting.gram import Gram, Part, Solution
+from pyport.diagnosis.noise import whiten
+from pyport.fitting.gram import Gram, Solution
 from pyport.fitting.stacking import Codes
 from pyport.stages import stage
 
@@ -81,7 +82,8 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     """
     expanded = setup.expanded((*setup.base, *chosen))
     left = np.full(len(setup.residual), np.nan)
-    for one, solution, _ in _without_each(setup, weighed, chosen, partition):
+    white, choices = _whitened(setup, weighed, chosen)
+    for one, solution, _ in _without_each(setup, white, choices, partition):
         rows = np.flatnonzero(partition.fold == one)
         unknown = np.any((expanded[rows] != 0) & ~solution.known, axis=1)
         predicted = expanded[rows] @ solution.values
@@ -98,31 +100,40 @@ def unseen_misfit(
     Noise and outliers weigh in it as they do in the fit, and what cannot be
     predicted counts as far off.
     """
-    choices = (*setup.base, *chosen)
-    columns = setup.expanded(choices, of=weighed.white)
+    white, choices = _whitened(setup, weighed, chosen)
+    columns = setup.expanded(choices, of=white)
     total = 0.0
-    for _, solution, rows in _without_each(setup, weighed, chosen, partition):
-        left = weighed.white[rows, -1] - columns[rows] @ solution.values
+    for _, solution, rows in _without_each(setup, white, choices, partition):
+        left = white[rows, -1] - columns[rows] @ solution.values
         unknown = (columns[rows] != 0) @ ~solution.known
         total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())
     return total / weighed.evidence.common.factor
 
 
+def _whitened(
+    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]
+) -> tuple[Array, list[Chosen]]:
+    """Return the whitened columns of the model and the data, and the choices of those columns."""
+    choices = (*setup.base, *chosen)
+    needed = [one.candidate.columns for one in choices]
+    columns = setup.columns[:, np.concatenate([np.zeros(0, np.intp), *needed])]
+    data = np.concatenate([columns, setup.residual[:, None]], axis=1)
+    starts = np.cumsum([0, *map(len, needed)])
+    own = [
+        replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
+        for one, low, high in zip(choices, starts, starts[1:], strict=False)
+    ]
+    return whiten(data, weighed.weights, setup.parts, weighed.noises), own
+
+
 def _without_each(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
+    setup: Setup, white: Array, choices: Sequence[Chosen], partition: Folds
 ) -> Iterator[tuple[int, Solution, Codes]]:
     """Yield each fold, the solution without it, and the fold's rows of the whitened columns.
 
     A fold is taken off the sufficient statistics of the whole; nothing is fitted anew.
     """
-    choices = [setup.part(one) for one in (*setup.base, *chosen)]
-    needed = np.concatenate([[], *(part.columns for part in choices)]).astype(np.intp)
-    starts = np.cumsum([0, *(len(part.columns) for part in choices)])
-    parts = [
-        Part(np.arange(low, high), part.groups)
-        for part, low, high in zip(choices, starts, starts[1:], strict=False)
-    ]
-    white = weighed.white[:, [*needed, -1]]
+    parts = [setup.part(one) for one in choices]
     block = np.concatenate([setup.block, setup.block])
     fold = np.concatenate([partition.fold, partition.fold])
     whole = Gram.of(white, block, len(setup.blocks)).matrices

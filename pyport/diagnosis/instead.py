@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.boxes import boxes
-from pyport.diagnosis.case import Chosen, Setup, weigh
+from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh, widened
 from pyport.diagnosis.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
@@ -29,16 +29,17 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
     if not names and family_p_value(outcome.last) > FAMILY_ERROR:
         return None
-    ground = Ground(setup, weigh(setup, before), before)
-    worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, ground.weighed, before))]
+    weighed = outcome.weighed if not names else weigh(setup, before)
+    ground = Ground(setup, weighed, before)
+    worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, weighed, before))]
     best = max(worths, key=lambda one: one.evidence)
     strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
     least = max(FIELD_MARGIN, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
-    if best.evidence <= least:
+    if best.evidence <= least or best.directions.shape[1] == 0:
         return None
-    return _with_field(setup, outcome.steps[:turn], before, best, outcome.p_value)
+    return _with_field(setup, weighed, before, outcome.steps[:turn], best, outcome.p_value)
 
 
 def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
@@ -49,7 +50,12 @@ def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
 
 
 def _with_field(
-    setup: Setup, steps: tuple[Step, ...], before: tuple[Chosen, ...], worth: Worth, p_value: float
+    setup: Setup,
+    weighed: Weighed,
+    before: tuple[Chosen, ...],
+    steps: tuple[Step, ...],
+    worth: Worth,
+    p_value: float,
 ) -> Outcome | None:
     """Return the search with a field added to it; None where it does not predict unseen data."""
     columns = worth.field.columns @ worth.directions
@@ -59,7 +65,7 @@ def _with_field(
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
     candidate = as_candidate(worth, places)
     new = Chosen(candidate, "all")
-    seen = weigh(wider, before)
+    seen = widened(weighed, wider, before)
     after = (*before, new)
     if not predicts(wider, seen, before, after, worth.gain):
         return None
@@ -70,5 +76,4 @@ def _with_field(
         return None
     winner = replace(own[0], evidence=worth.evidence)
     step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials))
-    weighed = weigh(wider, after)
-    return Outcome(wider, after, (*steps, step), weighed, p_value, ())
+    return Outcome(wider, after, (*steps, step), weigh(wider, after), p_value, ())

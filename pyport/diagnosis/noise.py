@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis.pointings import pointings
 from pyport.fitting.stacking import Codes, Stack, group
 from pyport.recordings.schema import Recordings
 
@@ -137,19 +138,6 @@ def _ordered(
     apart = np.concatenate([[0.0], np.where(np.diff(session) != 0, APART, 0.0)]).cumsum()
     when = np.maximum.accumulate(when + apart - when.min())
     return Series(rows, order[inverse], when, antenna, is_y)
-
-
-def pointings(recordings: Recordings) -> Codes:
-    """Give rows of the same antenna, session, moment, direction and scan one number."""
-    codes, _ = group(recordings, ("antenna", "session", "source"))
-    keys = [codes.astype(float), recordings.at.az, recordings.at.el]
-    keys += [
-        np.nan_to_num(np.asarray(recordings.at.column(name), float))
-        for name in ("time", "hour_angle", "scan_direction")
-        if name in recordings.at
-    ]
-    _, inverse = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
-    return inverse.ravel()
 
 
 def whiten(

@@ -114,22 +114,36 @@ def draft(
 def _weighed(likelihood: _Likelihood, grid: Array) -> tuple[Array, Array]:
     """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
 
-    For each memory the strengths are gone through upward and downward from
-    where the last one's likeliest was; one that is out of the question and
-    further off than another such is not tried: its lack is infinite.
+    Memories are gone through upward and downward from the middle one, and for
+    each the strengths from where the last one's likeliest was; what is out of
+    the question and further off than the one before is not gone beyond: the
+    lack of all that lies there is infinite.
     """
     lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
     lack[0], scale[0] = likelihood.at(*grid[0])
-    start = 0
-    for memory in dict.fromkeys(grid[1:, 1]):
-        own = 1 + np.flatnonzero(grid[1:, 1] == memory)
-        lack[own[start]], scale[own[start]] = likelihood.at(*grid[own[start]])
-        for way in (own[start:], own[start::-1]):
+    memories = np.unique(grid[1:, 1])
+    own = [1 + np.flatnonzero(grid[1:, 1] == memory) for memory in memories]
+
+    def along(cells: Codes, start: int) -> int:
+        """Try the strengths of one memory from one of them on; return the likeliest."""
+        lack[cells[start]], scale[cells[start]] = likelihood.at(*grid[cells[start]])
+        for way in (cells[start:], cells[start::-1]):
             for last, one in itertools.pairwise(way):
                 lack[one], scale[one] = likelihood.at(*grid[one])
                 if lack[one] > max(lack[last], lack.min() + BEYOND):
                     break
-        start = int(np.argmin(lack[own]))
+        return int(np.argmin(lack[cells]))
+
+    if len(own) == 0:
+        return lack, scale
+    middle = len(own) // 2
+    first = along(own[middle], len(RATIOS) // 2)
+    for way in (range(middle, len(own)), range(middle, -1, -1)):
+        start = first
+        for last, one in itertools.pairwise(way):
+            start = along(own[one], start)
+            if lack[own[one]].min() > max(lack[own[last]].min(), lack.min() + BEYOND):
+                break
     return lack, scale
 
 

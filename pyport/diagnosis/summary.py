@@ -10,6 +10,7 @@ from pyport.angles import ARCSEC
 from pyport.diagnosis import record, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
+from pyport.diagnosis.soundness import warnings
 
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
@@ -44,6 +45,8 @@ def summary(diagnosis: Diagnosis) -> str:
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
     lines += _improvement(diagnosis)
+    for sentence in warnings(diagnosis):
+        lines += _wrapped(f"Warning: {sentence}.")
     return "\n".join(lines)
 
 
@@ -68,6 +71,9 @@ def _finding(n: int, finding: Finding) -> list[str]:
             f"{held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} arcsec, noise floor "
             f"{held.noise_floor / ARCSEC:.3g}."
         )
+    if finding.stability is not None and not finding.stability.stable:
+        words = finding.stability.words
+        lines.append(f"   {words[0].upper()}{words[1:]}.")
     if finding.decide_by:
         lines.append(f"   To decide: {finding.decide_by}.")
     return [part for line in lines for part in _wrapped(line)]

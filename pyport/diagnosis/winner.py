@@ -10,7 +10,7 @@ import numpy as np
 from pyport.diagnosis import identify
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import Beside, Trial
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
@@ -86,8 +86,7 @@ def winner_of(
         ranked.append((trial, wider, new))
     ranked.sort(key=lambda one: -round(one[0].evidence, identify.TIE))
     for trial, wider, new in ranked[:MOST_TRIED]:
-        seen = weighed if wider is setup else weigh(wider, chosen)
-        if predicts(wider, seen, chosen, joined(wider, chosen, new), trial.gain):
+        if predicts(wider, weighed, chosen, joined(wider, chosen, new), trial.gain):
             return trial, wider, new
     return None
 

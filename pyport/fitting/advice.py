@@ -8,14 +8,13 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.fitting.fit import Coefficients, Fit
+from pyport.fitting.soundness import doubts
 from pyport.fitting.two_axes import UNLIKELY
 
 #: A coefficient within so many sigmas of zero might as well be zero.
 WEAK = 2.0
 #: Coefficients that correlate by more than this stand for each other.
 TIED = 0.95
-#: Belsley, Kuh & Welsch 1980, Regression Diagnostics: moderate to strong dependencies above 30.
-ILL_POSED = 30.0
 #: So many correlated pairs are told.
 MOST_PAIRS = 6
 
@@ -65,11 +64,14 @@ def warnings(fit: Fit) -> Iterator[str]:
                 f"the {name} seen in cross-elevation and that seen in elevation differ by "
                 f"{apart.sigmas:.1f} sigmas: no {name} does that; pyport diagnose tells where"
             )
-    if fit.condition > ILL_POSED:
-        yield (
-            f"the condition number {fit.condition:.3g} is above {ILL_POSED:g}: "
-            "the terms cannot all be told apart well by these directions"
-        )
+    known = np.array([np.isfinite(one.value[n]) for _, one, n in everything], bool)
+    yield from doubts(
+        condition=fit.condition,
+        covariance=fit.covariance[np.ix_(known, known)],
+        numbers=int((fit.weight > 0).sum()),
+        rank=int(known.sum()),
+        settled=fit.settled,
+    )
 
 
 def _tied(fit: Fit, everything: list[tuple[str, Coefficients, int]]) -> Iterator[str]:

@@ -61,6 +61,8 @@ class Fit:
         Condition number of the design, columns scaled to unit length.
     two_axes
         Terms that act on both axes, with what each axis alone says of their coefficients.
+    settled
+        Whether the weights came to rest.
     """
 
     recordings: Recordings
@@ -72,6 +74,7 @@ class Fit:
     weight: Array
     condition: float
     two_axes: tuple[tuple[Term, Difference], ...] = ()
+    settled: bool = True
 
 
 @one_thread
@@ -95,7 +98,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
             f"{len(value)} measured offsets cannot determine {columns.shape[1]} coefficients",
             recordings.file,
         )
-    weight, scatter = _weights(recordings, data, columns, value)
+    weight, scatter, settled = _weights(recordings, data, columns, value)
     root = np.sqrt(weight) / scatter
     normal = (columns * root[:, None]).T @ (columns * root[:, None])
     inverse, _, condition, known = inverted(normal)
@@ -112,8 +115,9 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     left = value - columns @ np.nan_to_num(values)
     compared = _two_axes(columns * root[:, None], value * root, data.is_y, owners)
     return Fit(
-        recordings, model, data, tuple(found), inverse, left, weight, condition, tuple(compared)
-    )
+        recordings, model, data, tuple(found), inverse, left, weight, condition, tuple(compared),
+        settled,
+    )  # fmt: skip
 
 
 def _two_axes(
@@ -149,20 +153,24 @@ def _expanded(
 
 def _weights(
     recordings: Recordings, data: Stack, columns: Array, value: Array
-) -> tuple[Array, Array]:
-    """Return robust weights and the scatter [rad] of each number's antenna, session and axis."""
+) -> tuple[Array, Array, bool]:
+    """Return robust weights and the scatter [rad] of each number's antenna, session and axis.
+
+    Last comes whether all weights came to rest.
+    """
     codes, names = group(recordings, ("antenna", "session"))
     series: Codes = codes[data.row] * 2 + data.is_y
-    weight, scatter = np.ones(len(value)), np.ones(len(value))
+    weight, scatter, settled = np.ones(len(value)), np.ones(len(value)), True
     floors = [robust.rounding(value[data.is_y == is_y]) for is_y in (False, True)]
     for one in range(2 * len(names)):
         rows = np.flatnonzero(series == one)
         if len(rows) == 0:
             continue
         own = columns[rows][:, np.any(columns[rows] != 0, axis=0)]
-        weight[rows], residual = robust.weights(own, value[rows], REACH, floors[one % 2])
+        weight[rows], residual, rest = robust.weights(own, value[rows], REACH, floors[one % 2])
+        settled &= rest
         rank = np.linalg.matrix_rank(own) if own.size else 0
         spare = max(1.0, float(weight[rows].sum()) - rank)
         own_scatter = np.sqrt(float((weight[rows] * residual**2).sum()) / spare)
         scatter[rows] = max(own_scatter, floors[one % 2], 1e-12)
-    return weight, scatter
+    return weight, scatter, settled

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pyport.angles import Array
@@ -41,7 +43,15 @@ def biweight(residual: Array, sigma: float, reach: float) -> Array:
     return (1 - u**2) ** 2
 
 
-def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> tuple[Array, Array]:
+class Weights(NamedTuple):
+    """Robust weights (m,) of a linear fit, its residuals (m,), and whether they came to rest."""
+
+    weight: Array
+    residual: Array
+    settled: bool
+
+
+def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> Weights:
     """Return robust weights of a linear fit and its residuals.
 
     It starts from least absolute deviations, which outliers cannot drag, and
@@ -58,11 +68,12 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
         The smallest sigma to believe, in the units of `value`.
     """
     if len(value) == 0:
-        return np.ones(0), value
+        return Weights(np.ones(0), value, settled=True)
     residual = value - np.median(value)
     weight = np.ones(len(value))
     refit = Refit(columns, value)
     spare = max(1, len(value) - refit.rank)
+    settled = False
     for turn in range(_ROUNDS):
         residual = refit.residual(weight)
         if refit.rank * MANY > len(value):
@@ -74,9 +85,10 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> t
         else:
             new = flat_weight(residual, sigma, reach)
         if turn > _ROUNDS // 2 and np.allclose(new, weight, atol=1e-3):
+            settled = True
             break
         weight = new
-    return flat_weight(residual, sigma, reach), residual
+    return Weights(flat_weight(residual, sigma, reach), residual, settled)
 
 
 def flat_weight(residual: Array, sigma: float, reach: float) -> Array:

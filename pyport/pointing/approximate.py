@@ -41,8 +41,10 @@ def approximate_columns(at: Circumstances) -> tuple[Array, Array]:
         Offsets across and along elevation [rad/rad], shape (n, 12).
     """
     x, y = np.empty((2, len(at), len(PARAMETERS)))
+    effects = {one.effect: effect_of(i + 1) for i, one in enumerate(PARAMETERS)}
+    columns = {name: effect.columns(at) for name, effect in effects.items()}
     for i, parameter in enumerate(PARAMETERS):
-        across, along = effect_of(i + 1).columns(at)
+        across, along = columns[parameter.effect]
         x[:, i] = parameter.sign * across[:, parameter.column]
         y[:, i] = parameter.sign * along[:, parameter.column]
     tilts = [i for i, parameter in enumerate(PARAMETERS) if parameter.effect == "tilt"]

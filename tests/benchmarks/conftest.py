@@ -1,9 +1,12 @@
 """Benchmarks are collected when they are asked for: `make bench`, or `--benchmark-enable`."""
 
+from __future__ import annotations
+
 import ctypes
 import runpy
 import shutil
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -40,31 +43,54 @@ def compiled(tmp_path_factory):
     return build
 
 
-@pytest.fixture(scope="session", params=[False, True], ids=["real4", "real8"])
-def routines(compiled, request):
-    """Return the published routines in loops, and the type of their numbers."""
-    library = ctypes.CDLL(str(compiled("loops", promoted=request.param, library=True)))
-    real = np.float64 if request.param else np.float32
+@pytest.fixture(scope="session")
+def routines(compiled):
+    """Return the published routines in loops, by the type of their numbers: REAL*4 and REAL*8."""
 
-    def call(name, *arguments):
-        given = [
-            ctypes.byref(ctypes.c_int(one))
-            if isinstance(one, int)
-            else one.ctypes.data_as(ctypes.c_void_p)
-            for one in arguments
-        ]
-        getattr(library, f"{name}_")(*given)
+    def caller(library):
+        def call(name, *arguments):
+            given = [
+                ctypes.byref(ctypes.c_int(one))
+                if isinstance(one, int)
+                else one.ctypes.data_as(ctypes.c_void_p)
+                for one in arguments
+            ]
+            getattr(library, f"{name}_")(*given)
 
-    return call, real
+        return call
+
+    return {
+        real: caller(ctypes.CDLL(str(compiled("loops", promoted=promoted, library=True))))
+        for real, promoted in ((np.float32, False), (np.float64, True))
+    }
 
 
 @pytest.fixture
-def measured(benchmark, request):
-    """Return what measures a call: who it is, how often, and what it works on."""
+def beside(benchmark, request):
+    """Return what measures a call and its peers in turn, so that a busy minute hits all of them.
 
-    def measure(who, call, *, rounds=5, group=None, **more):
-        benchmark.group = group or request.module.ROWS[request.function.__name__]
-        benchmark.extra_info.update(who=who, **more)
-        return benchmark.pedantic(call, rounds=rounds, warmup_rounds=1)
+    A peer that returns a float has taken its own time [s]. What is `unavoidable` is measured
+    with them: a call and how many points it is for.
+    """
+
+    def measure(call, peers, *, rounds=5, unavoidable=None):
+        taken, floor = {}, {}
+
+        def every_peer():
+            if unavoidable is not None:
+                begin = time.perf_counter()
+                unavoidable[0]()
+                seconds = time.perf_counter() - begin
+                floor.update(points=unavoidable[1], floor=min(seconds, floor.get("floor", seconds)))
+                benchmark.extra_info.update(floor)
+            for who, peer in peers.items():
+                begin = time.perf_counter()
+                own = peer()
+                seconds = own if isinstance(own, float) else time.perf_counter() - begin
+                taken[who] = min(seconds, taken.get(who, seconds))
+
+        benchmark.group = request.module.ROWS[request.function.__name__]
+        benchmark.extra_info["peers"] = taken
+        return benchmark.pedantic(call, setup=every_peer, rounds=rounds, warmup_rounds=1)
 
     return measure

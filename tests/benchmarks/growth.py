@@ -1,9 +1,9 @@
 """Growth: how time and memory grow with the rows, and with the candidates that are tried.
 
 python growth.py make FOLDER ROWS      write a data set
-python growth.py read FOLDER           reduce it to normal points; print what that took, as JSON
+python growth.py read FOLDER           diagnose it by normal points; print what that took, as JSON
 python growth.py diagnose ROWS         diagnose so many rows in memory, without pages
-python growth.py candidates COLUMNS    the same on 5,600 rows, of the catalogue so many columns
+python growth.py candidates EVERY      the same on 5,600 rows, one candidate out of so many
 python growth.py all OUT [LARGEST]     all of it up to data sets of LARGEST rows, into OUT
 """
 
@@ -17,7 +17,10 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -78,26 +81,53 @@ def peak_mb() -> float:
 
 
 def read(root: Path) -> dict[str, float]:
-    """Reduce a data set."""
+    """Diagnose a data set: two passes over its rows, the search over its normal points."""
+    from pyport.diagnosis.diagnose import diagnose as run
+    from pyport.fitting.models import load
     from pyport.recordings import read as reduce
 
     begin, worked = time.perf_counter(), time.process_time()
-    found = reduce(root).reduction
-    return {
+    recordings = reduce(root)
+    between, passes_s = time.perf_counter(), time.process_time() - worked
+    found = recordings.reduction
+    told = {
         "rows": found.rows,
         "reduced": found.rows - sum(found.set_aside.values()),
         "points": found.points,
-        "seconds": time.perf_counter() - begin,
-        "processor_s": time.process_time() - worked,
-        "peak_mb": peak_mb(),
+        "antennas": ANTENNAS,
+        "seconds": between - begin,
+        "processor_s": passes_s,
     }
+    named = [one.effect for one in run(recordings, load("altaz")).findings]
+    told |= {"diagnosis_s": time.perf_counter() - between, "peak_mb": peak_mb()}
+    return {**told, "named": named}
 
 
-def diagnose(rows: int, columns: int | None = None) -> dict[str, float]:
-    """Diagnose recordings that are in memory, with all of the catalogue or some of its columns."""
-    from pyport.diagnosis import candidates
+def cut(design: Callable[..., Any], every: int) -> Callable[..., Any]:
+    """Return a design that keeps one candidate out of so many."""
+
+    def some(*given: object) -> object:
+        columns, found, *rest = design(*given)
+        found = found[::every]
+        kept = [columns[:, one.columns] for one in found]
+        ends = np.cumsum([one.shape[1] for one in kept])
+        again = [
+            replace(one, columns=np.arange(end - own.shape[1], end))
+            for one, own, end in zip(found, kept, ends, strict=True)
+        ]
+        return np.concatenate(kept, axis=1), again, *rest
+
+    return some
+
+
+def diagnose(kind: str, rows: int, every: int = 1) -> dict[str, float]:
+    """Diagnose recordings that are in memory, with all candidates or one out of so many.
+
+    Where a cause is hidden that no candidate stands for, the search goes on and on: nothing is
+    hidden in the recordings that few candidates are tried on.
+    """
+    from pyport.diagnosis import candidates, shapes
     from pyport.diagnosis.diagnose import diagnose as run
-    from pyport.effects import CATALOGUE
     from pyport.fitting.models import load
     from pyport.recordings import read as read_file
     from pyport.trials.files import write_recordings
@@ -105,18 +135,10 @@ def diagnose(rows: int, columns: int | None = None) -> dict[str, float]:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.csv"
-        write_recordings(make_case("rt32", 91, rows=rows), path)
+        write_recordings(make_case(kind, 91, rows=rows), path)
         recordings = read_file(path)
-    if columns is not None:
-        design = candidates.design
-
-        def some(*given: object) -> object:
-            whole, found, untestable = design(*given)
-            kept = [one for one in found if one.columns[-1] < columns]
-            return whole[:, : kept[-1].columns[-1] + 1], kept, untestable
-
-        candidates.design = some
-    assert CATALOGUE
+    for module in (candidates, shapes):
+        module.design = cut(module.design, every)  # type: ignore[attr-defined]
     begin = time.perf_counter()
     done = run(recordings, load("altaz"))
     tried = sum(len(one.columns) for one in (*done.setup.candidates, *done.setup.shapes))
@@ -139,11 +161,11 @@ def apart(*words: object) -> dict[str, float]:
 def everything(largest: int) -> dict[str, list[dict[str, float]]]:
     """Measure all sizes."""
     found: dict[str, list[dict[str, float]]] = {"rows": [], "candidates": [], "data_sets": []}
-    for rows in (1000, 2000, 4000, 8000):
+    for rows in (1000, 3000, 10_000, 30_000):
         found["rows"].append(apart("diagnose", rows))
-    for columns in (10, 30, 100, 300, 600):
-        found["candidates"].append(apart("candidates", columns))
-    rows = 100_000
+    for every in (100, 30, 10, 3, 1):
+        found["candidates"].append(apart("candidates", every))
+    rows = 1000
     while rows <= largest:
         with tempfile.TemporaryDirectory() as folder:
             root = Path(folder) / "set"
@@ -165,9 +187,9 @@ def main() -> None:
     elif what == "read":
         sys.stdout.write(json.dumps(read(Path(rest[0]))))
     elif what == "diagnose":
-        sys.stdout.write(json.dumps(diagnose(int(rest[0]))))
+        sys.stdout.write(json.dumps(diagnose("rt32", int(rest[0]))))
     else:
-        sys.stdout.write(json.dumps(diagnose(5600, int(rest[0]))))
+        sys.stdout.write(json.dumps(diagnose("null", 5600, int(rest[0]))))
 
 
 if __name__ == "__main__":

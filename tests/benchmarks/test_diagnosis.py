@@ -51,17 +51,17 @@ def drawn_case():
         run(made(Path(name), "one", "one", 21, effect="refraction"))
 
 
-def test_rt32(benchmark, measured, folder):
+def test_rt32(benchmark, beside, folder):
     """As many rows as the RT32's campaign: four causes are hidden in them."""
     path = made(folder, "rt32", "rt32", 91)
-    measured("pyport", lambda: run(path), rounds=3)
+    beside(lambda: run(path), {}, rounds=3)
     benchmark.extra_info["stages"] = stages(path)
 
 
-def test_drawn_case(benchmark, measured, folder):
+def test_drawn_case(benchmark, beside, folder):
     """As many rows as a trial, one cause."""
     path = made(folder, "one", "one", 21, effect="refraction")
-    measured("pyport", lambda: run(path), rounds=3)
+    beside(lambda: run(path), {}, rounds=3)
     benchmark.extra_info["stages"] = stages(path)
 
 

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
 from pyport.angles import DEG
-from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, recovered
+from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, recovered, swift
 from pyport.steering import RT32_GRID
 
 POINTS = 10_000_000
 
 ROWS = {
     "test_grid": "exact-grid",
-    "test_grid_in_fortran": "exact-grid",
     "test_scattered": "exact-scattered",
-    "test_scattered_in_fortran": "exact-scattered",
     "test_approximate": "approximate-scattered",
-    "test_approximate_by_katpoint": "approximate-scattered",
 }
 
 
@@ -51,27 +50,57 @@ def approximate():
     return approximate_offsets(*some, recovered())
 
 
-def test_grid(measured):
-    """All of the grid from its axes."""
-    measured("pyport", grid, rounds=30)
+def fortran(routines, name, sizes, angles, shape):
+    """Return the routine in a loop over some angles [rad], and its answers, for each type."""
+    loops, answers = {}, {}
+    for real, call in routines.items():
+        out = answers[real] = np.empty((2, *shape), real)
+        given = [one.astype(real) for one in (*angles, recovered() / DEG)]
+        loops[f"gfortran -O3, {real.__name__}"] = functools.partial(
+            call, name, *sizes, *given, *out
+        )
+    return loops, answers
 
 
-def test_grid_in_fortran(measured, routines):
-    """The routine called once for each point, all of them correct to its rounding."""
-    call, real = routines
-    az, alt = (one.astype(real) for one in axes())
-    p, out = (recovered() / DEG).astype(real), np.empty((2, len(az), len(alt)), real)
-    measured(
-        f"gfortran -O3, {real.__name__}",
-        lambda: call("grid", len(az), len(alt), az, alt, p, *out),
-        rounds=20,
-    )
+def arcs(count, *, angles):
+    """Take the functions that the geometry asks for, of `count` points, block by block.
 
-    ours = grid()
-    rounding = 1e-9 if real is np.float64 else 4e-5
-    same = ~near_the_jump(*axes()) & (np.abs(alt - np.pi / 2) > 0.01)
-    for axis in (0, 1):
-        assert np.abs(out[axis] * DEG - ours[axis])[same].max() < rounding
+    Two numbers are read and two written for each point; a grid has its sines from its axes,
+    scattered points need two tangents more.
+    """
+    numbers = np.linspace(0.1, 0.9, 2 * count).reshape(2, count)
+    out = np.empty((2, count))
+    room = np.empty((4, swift.BLOCK))
+
+    def take():
+        for low in range(0, count, swift.BLOCK):
+            one, other = numbers[:, low : low + swift.BLOCK]
+            across, along = out[:, low : low + swift.BLOCK]
+            first, second, third, fourth = room[:, : len(one)]
+            if angles:
+                np.tan(one, out=first)
+                np.tan(other, out=second)
+            np.sqrt(one, out=third)
+            np.arcsin(third, out=along)
+            np.arctan2(one, other, out=fourth)
+            np.arctan(other, out=across)
+
+    return take, count
+
+
+def test_grid(beside, routines):
+    """All of the grid from its axes, and the routine called once for each point of it."""
+    az, alt = axes()
+    shape = len(az), len(alt)
+    loops, answers = fortran(routines, "grid", shape, (az, alt), shape)
+
+    ours = beside(grid, loops, rounds=40, unavoidable=arcs(az.size * alt.size, angles=False))
+
+    same = ~near_the_jump(az, alt) & (np.abs(alt - np.pi / 2) > 0.01)
+    for real, out in answers.items():
+        rounding = 1e-9 if real is np.float64 else 4e-5
+        for axis in (0, 1):
+            assert np.abs(out[axis] * DEG - ours[axis])[same].max() < rounding
 
 
 def near_the_jump(az, alt):
@@ -80,30 +109,25 @@ def near_the_jump(az, alt):
     return near[0] != near[1]
 
 
-def test_scattered(measured, points):
-    """Ten million points."""
-    measured("pyport", lambda: exact_offsets(*points, recovered()), rounds=3)
+def test_scattered(beside, points, routines):
+    """Ten million points, and the routine at each of them."""
+    loops, _ = fortran(routines, "scattered", (POINTS,), points, (POINTS,))
 
-
-def test_scattered_in_fortran(measured, points, routines):
-    """The same by the routine."""
-    call, real = routines
-    az, alt = (one.astype(real) for one in points)
-    p, out = (recovered() / DEG).astype(real), np.empty((2, POINTS), real)
-    measured(
-        f"gfortran -O3, {real.__name__}",
-        lambda: call("scattered", POINTS, az, alt, p, *out),
-        rounds=2,
+    beside(
+        lambda: exact_offsets(*points, recovered()),
+        loops,
+        rounds=3,
+        unavoidable=arcs(POINTS, angles=True),
     )
 
 
-def test_approximate(measured, points):
-    """The approximate form at ten million points."""
-    measured("pyport", lambda: approximate_offsets(*points, recovered()), rounds=3)
-
-
-def test_approximate_by_katpoint(measured, points):
-    """Katpoint's model with as many terms."""
+def test_approximate(beside, points):
+    """The approximate form at ten million points, and katpoint's model with as many terms."""
     katpoint = pytest.importorskip("katpoint")
     model = katpoint.PointingModel([1e-4] * 8 + [0, 0, 1e-4, 1e-4, 1e-4, 1e-4])
-    measured("katpoint", lambda: model.offset(*points), rounds=2)
+
+    beside(
+        lambda: approximate_offsets(*points, recovered()),
+        {"katpoint": lambda: model.offset(*points)},
+        rounds=3,
+    )

@@ -18,12 +18,7 @@ from pyport.recordings.schema import Recordings
 POINTS = 5600
 SIGMA = 12 * ARCSEC
 
-ROWS = {
-    "test_exact": "fit-exact",
-    "test_exact_by_scipy": "fit-exact",
-    "test_approximate": "fit-approximate",
-    "test_approximate_by_katpoint": "fit-approximate",
-}
+ROWS = {"test_exact": "fit-exact", "test_approximate": "fit-approximate"}
 
 
 def campaign():
@@ -46,18 +41,11 @@ def approximate():
     return fit_rt32(campaign(), exact=False, method="soft-l1")
 
 
-def test_exact(measured):
-    """The exact form, votes and all."""
-    made = campaign()
-    found = measured("pyport", lambda: fit_rt32(made, method="soft-l1"))
+def test_exact(beside):
+    """The exact form, votes and all; the same loss by `scipy.optimize.least_squares`.
 
-    assert np.abs((found.values - printed()) / found.sigmas).max() < 5
-
-
-def test_exact_by_scipy(measured):
-    """The same loss by `scipy.optimize.least_squares`, its Jacobian by differences.
-
-    The model is the plain formulae of `pyport.pointing.exact`, as anyone would write them.
+    Its Jacobian is taken by differences, the model the plain formulae of
+    `pyport.pointing.exact`, as anyone would write them.
     """
     from scipy.optimize import least_squares
 
@@ -71,32 +59,33 @@ def test_exact_by_scipy(measured):
         d_az, d_alt = exact_offsets(az, el, p, usual)
         return np.concatenate([made.x - d_az * level, made.y - d_alt]) / SIGMA
 
-    found = measured(
-        "scipy", lambda: least_squares(residual, np.zeros(12), loss="soft_l1"), rounds=3
-    )
-    ours = fit_rt32(made, method="soft-l1")
-    assert np.abs((found.x - ours.values) / ours.sigmas).max() < 1
+    def theirs():
+        return least_squares(residual, np.zeros(12), loss="soft_l1")
+
+    ours = beside(lambda: fit_rt32(made, method="soft-l1"), {"scipy": theirs}, rounds=15)
+
+    assert np.abs((ours.values - printed()) / ours.sigmas).max() < 5
+    assert np.abs((theirs().x - ours.values) / ours.sigmas).max() < 1
 
 
-def test_approximate(measured):
-    """The approximate form with the same robust votes."""
-    made = campaign()
-    measured("pyport", lambda: fit_rt32(made, exact=False, method="soft-l1"))
+def test_approximate(beside):
+    """The approximate form with the same votes; katpoint's weighted fit of twelve parameters.
 
-
-def test_approximate_by_katpoint(measured):
-    """Katpoint's weighted fit of twelve parameters; it has no votes, an outlier counts in full."""
+    Katpoint has no votes, an outlier counts in full.
+    """
     katpoint = pytest.importorskip("katpoint")
     made = campaign()
     level = np.cos(made.at.el)
     sigma = np.full(POINTS, SIGMA)
     which = [1, 3, 4, 5, 6, 7, 8, 9, 11, 12, 13, 14]
 
-    def run():
+    def theirs():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", FutureWarning)
             return katpoint.PointingModel().fit(
                 made.at.az, made.at.el, made.x / level, made.y, sigma / level, sigma, which
             )
 
-    assert np.isfinite(measured("katpoint", run)[0]).all()
+    beside(lambda: fit_rt32(made, exact=False, method="soft-l1"), {"katpoint": theirs}, rounds=40)
+
+    assert np.isfinite(theirs()[0]).all()

@@ -5,8 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import pytest
-
 ROWS = {"test_start": "start", "test_import": "import"}
 
 
@@ -15,17 +13,14 @@ def run(*words):
     return lambda: subprocess.run([sys.executable, *words], check=True, capture_output=True)
 
 
-def test_start(measured):
+NUMPY = {"import numpy": run("-c", "import numpy")}
+
+
+def test_start(beside):
     """`pyport --help`."""
-    measured("pyport", run("-m", "pyport", "--help"), rounds=20)
+    beside(run("-m", "pyport", "--help"), NUMPY, rounds=20)
 
 
-def test_import(measured):
+def test_import(beside):
     """`import pyport`."""
-    measured("pyport", run("-c", "import pyport"), rounds=20)
-
-
-@pytest.mark.parametrize("group", ["start", "import"])
-def test_numpy(measured, group):
-    """`import numpy`."""
-    measured("numpy", run("-c", "import numpy"), rounds=20, group=group)
+    beside(run("-c", "import pyport"), NUMPY, rounds=20)

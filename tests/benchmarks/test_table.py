@@ -13,12 +13,7 @@ from pyport import steering
 
 LOOK_UPS = 1_000_000
 
-ROWS = {
-    "test_table": "table",
-    "test_table_in_fortran": "table",
-    "test_look_ups": "look-ups",
-    "test_look_ups_in_fortran": "look-ups",
-}
+ROWS = {"test_table": "table", "test_look_ups": "look-ups"}
 
 
 def table():
@@ -33,21 +28,21 @@ def looked_up():
     return steering.offsets_at(steering.tabulate(reading="float64"), *places())
 
 
-def test_table(measured, tmp_path):
-    """`pyport table` as a whole process, Python's start included."""
-    command = [sys.executable, "-m", "pyport", "table", "-o", "table.txt"]
-    measured("pyport", lambda: subprocess.run(command, cwd=tmp_path, check=True), rounds=15)
+def test_table(beside, compiled, tmp_path):
+    """`pyport table` as a whole process, Python's start included; a Fortran program for it.
 
+    That one writes as many rows; its refraction is not rounded as the published one's.
+    """
+    ours = [sys.executable, "-m", "pyport", "table", "-o", "table.txt"]
+    theirs = [str(compiled("table")), "theirs.txt"]
+    beside(
+        lambda: subprocess.run(ours, cwd=tmp_path, check=True),
+        {"gfortran -O3": lambda: subprocess.run(theirs, cwd=tmp_path, check=True)},
+        rounds=15,
+    )
 
-def test_table_in_fortran(measured, compiled, tmp_path):
-    """A program that writes as many rows; its refraction is not rounded as the published one's."""
-    command = [str(compiled("table")), "table.txt"]
-    measured("gfortran -O3", lambda: subprocess.run(command, cwd=tmp_path, check=True), rounds=15)
-
-    theirs = steering.read_ascii(tmp_path / "table.txt")
-    ours = steering.tabulate()
-    zenith = ours.grid.zd_deg == 0
-    off = np.abs(theirs.d_az_deg - ours.d_az_deg)[:, ~zenith]
+    one, other = (steering.read_ascii(tmp_path / name) for name in ("table.txt", "theirs.txt"))
+    off = np.abs(one.d_az_deg - other.d_az_deg)[:, one.grid.zd_deg != 0]
     assert np.median(off) < 1e-4
 
 
@@ -70,27 +65,23 @@ def look_up(path, where):
     return steering.offsets_at(steering.read_binary(path), *where)
 
 
-def test_look_ups(measured, binary):
-    """Load the binary table and look up a million places."""
-    where = places()
-    measured("pyport", lambda: look_up(binary, where), rounds=10)
+def test_look_ups(beside, compiled, binary, tmp_path):
+    """Load the binary table and look up a million places.
 
-
-def test_look_ups_in_fortran(benchmark, measured, compiled, binary, tmp_path):
-    """A program that reads the ASCII table; it times its own reading and interpolating."""
+    Beside it a program that reads the ASCII table; it takes the time of its own reading and
+    interpolating, not that of the places and answers, which are files for it.
+    """
     where = places()
     steering.write_ascii(steering.read_binary(binary), tmp_path / "table.txt")
     with (tmp_path / "places").open("wb") as file:
         file.write(np.int32(LOOK_UPS).tobytes() + np.stack(where, axis=1).tobytes())
     command = [str(compiled("lookup")), "table.txt", "places", "answers"]
-    taken = []
 
-    def run():
+    def program():
         done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
-        taken.append(float(re.search(r"[\d.E+-]+", done.stdout)[0]))
+        return float(re.search(r"[\d.E+-]+", done.stdout)[0])
 
-    measured("gfortran -O3", run, rounds=6)
-    benchmark.extra_info["seconds"] = min(taken)
+    ours = beside(lambda: look_up(binary, where), {"gfortran -O3": program}, rounds=12)
 
     answers = np.fromfile(tmp_path / "answers").reshape(-1, 2)
-    np.testing.assert_allclose(answers.T, look_up(binary, where), atol=1e-12)
+    np.testing.assert_allclose(answers.T, ours, atol=1e-12)

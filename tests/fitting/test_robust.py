@@ -14,7 +14,7 @@ def test_a_third_of_outliers_does_not_drag_a_line():
     value = 2 + 3 * x + 0.01 * rng.normal(size=90)
     value[::3] += rng.uniform(5, 50, 30)
 
-    weight, _ = robust.weights(columns, value, reach=6)
+    weight, _, _ = robust.weights(columns, value, reach=6)
     root = np.sqrt(weight)
     fitted = np.linalg.lstsq(columns * root[:, None], value * root, rcond=None)[0]
 
@@ -25,7 +25,7 @@ def test_a_third_of_outliers_does_not_drag_a_line():
 def test_ordinary_noise_keeps_its_weight():
     """Among a thousand normal readings almost all weigh one."""
     rng = np.random.default_rng(1)
-    weight, _ = robust.weights(np.ones((1000, 1)), rng.normal(size=1000), reach=6)
+    weight, _, _ = robust.weights(np.ones((1000, 1)), rng.normal(size=1000), reach=6)
 
     assert weight.mean() > 0.995
 

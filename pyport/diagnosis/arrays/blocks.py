@@ -192,7 +192,7 @@ def _block(
 ) -> Block:
     """Return a block with its robust weights and scatter; `_told` adds what it says."""
     columns = np.concatenate([zeros, shapes], axis=1)
-    weight, residual = robust.weights(columns, value, REACH, floor)
+    weight, residual, _ = robust.weights(columns, value, REACH, floor)
     spare = max(1.0, float(weight.sum()) - np.linalg.matrix_rank(columns))
     sigma = max(float(np.sqrt((weight * residual**2).sum() / spare)), floor, 1e-12)
     nothing = np.zeros(0)

@@ -34,6 +34,8 @@ class Curve:
         Scatter of a scan about the curve.
     condition
         Of the three columns: how a, b and d trade against each other.
+    doubts
+        What is wrong with the fit as a whole.
     """
 
     track: Track
@@ -42,6 +44,7 @@ class Curve:
     half_difference: tuple[float, float]
     rms: float
     condition: float
+    doubts: tuple[str, ...]
 
     def __call__(self, hour_angle: Array) -> Array:
         """Return the curve at hour angles [rad]."""
@@ -70,4 +73,5 @@ def curve(track: Track, *, times_cos_el: bool = False) -> Curve:
         (float(fit.value[3]), float(fit.sigma[3])),
         fit.rms,
         condition(track.hour_angle),
+        tuple(fit.doubts),
     )

@@ -30,6 +30,16 @@ def forms(plain: Sequence[Curve], times_cos_el: Sequence[Curve]) -> str:
     return "\n".join(lines)
 
 
+def warnings(found: Sequence[Curve]) -> str:
+    """Return what is wrong with the curves' fits, each sentence with the antennas and days."""
+    of: dict[str, list[str]] = {}
+    for curve in found:
+        for sentence in curve.doubts:
+            of.setdefault(sentence, []).append(f"{curve.track.antenna} {curve.track.session}")
+    lines = [f"warning: {', '.join(names)}: {sentence}" for sentence, names in of.items()]
+    return "\n".join(lines) or "every fit of a curve is sound"
+
+
 def _wave(curve: Curve) -> str:
     return "  ".join(
         f"{value / unit:+6.2f} +-{min(sigma / unit, 999):6.2f}"

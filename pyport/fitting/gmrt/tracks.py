@@ -8,6 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, Array
 from pyport.fitting import robust
+from pyport.fitting.soundness import doubts
 from pyport.recordings.schema import Recordings
 
 #: An antenna with fewer scans in a day tells no curve.
@@ -63,6 +64,8 @@ class Line:
         Weighted sum of squared residuals, and degrees of freedom.
     condition
         Condition number of the columns, each scaled to unit length.
+    settled
+        Whether the weights came to rest.
     """
 
     value: Array
@@ -72,6 +75,20 @@ class Line:
     squares: float
     spare: int
     condition: float
+    settled: bool
+
+    @property
+    def doubts(self) -> list[str]:
+        """Return what is wrong with the fit as a whole."""
+        return list(
+            doubts(
+                condition=self.condition,
+                covariance=self.covariance,
+                numbers=int((self.weight > 0).sum()),
+                rank=len(self.value),
+                settled=self.settled,
+            )
+        )
 
     @property
     def rms(self) -> float:
@@ -115,7 +132,7 @@ def tracks(recordings: Recordings) -> list[Track]:
 
 def line(columns: Array, value: Array) -> Line:
     """Return the robust least-squares fit of columns (n, k) to values (n,)."""
-    weight, residual = robust.weights(columns, value, REACH, ROUNDING)
+    weight, residual, settled = robust.weights(columns, value, REACH, ROUNDING)
     root = np.sqrt(weight)[:, None]
     length = np.linalg.norm(columns * root, axis=0)
     scaled = columns * root / length
@@ -130,4 +147,5 @@ def line(columns: Array, value: Array) -> Line:
         squares,
         spare,
         float(np.linalg.cond(scaled)),
+        settled,
     )

@@ -34,7 +34,9 @@ def bootstrap(fit: Rt32Fit, draws: int = 300, seed: int = 0) -> Array:
     drawn = np.empty((draws, len(fit.values)))
     for k in range(draws):
         times = np.bincount(rng.integers(count, size=count), minlength=count)[session]
-        change, _, _ = settle(fit.columns, fit.residual, lambda _: fit.tuned, times * fit.prior)
+        change, _, _, _ = settle(
+            fit.columns, fit.residual, fit.stack.is_y, lambda _: fit.tuned, times * fit.prior
+        )
         drawn[k] = fit.values + change
     return drawn
 

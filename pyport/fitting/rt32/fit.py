@@ -18,15 +18,17 @@ from pyport.errors import BadInput
 from pyport.fitting.gram import inverse_of, inverted
 from pyport.fitting.rt32.campaigns import BoxStep
 from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
-from pyport.fitting.stacking import Stack, stack
+from pyport.fitting.soundness import doubts
+from pyport.fitting.stacking import Codes, Stack, stack
 from pyport.pointing import PARAMETERS, Rt32Model, approximate_columns
 from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
-#: Linearisations of the exact form: from zero the third one changes nothing that is measured.
-_LINEARISATIONS = 4
+#: Linearisations of the exact form: from zero a fourth one changes a ten-millionth of a sigma.
+_LINEARISATIONS = 3
 #: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
 _ROUGH, _ROUNDS = 4, 60
 _SETTLED = 1e-4
@@ -60,6 +62,8 @@ class Rt32Fit:
         How often votes were weighed before they settled.
     condition
         Condition number of the weighted columns, scaled to unit length.
+    settled
+        Whether the votes came to rest.
     """
 
     recordings: Recordings
@@ -77,6 +81,7 @@ class Rt32Fit:
     tuned: Tuned
     rounds: int
     condition: float
+    settled: bool
 
     @property
     def sigmas(self) -> Array:
@@ -86,7 +91,23 @@ class Rt32Fit:
     @property
     def correlation(self) -> Array:
         """Return the correlations of the parameters."""
-        return self.covariance / np.outer(self.sigmas, self.sigmas)
+        sigma = np.where(self.sigmas > 0, self.sigmas, np.nan)
+        return self.covariance / np.outer(sigma, sigma)
+
+    @property
+    def doubts(self) -> list[str]:
+        """Return what is wrong with the fit as a whole."""
+        known = np.isfinite(self.values)
+        voting = self.inside if self.method == "document" else self.weight > 0
+        return list(
+            doubts(
+                condition=self.condition,
+                covariance=self.covariance[np.ix_(known, known)],
+                numbers=int(voting.sum()),
+                rank=int(known.sum()),
+                settled=self.settled,
+            )
+        )
 
     @property
     def inside(self) -> NDArray[np.bool_]:
@@ -96,9 +117,11 @@ class Rt32Fit:
     @property
     def rms(self) -> float:
         """Return the rms of the residuals within the level [rad]."""
-        return float(np.sqrt(np.mean(self.residual[self.inside] ** 2)))
+        inside = self.residual[self.inside]
+        return float(np.sqrt(np.mean(inside**2))) if len(inside) else float("nan")
 
 
+@one_thread
 def fit_rt32(
     recordings: Recordings,
     *,
@@ -154,14 +177,30 @@ def fit_rt32(
     for turn in range(turns):
         # On the way votes go on from where they were; at the end they settle from equal ones.
         last = turn == turns - 1
-        model = Rt32Model(p[: len(PARAMETERS)], exact)
-        columns = data.spread(*model.columns(recordings.at, linear))
-        left = data.value - data.spread(*model.offsets(recordings.at))
+        if turn == 0:
+            # both forms are the same about zero, where all offsets are zero
+            columns, left = data.spread(*linear), data.value
+        else:
+            model = Rt32Model(p[: len(PARAMETERS)], exact)
+            with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
+                columns = data.spread(*model.columns(recordings.at, linear))
+                left = data.value - data.spread(*model.offsets(recordings.at))
+        if not (np.isfinite(left).all() and np.isfinite(columns).all()):
+            raise BadInput(
+                "the fit does not converge: it asks for parameters that no telescope can have",
+                recordings.file,
+            )
         left = left - (p[-1] if step is None else step) * stepped
         if step is None:
             columns = np.column_stack([columns, stepped])
-        change, tuned, rounds = settle(
-            columns, left, tune, prior, None if last else start, _ROUNDS if last else _ROUGH
+        change, tuned, rounds, settled = settle(
+            columns,
+            left,
+            data.is_y,
+            tune,
+            prior,
+            None if last else start,
+            _ROUNDS if last else _ROUGH,
         )
         p = p + change
         start = tuned.weight(left - columns @ change)
@@ -180,24 +219,29 @@ def fit_rt32(
         recordings, data, method, level, exact, np.nan if step is None else step,
         p * open_or_not,
         inverse * variance(residual, tuned, prior) * np.outer(open_or_not, open_or_not),
-        columns, residual, weight, prior, tuned, rounds, condition,
+        columns, residual, weight, prior, tuned, rounds, condition, settled,
     )  # fmt: skip
 
 
 def settle(
     columns: Array,
     value: Array,
+    is_y: NDArray[np.bool_],
     tune: Tune,
     times: Array,
     start: Array | None = None,
     most: int = _ROUNDS,
-) -> tuple[Array, Tuned, int]:
-    """Return the coefficients at which votes and residuals agree, the loss, and the rounds it took.
+) -> tuple[Array, Tuned, int, bool]:
+    """Return the coefficients at which votes and residuals agree, and how that came about.
+
+    With them come the loss, the rounds it took, and whether votes had settled by then.
 
     Parameters
     ----------
     columns, value
         The design (m, P) and the data (m,).
+    is_y
+        Which axis each datum is of, cross-elevations first as a stack has them, shape (m,).
     tune
         What sets the votes by the residuals.
     times
@@ -208,14 +252,32 @@ def settle(
         Rounds after which it ends whether votes have settled or not.
     """
     weight = np.ones(len(value)) if start is None else start
-    rows = np.ascontiguousarray(columns.T)
+    halves = _halves(columns, is_y)
+    solution, residual, slope = np.zeros(columns.shape[1]), value, weight
     for rounds in range(1, most + 1):
-        weighted = rows * (weight * times)
-        solution = inverse_of(weighted @ columns)[0] @ (weighted @ value)
-        residual = value - solution @ rows
+        normal, right = np.zeros((len(solution),) * 2), np.zeros(len(solution))
+        for rows, which, own in halves:
+            normal[np.ix_(which, which)] += own * (slope * times)[rows] @ own.T
+            right[which] += own @ (weight * times * residual)[rows]
+        solution = solution + inverse_of(normal)[0] @ right
+        residual = np.concatenate(
+            [value[rows] - solution[which] @ own for rows, which, own in halves]
+        )
         tuned = tune(residual)
         new = tuned.weight(residual)
         if np.max(np.abs(new - weight)) < _SETTLED:
-            return solution, tuned, rounds
+            return solution, tuned, rounds, True
         weight = new
-    return solution, tuned, most
+        # near the end Newton's steps: they know that votes change as residuals do
+        slope = weight if rounds == 1 else np.maximum(tuned.slope(residual), weight / 4)
+    return solution, tuned, most, False
+
+
+def _halves(columns: Array, is_y: NDArray[np.bool_]) -> list[tuple[slice, Codes, Array]]:
+    """Return the rows of either axis, the columns that move it, and these turned, (k, rows)."""
+    first = int((~is_y).sum())
+    found = []
+    for rows in (slice(0, first), slice(first, len(columns))):
+        which = np.flatnonzero(columns[rows].any(axis=0))
+        found.append((rows, which, np.ascontiguousarray(columns[rows][:, which].T)))
+    return found

@@ -44,6 +44,7 @@ def text(fit: Rt32Fit, honest: Array) -> str:
             f"formal sigmas are too small {by} through the cut alone: "
             "the fit decides itself which points vote"
         )
+    lines += [f"warning: {sentence}" for sentence in fit.doubts]
     return "\n".join(lines)
 
 
@@ -56,7 +57,7 @@ def _head(fit: Rt32Fit) -> list[str]:
         lines.insert(0, f"SIMULATED: {simulated}")
     is_y, inside = fit.stack.is_y, fit.inside.sum()
     voted = "fitted" if fit.method == "document" else f"within {fit.level / DEG:.4f} deg"
-    rms = f'RMS of {fit.rms / ARCSEC:.1f}" = {fit.rms / DEG:.6f} deg'
+    rms = f'RMS of {fit.rms / ARCSEC:.1f}" = {fit.rms / DEG:.6f} deg' if inside else "no RMS"
     lines += [
         f"{len(is_y)} offsets ({is_y.sum()} of altitude, {(~is_y).sum()} of azimuth) were analysed",
         f"and {inside} points {voted} with {rms}",
@@ -133,7 +134,7 @@ def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:
         "points": len(fit.stack),
         "within_level": int(fit.inside.sum()),
         "level_deg": fit.level / DEG,
-        "rms_arcsec": fit.rms / ARCSEC,
+        "rms_arcsec": _number(fit.rms / ARCSEC),
         "parameters": [
             {
                 "name": f"p{k + 1}" if k < len(PARAMETERS) else "box_step",
@@ -145,7 +146,8 @@ def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:
             for k, value in enumerate(fit.values)
         ],
         "correlation": [[_number(one) for one in row] for row in fit.correlation],
-        "condition_number": fit.condition,
+        "condition_number": _number(fit.condition),
+        "warnings": fit.doubts,
     }
 
 

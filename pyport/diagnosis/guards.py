@@ -1,0 +1,145 @@
+"""What the recordings must hold before an effect is named, whatever its evidence.
+
+Evidence weighs how well a curve fits. It does not know that one night has one temperature
+curve, that a change between sessions needs two of them, or that five readings are five.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.scene import Scene
+from pyport.effects.base import Effect
+
+#: Pointings that must carry an effect's curve, and that each side of a change must have.
+FEWEST = 4
+#: Measured numbers that must be left beyond all coefficients: the scatter that names are
+#: weighed by is then known to a third of itself.
+SPARE = 20
+#: What is not measured for so long parts two nights [s].
+NIGHT_GAP_S, DAY_S = 6 * 3600.0, 86400.0
+#: A column of which a cubic in time draws this share went with the hour.
+SMOOTH, ORDER = 0.9, 3
+
+#: What the weather does to offsets, by the column that it must be told apart in.
+_WEATHER = {
+    "temperature": "temperature_c",
+    "wet_refraction": "humidity_pct",
+    "wind_tilt": "wind_speed_m_s",
+}
+#: What goes with the hour in every night.
+_BY_THE_HOUR = {"thermal_tilt": "the Sun", "drift": "the time"}
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why an effect is not named, and what would have to be observed."""
+
+    reason: str
+    decide_by: str
+
+
+def refusal(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
+    """Return why these recordings cannot carry an effect's name; None where they can.
+
+    `seen` is what is visible of it in each reading [rad], shape (m,).
+    """
+    return _too_few(scene, seen) or _one_session(scene, effect) or _one_night(scene, effect)
+
+
+def _too_few(scene: Scene, seen: Array) -> Refusal | None:
+    used, rank = scene.weighed.used, scene.joint.solution.rank
+    numbers = scene.setup.pointing[used] * 2 + scene.setup.stack.is_y[used]
+    there, needed = len(np.unique(numbers)), rank + SPARE
+    if there < needed:
+        return Refusal(
+            f"{there} measured numbers are too few for {rank} coefficients and {SPARE} more, by "
+            "which one cause is told from another",
+            f"record {-(-(needed - there) // 2)} pointings more, or more",
+        )
+    if (carried := carriers(scene, seen)) < FEWEST:
+        return Refusal(
+            f"what is seen of it rests on {carried:.1f} pointings, fewer than {FEWEST}",
+            "record more pointings where it is seen",
+        )
+    return None
+
+
+def carriers(scene: Scene, seen: Array) -> float:
+    """Return how many pointings carry what is visible of an effect.
+
+    One over the sum of the squares of the shares that pointings have in its weight (Kish
+    1965, Survey Sampling: the effective size of a sample).
+    """
+    size = scene.weighed.used * seen / np.maximum(scene.floor, 1e-300)
+    weight: Array = np.bincount(scene.setup.pointing, size**2).astype(float)
+    weight /= max(float(weight.max(initial=0.0)), 1e-300)
+    return float(weight.sum() ** 2 / max(float(weight @ weight), 1e-300))
+
+
+def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
+    if not effect.id.startswith("epoch"):
+        return None
+    sessions = len(np.unique(scene.setup.session))
+    if max(sessions, nights(scene)) > 1:
+        return None
+    return Refusal(
+        "a change from one session to another is not to be seen in a single one: whatever else "
+        "changed in that night looks the same",
+        "observe in a second session",
+    )
+
+
+def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
+    """Refuse what follows something that went with the hour, where there is one night only."""
+    driver = _BY_THE_HOUR.get(effect.id)
+    column = _WEATHER.get(effect.id)
+    if column is not None and goes_with_the_hour(scene, column):
+        driver = column
+    if driver is None or nights(scene) > 1:
+        return None
+    return Refusal(
+        f"these recordings are of one night, in which {driver} went with the hour: whatever else "
+        "did looks the same",
+        "observe in a second night",
+    )
+
+
+def nights(scene: Scene) -> int:
+    """Return in how many nights there are enough pointings; of longer runs each day counts.
+
+    Where no times are known sessions stand for nights.
+    """
+    time = _times(scene)
+    if time is None:
+        return len(np.unique(scene.setup.session))
+    time = np.sort(time)
+    runs = np.split(time, np.flatnonzero(np.diff(time) > NIGHT_GAP_S) + 1)
+    return sum(max(1, round(float(run[-1] - run[0]) / DAY_S)) for run in runs if len(run) >= FEWEST)
+
+
+def goes_with_the_hour(scene: Scene, column: str) -> bool:
+    """Tell whether a smooth curve in time draws a column; where no times are known it may be so."""
+    time = _times(scene)
+    if time is None or len(time) < ORDER + 2 or np.ptp(time) == 0:
+        return True
+    values = np.asarray(scene.setup.recordings.at.column(column), float)
+    known = np.isfinite(values)
+    if known.sum() < ORDER + 2:
+        return True
+    phase = (time - time.min()) / np.ptp(time) * 2 - 1
+    basis = np.polynomial.legendre.legvander(phase[known], ORDER)
+    left = values[known] - basis @ np.linalg.lstsq(basis, values[known], rcond=1e-9)[0]
+    return float(left.var()) <= (1 - SMOOTH) * float(values[known].var())
+
+
+def _times(scene: Scene) -> Array | None:
+    """Return the time of each row [s], None where any is unknown."""
+    at = scene.setup.recordings.at
+    if "time" not in at:
+        return None
+    time = np.asarray(at.column("time"), float)
+    return time if np.isfinite(time).all() else None

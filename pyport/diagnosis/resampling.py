@@ -1,0 +1,196 @@
+"""Whether a name comes back: the choice among the nearest names, made again on resampled data.
+
+Whole sessions, or blocks of time, are drawn with replacement. Their products add up, so a
+draw costs one small sum; the model, the other findings, the name and its rivals are fitted
+anew in each.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Setup
+from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
+from pyport.diagnosis.identify import TIE, fits_physics
+from pyport.diagnosis.scene import Scene
+from pyport.diagnosis.steps import Step
+from pyport.fitting.gram import inverse_of
+from pyport.fitting.stacking import Codes
+from pyport.stages import stage
+
+DRAWS = 40
+#: A name that comes first in fewer draws than this share is not stable.
+STABLE = 0.8
+#: So many of the nearest names compete with it.
+RIVALS = 4
+#: Rivals that fell behind by more than this in evidence cannot come first in any draw.
+NEAR = 100.0
+#: Sessions from which on whole sessions are drawn; else so many blocks of time.
+ENOUGH_SESSIONS, BLOCKS = 10, 40
+
+
+@dataclass(frozen=True)
+class Stability:
+    """How often a name came first.
+
+    Attributes
+    ----------
+    resampled
+        What was drawn: sessions, blocks of time or pointings.
+    draws, kept
+        How often, and in how many the name, or one of its class, came first.
+    instead
+        The name that came first most often where it did not; None where it always did, or
+        nothing was worth a name.
+    """
+
+    resampled: str
+    draws: int
+    kept: int
+    instead: str | None
+
+    @property
+    def stable(self) -> bool:
+        """Tell whether the name survives."""
+        return self.kept >= STABLE * self.draws
+
+    @property
+    def words(self) -> str:
+        """Return what a name that is not stable must be told with."""
+        other = "no name" if self.instead is None else f"mostly {self.instead}"
+        return (
+            f"not stable: drawing the {self.resampled} anew, the name came back in {self.kept} of "
+            f"{self.draws} draws, {other} in the others"
+        )
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as the report spells it."""
+        return vars(self) | {"stable": self.stable}
+
+
+@stage("resampling")
+def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -> Stability:
+    """Return how often the name of a choice comes first when the data are drawn anew.
+
+    Parameters
+    ----------
+    scene
+        What findings are read from.
+    choice
+        The choice's place in the joint fit.
+    step
+        The turn that it was chosen in, whose trials hold its rivals.
+    members
+        Ids of the effects that the data cannot tell from it: they count as the name itself.
+    """
+    setup, choices = scene.setup, scene.joint.choices
+    own = choices[choice]
+    others = [one for n, one in enumerate(choices) if n != choice]
+    taken = {one.candidate.effect.id for one in others} | set(members)
+    competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
+    prices = [2 * np.log(one.candidate.choices) for one in competing]
+    prices[0] = _price(scene, step.winner)
+    white = scene.weighed.white
+    parts = [setup.expanded([one], of=white) for one in competing]
+    model = setup.expanded(others, of=white)
+    columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
+    resampled, unit = _units(setup, own)
+    products = _products(columns, np.concatenate([unit, unit]))
+    starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
+    slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
+    excess = [_excess(scene, one) for one in competing]
+    rng = np.random.default_rng([setup.seed, choice])
+    first: Counter[str | None] = Counter()
+    for _ in range(DRAWS):
+        times = np.bincount(rng.integers(0, len(products), len(products)), minlength=len(products))
+        drawn = np.tensordot(times, products, axes=1)
+        worth = _worths(drawn, model.shape[1], slices, excess) - np.array(prices)
+        best = int(np.argmax(np.round(worth, TIE)))
+        first[competing[best].candidate.effect.id if worth[best] > 0 else None] += 1
+    kept = first.pop(own.candidate.effect.id, 0)
+    instead = first.most_common(1)[0][0] if first else None
+    return Stability(resampled, DRAWS, kept, instead)
+
+
+def _price(scene: Scene, winner: Trial) -> float:
+    """Return what a winner pays for being one of its kind, its moment or edge refined."""
+    coefficients = winner.dof * float(np.log(max(scene.weighed.evidence.pointings, 3)))
+    return winner.gain - winner.delta_bic - coefficients
+
+
+def _rivals(step: Step, taken: Collection[str]) -> list[Trial]:
+    """Return the best trials of the nearest other names."""
+    found: dict[str, Trial] = {}
+    for trial in sorted(step.trials, key=lambda one: -round(one.evidence, TIE)):
+        effect = trial.candidate.effect
+        if trial.evidence < step.winner.evidence - NEAR or len(found) == RIVALS:
+            break
+        if not effect.physical or effect.id in taken or effect.id in found:
+            continue
+        if fits_physics(trial):
+            found[effect.id] = trial
+    return list(found.values())
+
+
+def _excess(scene: Scene, one: Chosen) -> float:
+    return scene.weighed.evidence.common.factor if "antenna" not in one.scope else 1.0
+
+
+def _units(setup: Setup, own: Chosen) -> tuple[str, Codes]:
+    """Return what is drawn together, and the number of the unit of each reading, shape (m,)."""
+    sessions = setup.session
+    effect = own.candidate.effect
+    of_session = "session" in own.scope or effect.id.startswith("epoch") or own.candidate.of_time
+    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not of_session:
+        return "sessions", sessions
+    at = setup.recordings.at
+    time = np.full(len(at), np.nan)
+    if "time" in at:
+        time = np.asarray(at.column("time"), float)
+    if not np.isfinite(time).all():
+        rng = np.random.default_rng(setup.seed)
+        distinct, pointing = np.unique(setup.pointing, return_inverse=True)
+        deal = rng.permutation(len(distinct)) % min(BLOCKS, len(distinct))
+        return "pointings", deal[pointing]
+    # Moments in the order of sessions and time; what was measured at one moment stays together.
+    keys = np.stack([sessions, time[setup.stack.row]])
+    moments, moment = np.unique(keys, axis=1, return_inverse=True)
+    session = moments[0].astype(np.intp)
+    rank = np.arange(len(session)) * BLOCKS // len(session)
+    unit = np.unique(np.stack([session, rank]), axis=1, return_inverse=True)[1]
+    return "blocks of time", unit.ravel()[moment.ravel()]
+
+
+def _products(columns: Array, unit: Codes) -> Array:
+    """Return the products of columns (n, K) within each unit, shape (units, K, K)."""
+    count, size = int(unit.max()) + 1, columns.shape[1]
+    out = np.zeros((count, size, size))
+    order = np.argsort(unit, kind="stable")
+    edges = np.searchsorted(unit[order], np.arange(count + 1))
+    for one, (low, high) in enumerate(pairwise(edges)):
+        rows = columns[order[low:high]]
+        out[one] = rows.T @ rows
+    return out
+
+
+def _worths(drawn: Array, model: int, slices: list[slice], excess: list[float]) -> Array:
+    """Return the evidence for each of some blocks of columns beside the model, its price unpaid."""
+    inverse = inverse_of(drawn[:model, :model])[0]
+    cross = drawn[:model, model:]
+    left = drawn[model:, model:] - cross.T @ inverse @ cross
+    found = []
+    for one, factor in zip(slices, excess, strict=True):
+        own = slice(one.start - model, one.stop - model)
+        power = np.diag(drawn)[one]
+        length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
+        values, vectors = np.linalg.eigh(left[own, own] / np.outer(length, length))
+        good = values > VISIBLE**2 * max(1.0, float(values[-1]))
+        along = vectors[:, good].T @ (left[own, -1] / length)
+        found.append(at_best(values[good] / factor, along / factor)[0] if good.any() else -np.inf)
+    return np.array(found)

@@ -1,0 +1,172 @@
+"""Models compared by what they predict, and what makes one of them an overfit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import ARCSEC
+from pyport.errors import BadInput
+from pyport.fitting.models import Model
+from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
+from pyport.prediction.left_out import left_out, on_another, on_the_sky, schemes
+from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
+
+#: Readings of less weight beside the model are outliers and count for nobody.
+OUTLIER = 0.05
+#: What is left of the readings when some are left out must still determine a model.
+KEPT = 0.8
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one contender comes to: rms on the sky [arcsec].
+
+    Attributes
+    ----------
+    name, terms
+        Who, and of how many coefficients.
+    fitted
+        Over the readings that it was fitted to.
+    unseen
+        Over readings left out, by the way in which they were.
+    nights
+        Over other files' readings, their zero points refitted.
+    """
+
+    name: str
+    terms: float
+    fitted: float
+    unseen: dict[str, float]
+    nights: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All contenders: the model first, then its rivals, the own choice, and terms picked anew.
+
+    `cancel` tells of each rival how large its largest single term is over all that its
+    terms beyond the model's come to.
+    """
+
+    file: str
+    pointings: int
+    numbers: int
+    outliers: int
+    model: Row
+    rivals: tuple[Row, ...]
+    own: Row
+    picked: tuple[Row, ...]
+    cancel: dict[str, float]
+
+    def rows(self) -> tuple[Row, ...]:
+        """Return all in the order of a table."""
+        return (self.model, *self.rivals, *self.picked, self.own)
+
+
+@one_thread
+def compare(
+    recordings: Recordings,
+    model: Model,
+    rivals: Sequence[Model] = (),
+    others: Sequence[Recordings] = (),
+    *,
+    seed: int = 0,
+    tell: Callable[[str], None] = lambda _: None,
+) -> Comparison:
+    """Compare models by their predictions of readings that they were not fitted to.
+
+    Parameters
+    ----------
+    recordings, model
+        The measurements, and the model that the choice for prediction starts from.
+    rivals
+        Other models. For each of more terms there is a contender of as many that picks
+        its own: once from all readings, and anew wherever readings are left out.
+    others
+        Recordings of other nights.
+    seed
+        Of the deal of pointings.
+    tell
+        Called with a line whenever there is news.
+
+    Raises
+    ------
+    BadInput
+        There are several antennas, or too few readings for a model.
+    """
+    night, nights = Night.of(recordings), [Night.of(one) for one in others]
+    first = Refitted(night, model)
+    others_of = [Refitted(night, one) for one in rivals]
+    for each in (first, *others_of):
+        if len(night.stack) * KEPT < each.terms + 1:
+            raise BadInput(
+                f"{len(night.stack)} measured offsets are too few to leave some out beside the "
+                f"{each.terms:.0f} coefficients of {each.name}",
+                recordings.file,
+            )
+    more = sorted({int(one.terms) for one in others_of if one.terms > first.terms})
+    pickers = [Picked(night, model, count, anew=one) for count in more for one in (False, True)]
+    own = OwnChoice(night, model)
+
+    def row(one: Contender) -> Row:
+        tell(one.name)
+        return _row(one, night, nights, model, seed)
+
+    return Comparison(
+        recordings.file.name,
+        len(recordings),
+        len(night.stack),
+        int(np.count_nonzero(~_counted(night, model))),
+        row(first),
+        tuple(row(one) for one in others_of),
+        row(own),
+        tuple(row(one) for one in pickers),
+        {one.name: cancelled(one, first) for one in others_of},
+    )
+
+
+def _row(one: Contender, night: Night, nights: Sequence[Night], model: Model, seed: int) -> Row:
+    counted, is_y = _counted(night, model), night.stack.is_y
+    fitted = one.residual(np.ones(len(night.stack), bool))
+    return Row(
+        one.name,
+        one.terms,
+        on_the_sky(fitted, is_y, counted) / ARCSEC,
+        {
+            way.name: on_the_sky(left_out(one, way), is_y, counted) / ARCSEC
+            for way in schemes(night, seed)
+        },
+        {
+            other.recordings.file.stem: on_the_sky(
+                on_another(one, night, other), other.stack.is_y, _counted(other, model)
+            )
+            / ARCSEC
+            for other in nights
+        },
+    )
+
+
+def _counted(night: Night, model: Model) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Tell which readings are no outliers beside the model, shape (m,)."""
+    everything = np.ones(len(night.stack), bool)
+    weight = solved(night.columns(model), night.value(model), night.stack.is_y, everything)[1]
+    return np.asarray(weight >= OUTLIER)
+
+
+def cancelled(rival: Refitted, model: Refitted) -> float:
+    """Return the rms of a rival's largest term over that of what it adds to the model.
+
+    Each is taken with the model projected out; terms that are the model's own add nothing.
+    """
+    everything = np.ones(len(rival.value), bool)
+    values, _ = solved(rival.columns, rival.value, rival.night.stack.is_y, everything)
+    terms = rival.columns * values
+    basis = np.linalg.qr(model.columns / np.linalg.norm(model.columns, axis=0))[0]
+    whole = terms.sum(axis=1)
+    added = whole - basis @ (basis.T @ whole)
+    single = terms - basis @ (basis.T @ terms)
+    return float(np.linalg.norm(single, axis=0).max() / max(np.linalg.norm(added), 1e-300))

@@ -1,0 +1,180 @@
+"""Who predicts: models refitted, the choice for prediction, terms picked automatically."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.effects import MissingColumn
+from pyport.errors import BadInput
+from pyport.fitting import robust
+from pyport.fitting.models import Model
+from pyport.fitting.stacking import Stack, stack
+from pyport.prediction import picked, shrunk, waves
+from pyport.recordings.schema import Recordings
+
+Rows = NDArray[np.bool_]
+
+
+class Contender(Protocol):
+    """Whoever is fitted to some readings and predicts others.
+
+    Attributes
+    ----------
+    name
+        What it is called.
+    terms
+        Its coefficients; of shrunk ones, how many free ones they amount to.
+    """
+
+    name: str
+    terms: float
+
+    def residual(self, train: Rows, other: Night | None = None) -> Array:
+        """Return what predictions leave of all readings, or of another night's, shape (m,).
+
+        `train` are the readings of its own night that it is fitted to, shape (m,).
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Night:
+    """Recordings that are predicted, and their readings as one list."""
+
+    recordings: Recordings
+    stack: Stack
+
+    @classmethod
+    def of(cls, recordings: Recordings) -> Night:
+        """Return the readings of recordings of one antenna.
+
+        Raises
+        ------
+        BadInput
+            There are several antennas.
+        """
+        names = np.unique(recordings.label("antenna").astype(str))
+        if len(names) > 1:
+            raise BadInput(
+                f"{len(names)} antennas, expected one: choose with "
+                f"--where 'antenna == \"{names[0]}\"'",
+                recordings.file,
+            )
+        return cls(recordings, stack(recordings))
+
+    def columns(self, model: Model) -> Array:
+        """Return the columns of a model's free terms, shape (m, p).
+
+        Raises
+        ------
+        BadInput
+            A term needs more than these recordings tell.
+        """
+        at, file = self.recordings.at, self.recordings.file
+        try:
+            parts = [self.stack.columns(term.effect, at) for term in model.fitted()]
+        except MissingColumn as lack:
+            raise BadInput(f"{model.name} {lack}, which is not there", file) from None
+        return np.concatenate([np.zeros((len(self.stack), 0)), *parts], axis=1)
+
+    def value(self, model: Model) -> Array:
+        """Return the offsets less what a model gives before any fit, shape (m,) [rad]."""
+        return self.stack.value - self.stack.spread(*model.offsets(self.recordings.at))
+
+
+def solved(columns: Array, value: Array, is_y: Rows, rows: Rows) -> tuple[Array, Array]:
+    """Return coefficients (p,) of a robust fit to some rows, and the weights of those, (m,).
+
+    Each axis is weighted by its own scatter.
+    """
+    weight, scatter = np.zeros(len(value)), np.ones(len(value))
+    for axis in (False, True):
+        own = rows & (is_y == axis)
+        if not own.any():
+            continue
+        there = columns[own][:, np.any(columns[own] != 0, axis=0)]
+        floor = robust.rounding(value[own])
+        weight[own], left, _ = robust.weights(there, value[own], shrunk.REACH, floor)
+        spare = max(1.0, float(weight[own].sum()) - there.shape[1])
+        size = float(np.sqrt((weight[own] * left**2).sum() / spare))
+        scatter[own] = max(size, floor, 1e-12)
+    root = np.sqrt(weight) / scatter
+    length = np.maximum(np.linalg.norm(columns[rows], axis=0), 1e-300)
+    white = (columns / length * root[:, None])[rows]
+    values = np.linalg.lstsq(white, (value * root)[rows], rcond=1e-10)[0]
+    return values / length, weight
+
+
+class Refitted:
+    """A model with its terms held and their coefficients fitted."""
+
+    def __init__(self, night: Night, model: Model, name: str = ""):
+        self.night, self.model, self.name = night, model, name or model.name
+        self.columns, self.value = night.columns(model), night.value(model)
+        self.terms = float(self.columns.shape[1])
+
+    def residual(self, train: Rows, other: Night | None = None) -> Array:
+        """Return what predictions leave of all readings, or of another night's."""
+        values, _ = solved(self.columns, self.value, self.night.stack.is_y, train)
+        if other is None:
+            return self.value - self.columns @ values
+        return other.value(self.model) - other.columns(self.model) @ values
+
+
+class OwnChoice:
+    """The model and waves, shrunk as far as the readings that it is fitted to say."""
+
+    name = "own choice"
+
+    def __init__(self, night: Night, model: Model):
+        self.night, self.model = night, model
+        self.known = self._known(night)
+        self.whole = shrunk.fit(self.known)
+        self.terms = self.known.model.shape[1] + self.whole.freed
+
+    def _known(self, night: Night) -> shrunk.Known:
+        shapes = waves.columns(night.recordings.at)[night.stack.row]
+        columns, value = night.columns(self.model), night.value(self.model)
+        return shrunk.Known(columns, shapes, night.stack.is_y, value)
+
+    def residual(self, train: Rows, other: Night | None = None) -> Array:
+        """Return what predictions leave of all readings, or of another night's."""
+        found = self.whole
+        if not train.all():
+            found = shrunk.fit(self.known.take(train), self.whole.logs)
+        at = self.known if other is None else self._known(other)
+        return at.value - found.predict(at)
+
+
+class Picked:
+    """A model and terms picked automatically: anew in each fit, or once from all readings.
+
+    Terms that were picked once have seen what is left out afterwards.
+    """
+
+    def __init__(self, night: Night, model: Model, terms: int, *, anew: bool):
+        self.night, self.model, self.terms = night, model, float(terms)
+        self.name = f"{terms} terms picked {'anew each time' if anew else 'once, then held'}"
+        self.value, self.columns = night.value(model), night.columns(model)
+        self.listed = picked.columns(night.recordings.at, night.stack.row, night.stack.is_y)
+        self.held = None if anew else self._pick(np.ones(len(self.value), bool))
+
+    def _pick(self, rows: Rows) -> list[int]:
+        more = int(self.terms) - self.columns.shape[1]
+        return picked.pick(self.columns[rows], self.listed[rows], self.value[rows], more)
+
+    def residual(self, train: Rows, other: Night | None = None) -> Array:
+        """Return what predictions leave of all readings, or of another night's."""
+        kept = self._pick(train) if self.held is None else self.held
+        columns = np.concatenate([self.columns, self.listed[:, kept]], axis=1)
+        values, _ = solved(columns, self.value, self.night.stack.is_y, train)
+        if other is None:
+            return self.value - columns @ values
+        listed = picked.columns(other.recordings.at, other.stack.row, other.stack.is_y)
+        columns = np.concatenate([other.columns(self.model), listed[:, kept]], axis=1)
+        return other.value(self.model) - columns @ values

@@ -1,0 +1,190 @@
+"""Predictions: smooth misfits are carried over, noise is not, and picked terms pay for picking."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pyport.angles import ARCSEC, DEG
+from pyport.cli.predict import command
+from pyport.effects import Circumstances, Site
+from pyport.errors import BadInput
+from pyport.fitting.models import load
+from pyport.prediction import left_out, picked, shrunk, waves, words
+from pyport.prediction.compare import compare
+from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
+from pyport.recordings import read
+from pyport.recordings.schema import Recordings
+
+ALTAZ = load("altaz")
+DATA = Path(__file__).parents[3] / "shared" / "data" / "auxtel"
+
+
+def _night(n, seed, bent_arcsec=0.0, noise_arcsec=3.0, **columns):
+    """Return a night of n pointings of a mount that is bent in elevation."""
+    rng = np.random.default_rng(seed)
+    az, el = rng.uniform(0, 2 * np.pi, n), rng.uniform(15 * DEG, 85 * DEG, n)
+    x = 40 * np.cos(el) - 25 + 9 * np.sin(el) * np.sin(az)
+    y = 60 * np.cos(el) + 9 * np.cos(az) + bent_arcsec * np.sin(8 * el)
+    offsets = [one + noise_arcsec * rng.normal(size=n) for one in (x, y)]
+    nothing = np.full(n, np.nan)
+    at = Circumstances(az, el, Site(0.9), columns)
+    x, y = (one * ARCSEC for one in offsets)
+    return Recordings(at, x, y, nothing, nothing, np.arange(n) + 2, Path(f"night{seed}.csv"))
+
+
+@pytest.fixture(autouse=True)
+def _one_deal(monkeypatch):
+    """Deal pointings once: what is tested here does not hang on how often."""
+    monkeypatch.setattr(left_out, "DEALS", 1)
+
+
+def _unseen(contender, night):
+    """Return the rms [arcsec] on pointings left out."""
+    scheme = next(iter(left_out.schemes(night, 0)))
+    left = left_out.left_out(contender, scheme)
+    everything = np.ones(len(left), bool)
+    return left_out.on_the_sky(left, night.stack.is_y, everything) / ARCSEC
+
+
+@given(st.floats(-3, 1))
+def test_a_spectrum_adds_up_to_one_and_slopes_as_it_says(log_length):
+    """However long the waves are, their variances add up to one."""
+    for family in waves.FAMILIES:
+        lengths = np.full(len(family.length), log_length)
+        log, slope = family.spectrum(lengths)
+        step = 1e-6 * np.eye(len(lengths))
+        numbers = [
+            (family.spectrum(lengths + one)[0] - family.spectrum(lengths - one)[0]) / 2e-6
+            for one in step
+        ]
+
+        assert np.exp(log).sum() == pytest.approx(1)
+        assert slope == pytest.approx(np.stack(numbers, axis=1), abs=1e-3, rel=1e-5)
+
+
+@settings(max_examples=2)
+@given(st.integers(0, 1000))
+def test_the_evidence_slopes_as_it_says(seed):
+    """The slopes that the search follows are those of the evidence."""
+    night = Night.of(_night(20, 1, 8.0))
+    known = OwnChoice(night, ALTAZ).known
+    evidence = shrunk._Evidence(known, np.ones(40), 5 * ARCSEC)
+    logs = evidence.first() + 0.1 * np.random.default_rng(seed).normal(size=len(evidence.first()))
+    step = 1e-5 * np.eye(len(logs))
+    numbers = [(evidence.at(logs + one)[0] - evidence.at(logs - one)[0]) / 2e-5 for one in step]
+
+    assert evidence.at(logs)[1] == pytest.approx(numbers, abs=1e-3)
+
+
+def test_where_the_model_suffices_waves_cost_next_to_nothing():
+    """On noise alone the own choice predicts as the model does, to three in a hundred."""
+    night = Night.of(_night(120, 2))
+
+    assert _unseen(OwnChoice(night, ALTAZ), night) < 1.03 * _unseen(Refitted(night, ALTAZ), night)
+
+
+def test_a_smooth_misfit_is_predicted_at_readings_left_out():
+    """A curve in elevation that no term has is predicted down to little more than the noise."""
+    night = Night.of(_night(120, 3, 20.0))
+    own, model = _unseen(OwnChoice(night, ALTAZ), night), _unseen(Refitted(night, ALTAZ), night)
+
+    assert own < 1.3 * 3 * np.sqrt(2)
+    assert model > 2 * own
+
+
+def test_a_curve_carries_over_to_another_night_with_other_zero_points():
+    """What the telescope has on one night it has on the next, but for its zero points."""
+    first, second = _night(100, 4, 20.0), _night(100, 5, 20.0)
+    second = replace(second, y=second.y + 90 * ARCSEC)
+    night, other = Night.of(first), Night.of(second)
+    everything = np.ones(200, bool)
+    own, model = (
+        left_out.on_the_sky(left_out.on_another(one, night, other), other.stack.is_y, everything)
+        for one in (OwnChoice(night, ALTAZ), Refitted(night, ALTAZ))
+    )
+
+    assert own < 0.5 * model
+
+
+def test_one_gross_outlier_moves_no_prediction():
+    """A reading off by ten minutes of arc leaves the others' predictions where they were."""
+    clean = _night(100, 6, 15.0)
+    spoilt = replace(clean, y=clean.y + 600 * ARCSEC * (np.arange(100) == 50))
+    night, bad = Night.of(clean), Night.of(spoilt)
+    everything = np.ones(200, bool)
+    before, after = (OwnChoice(one, ALTAZ).residual(everything) for one in (night, bad))
+    others = ~(night.stack.is_y & (night.stack.row == 50))
+
+    assert np.abs(before - after)[others].max() < 2 * ARCSEC
+
+
+def test_terms_picked_from_noise_flatter_themselves_only_while_they_are_held():
+    """Twelve terms of noise: better than the model where they saw it, worse where not."""
+    night = Night.of(_night(60, 7))
+    held, anew = (Picked(night, ALTAZ, 19, anew=one) for one in (False, True))
+    model = _unseen(Refitted(night, ALTAZ), night)
+
+    assert _unseen(held, night) < model < _unseen(anew, night)
+
+
+def test_picking_takes_the_term_that_is_there():
+    """The second harmonic of azimuth in elevation is the first to be picked."""
+    recordings = _night(60, 8, noise_arcsec=0.1)
+    recordings = replace(recordings, y=recordings.y + 20 * ARCSEC * np.sin(2 * recordings.at.az))
+    night = Night.of(recordings)
+    terms = picked.columns(recordings.at, night.stack.row, night.stack.is_y)
+    first = picked.pick(night.columns(ALTAZ), terms, night.value(ALTAZ), 1)
+    expected = np.sin(2 * recordings.at.az)[night.stack.row] * night.stack.is_y
+
+    assert terms[:, first[0]] == pytest.approx(expected)
+
+
+def test_several_antennas_are_told_to_come_one_by_one():
+    """One antenna's mount says nothing of another's."""
+    names = np.array(["A", "B"] * 20)
+
+    with pytest.raises(BadInput, match="2 antennas, expected one"):
+        Night.of(_night(40, 9, antenna=names))
+
+
+def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
+    """The table, the verdict and the grid; the grid reads as recordings."""
+    at = _night(44, 10, 20.0)
+    file, model = tmp_path / "night.csv", tmp_path / "many.toml"
+    rows = zip(at.at.az / DEG, at.at.el / DEG, at.x / ARCSEC, at.y / ARCSEC, strict=True)
+    file.write_text(
+        "# latitude_deg: 50\naz_deg,el_deg,d_xel_arcsec,d_el_arcsec\n"
+        + "".join(",".join(f"{one:.5f}" for one in row) + "\n" for row in rows)
+    )
+    terms = "azimuth_zero elevation_zero collimation skew tilt sag_cosine sag_sine azimuth_track"
+    model.write_text("".join(f'[[term]]\neffect = "{one}"\n' for one in terms.split()))
+    arguments = [str(file), "--against", str(model), "--grid", str(tmp_path / "grid.csv")]
+    done = CliRunner().invoke(command, [*arguments, "--out", str(tmp_path / "out"), "--json"])
+    told = json.loads(done.output)
+    grid = read(tmp_path / "grid.csv")
+
+    assert done.exit_code == 0
+    assert json.loads((tmp_path / "out" / "prediction.json").read_text()) == told
+    assert told["contenders"][0]["name"] == "altaz"
+    assert told["contenders"][-1]["name"] == "own choice"
+    curve = 20 * np.sin(8 * grid.at.el) + 60 * np.cos(grid.at.el) + 9 * np.cos(grid.at.az)
+    assert np.sqrt(np.mean((grid.y / ARCSEC - curve) ** 2)) < 5
+    assert np.isfinite(grid.sigma_y).all()
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not there")
+def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
+    """The Auxiliary Telescope's 44 points: as many terms picked anew do far worse than held."""
+    few = read(DATA / "AT_point_file_20200315T022713.dat")
+    done = compare(few, ALTAZ, [load(str(DATA / "at_20200314_fauto.mod"))])
+    held, anew = done.picked
+
+    assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]
+    assert all(done.own.unseen[way] < anew.unseen[way] for way in done.own.unseen)
+    assert "are an overfit here" in words.text(done)

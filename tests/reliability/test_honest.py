@@ -1,0 +1,154 @@
+"""Names that the recordings cannot carry are not spoken; those that do not come back are marked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pyport.diagnosis import joint
+from pyport.diagnosis import scene as scenes
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.guards import FEWEST, carriers
+from pyport.diagnosis.resampling import DRAWS, Stability, stability
+from pyport.diagnosis.search import search
+from pyport.diagnosis.summary import summary
+from pyport.fitting.models import load
+
+NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))
+WEEK_S = NIGHT_S + 86400 * (np.arange(300) % 6)
+
+
+def celsius(time_s):
+    """Return a temperature that falls through each night, each from another height."""
+    return 9 - 5 * ((time_s - 1.2e9) % 86400 / 28800 - 0.5) + 3 * ((time_s - 1.2e9) // 86400)
+
+
+def told(time_s, x=None, y=None, session=None, temperature=None, **more):
+    """Diagnose 300 pointings of a night or a week."""
+    session = np.full(300, "one") if session is None else session
+    warm = celsius(time_s) if temperature is None else temperature
+    made = recordings(300, 2, x=x, y=y, time=time_s, session=session, temperature_c=warm, **more)
+    return diagnose(made, load("altaz"))
+
+
+def follows_temperature(at):
+    """Return 6 arcsec a degree."""
+    return 6 * (at.column("temperature_c") - 9)
+
+
+def drifts(at):
+    """Return 15 arcsec from one end of the recordings to the other, in elevation."""
+    time = at.column("time")
+    return 15 * (time - time.mean()) / np.ptp(time)
+
+
+def jumps(at):
+    """Return 90 arcsec from half way on."""
+    return 90 * (at.column("time") > np.median(at.column("time")))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "names", "reason"),
+    [
+        (follows_temperature, {"temperature", "drift"}, "one night, in which"),
+        (drifts, {"temperature", "drift"}, "one night, in which"),
+        (jumps, {"epoch_offset"}, "not to be seen in a single one"),
+    ],
+)
+def test_one_night_carries_no_name_that_needs_more(hidden, names, reason):
+    """What goes with the hour, or changes once, is not named after one night; after more it is."""
+    alone = told(NIGHT_S, y=hidden).findings
+    several = told(WEEK_S, y=hidden).findings
+
+    assert not names & {name for one in alone for name in one.members}
+    assert reason in alone[0].sentence
+    assert alone[0].verdict == "unknown"
+    assert "second" in alone[0].decide_by
+    assert names & {name for one in several for name in one.members}
+
+
+def test_gusts_are_told_from_the_hour_within_one_night():
+    """What does not go with the hour may be named after one night."""
+    rng = np.random.default_rng(8)
+    found = told(NIGHT_S, y=follows_temperature, temperature=rng.normal(9, 3, 300)).findings
+
+    assert found[0].effect == "temperature"
+    assert found[0].stability.stable
+
+
+def test_too_few_numbers_carry_no_name():
+    """A strong effect in twelve pointings is told, and not named."""
+    refraction = lambda at: 300 / np.tan(at.el)  # noqa: E731 - as short as it says
+    few = diagnose(recordings(12, 3, y=refraction, noise_arcsec=1), load("altaz")).findings
+    more = diagnose(recordings(60, 3, y=refraction, noise_arcsec=1), load("altaz")).findings
+
+    assert few[0].verdict == "unknown"
+    assert "24 measured numbers are too few" in few[0].sentence
+    assert "refraction" in few[0].looks_like
+    assert "refraction" in more[0].members
+
+
+@given(st.integers(1, 40), st.integers(1, 3), st.floats(1e-9, 1e9))
+def test_equal_shares_are_counted(pointings, readings, size):
+    """So many pointings of one size carry a curve as there are, however often they are told."""
+    place = np.repeat(np.arange(pointings + 3), readings)
+    seen = np.where(place < pointings, size, 0.0)
+    scene = SimpleNamespace(
+        weighed=SimpleNamespace(used=np.ones(len(place), bool)),
+        floor=np.ones(len(place)),
+        setup=SimpleNamespace(pointing=place),
+    )
+
+    assert carriers(scene, seen) == pytest.approx(pointings)
+    seen[place == 0] *= 1e6
+    assert carriers(scene, seen) < FEWEST
+
+
+def test_a_name_in_noise_does_not_come_back():
+    """Chosen though nothing is hidden, it is the best in few draws and is called unstable."""
+    setup = diagnose(recordings(300, 5), load("altaz")).setup
+    nothing = search(setup)
+    rich = search(
+        diagnose(recordings(300, 5, y=lambda at: 30 / np.tan(at.el)), load("altaz")).setup
+    )
+    kept = {}
+    for name, outcome, effect in (("noise", nothing, "sag_sine"), ("there", rich, "refraction")):
+        if outcome.steps:
+            step, chosen = outcome.steps[0], outcome.chosen
+        else:
+            beside = outcome.weighed.evidence.beside([setup.part(one) for one in setup.base])
+            winner = next(one for one in outcome.last if one.candidate.effect.id == effect)
+            chosen = (scenes.Chosen(winner.candidate, winner.scope),)
+            step = scenes.Step(winner, chosen[0], outcome.last, (), beside, 1.0)
+        fit = joint.fit(outcome.setup, outcome.weighed, chosen)
+        scene = scenes.scene(outcome.setup, outcome, fit, 0)
+        kept[name] = stability(scene, len(outcome.setup.base), step, (effect,))
+
+    assert kept["there"].stable
+    assert not kept["noise"].stable
+    assert kept["noise"].draws == DRAWS
+
+
+def test_what_does_not_come_back_is_said():
+    """The terminal and the report tell it of an unstable name, and of no other."""
+    done = told(WEEK_S, y=follows_temperature)
+    shaky = Stability("blocks of time", 40, 17, "drift")
+    words = "Not stable: drawing the blocks of time anew, the name came back in 17 of 40 draws"
+    other = replace(done, findings=(replace(done.findings[0], stability=shaky),))
+
+    assert words not in " ".join(summary(done).split())
+    assert words in " ".join(summary(other).split())
+    report = other.findings[0].as_json()["stability"]
+    assert report == {
+        "resampled": "blocks of time",
+        "draws": 40,
+        "kept": 17,
+        "instead": "drift",
+        "stable": False,
+    }
