@@ -145,6 +145,11 @@ def _sags(alt: Axis, p: _Parameters, room: Array) -> Array:
     return room[0]
 
 
+def _some_below(values: Array) -> bool:
+    """Tell whether some values are, or may be, negative: a single NaN hides what else is."""
+    return not values.min(initial=0.0) >= 0
+
+
 def _wrap(angle: Array) -> None:
     """Bring angles [rad] into [-pi, pi), in place; those that are there stay as they are."""
     # put so that a single NaN does not hide what else is beyond
@@ -155,7 +160,7 @@ def _wrap(angle: Array) -> None:
 
 def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
     """Add the exact form's arcs, eqs. 1 to 4, 15 and 16."""
-    facing = np.copysign(1.0, alt.cosine) if alt.cosine.min(initial=0.0) < 0 else None
+    facing = np.copysign(1.0, alt.cosine) if _some_below(alt.cosine) else None
     _tilted(az, alt, p, facing, out[0], room)
     _skewed(alt, p, facing, out, room)
     # the tilted mount counts from where it sees the south point
@@ -215,7 +220,7 @@ def _skewed(
     np.multiply(across, across, out=level)
     np.subtract(square, level, out=level)
     # where no setting reaches the source the azimuth stops
-    stops = np.nonzero(level < 0) if level.min(initial=0.0) < 0 else None
+    stops = np.nonzero(level < 0) if _some_below(level) else None
     if stops is not None:
         reach = np.copysign(np.sqrt(np.maximum(square[stops], 0.0)), across[stops])
         up = sine[stops] + tan_s * reach
@@ -249,7 +254,8 @@ def _approximate(
     across += p.beta
     across /= alt.cosine
     np.multiply(az.cosine, p.lean, out=along)
-    if alt.angle.max(initial=0.0) > np.pi / 2:
+    # put so that a NaN does not hide what else is beyond
+    if not alt.angle.max(initial=0.0) <= np.pi / 2:
         along *= np.where(alt.angle > np.pi / 2, -1.0, 1.0)
     d_az, d_alt = out
     d_az += across
