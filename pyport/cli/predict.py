@@ -38,7 +38,12 @@ if TYPE_CHECKING:
     shell_complete=named,
     help="Recordings of another night to predict; repeat for more.",
 )
-@click.option("--seed", default=0, show_default=True, help="Of the deal of pointings.")
+@click.option(
+    "--rehearse",
+    is_flag=True,
+    help="Rehearse on made nights of telescopes that are exactly each model and the own choice.",
+)
+@click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
 @about_file
 @click.option(
     "--grid",
@@ -58,6 +63,7 @@ def command(
     grid: Path | None,
     out: Path | None,
     *,
+    rehearse: bool,
     as_json: bool,
 ) -> None:
     """Compare models by how they predict RECORDINGS that they were not fitted to.
@@ -70,27 +76,35 @@ def command(
     """
     from pyport.files import write_whole
     from pyport.fitting.models import load
-    from pyport.prediction import words
+    from pyport.prediction import rehearsal, words
     from pyport.prediction.compare import compare
     from pyport.progress import working
     from pyport.recordings import read
 
+    if rehearse and not against:
+        raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
     measured, first = read(recordings, given), load(model)
+    rivals = [load(one) for one in against]
     with working("comparing") as tell:
         done = compare(
             measured,
             first,
-            [load(one) for one in against],
+            rivals,
             [read(one, given) for one in nights],
             seed=seed,
             tell=tell,
         )
+        rehearsals: list[rehearsal.Rehearsal] = []
+        for one in rivals if rehearse else ():
+            tell(f"rehearsing with {one.name}")
+            rehearsals += rehearsal.rehearse(measured, first, one, seed=seed)
         if grid is not None:
             from pyport.prediction.grid import write_grid
 
             write_grid(measured, first, grid)
-    whole = json.dumps(words.as_json(done), indent=1, allow_nan=False)
+    whole = json.dumps(words.as_json(done, rehearsals), indent=1, allow_nan=False)
     if out is not None:
         with write_whole(out / "prediction.json") as file:
             file.write(whole + "\n")
-    click.echo(whole if as_json else words.text(done))
+    text = words.text(done) + ("\n" + words.of_rehearsals(rehearsals) if rehearsals else "")
+    click.echo(whole if as_json else text)

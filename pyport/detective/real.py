@@ -36,12 +36,13 @@ _LMT_RMS = {"xel": 2.0077, "el": 3.7337}
 
 def lines(data: Path) -> Iterator[Line]:
     """Yield the figures of both telescopes' recordings in a folder of data."""
-    yield from _lmt(read(data / "lmt" / "PointingData.csv", Given(_LMT_SITE, _LMT_COLUMNS)))
+    yield from lmt(data / "lmt" / "PointingData.csv")
     yield from auxtel.lines(data / "auxtel")
 
 
-def _lmt(recordings: Recordings) -> Iterator[Line]:
-    """Yield the published terms, refitted, and the tilt of each axis by itself."""
+def lmt(file: Path) -> Iterator[Line]:
+    """Yield the published terms, refitted, and what is said of the tilt of each axis."""
+    recordings = read(file, Given(_LMT_SITE, _LMT_COLUMNS))
     for axis, (names, published) in _LMT_TERMS.items():
         values, covariance, rms = _fitted(recordings, names, axis)
         sigma = np.sqrt(np.diag(covariance))

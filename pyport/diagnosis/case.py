@@ -20,7 +20,7 @@ from pyport.diagnosis.pointings import pointings
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
-from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 
@@ -105,9 +105,14 @@ class Setup:
         return np.concatenate([self.columns, self.residual[:, None]], axis=1)
 
     @cached_property
-    def possible(self) -> Array:
-        """Return the columns of all candidates, shape (m, k)."""
-        return self.columns[:, np.concatenate([c.columns for c in self.candidates])]
+    def possible(self) -> tuple[Array, ...]:
+        """Return the columns of all candidates that are not empty in a series, for each series."""
+        columns = self.columns[:, np.concatenate([c.columns for c in self.candidates])]
+        found = []
+        for part in self.parts:
+            own = columns[part.rows]
+            found.append(own[:, own.any(axis=0)])
+        return tuple(found)
 
     def part(self, chosen: Chosen) -> Part:
         """Return the columns of a choice and who shares their coefficients."""
@@ -253,13 +258,27 @@ def _weighed(
     return Weighed(noises, weights, white, evidence)
 
 
+@stage("whitening")
+def weigh_alike(setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...]) -> Weighed:
+    """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
+    key = _key(chosen)
+    known = setup.expanded([*setup.base, *chosen])
+    weights = noise_fit.weights(setup.residual, known, setup.parts)
+    setup.noises[key] = tuple(chosen), (noises, weights)
+    return weigh(setup, chosen)
+
+
+def _key(chosen: Sequence[Chosen]) -> tuple[tuple[int, str], ...]:
+    return tuple((id(one.candidate), one.scope) for one in chosen)
+
+
 @stage("fitting noise")
 def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], Array]:
     """Fit the noise beside some effects, or remember it: columns that join later do not touch it.
 
     Effects are told apart by what they are, not by what they look like.
     """
-    key = tuple((id(one.candidate), one.scope) for one in chosen)
+    key = _key(chosen)
     if key not in setup.noises:
         known = setup.expanded([*setup.base, *chosen])
         noises, weights = noise_fit.fit(setup.residual, known, setup.possible, setup.parts)
@@ -304,7 +323,7 @@ def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[A
     found: list[Chosen] = []
     start = 0
     for term in terms:
-        basis = data.columns(term.effect, recordings.at)
+        basis = term_columns(data, term.effect, recordings)
         other = [label for label in term.per if label not in ("antenna", "session")]
         codes, names = group(recordings, other)
         split = [basis * (codes[data.row] == code)[:, None] for code in range(len(names))]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.case import Chosen, weigh
+from pyport.diagnosis.case import Chosen, weigh_alike
 from pyport.diagnosis.edges import Sky, sky_of
 from pyport.diagnosis.noise import FAR, Noise, by_pointing, factor, whiten
 from pyport.diagnosis.steps import Outcome
@@ -130,7 +130,9 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     new = Chosen(candidate, old.scope, found.spread)
     chosen = tuple(new if one is old else one for one in outcome.chosen)
     steps = tuple(replace(one, chosen=new) if one.chosen is old else one for one in outcome.steps)
-    return replace(outcome, setup=setup, chosen=chosen, steps=steps, weighed=weigh(setup, chosen))
+    # The noise is that of the edge which fitted best; readings beside it are judged anew.
+    weighed = weigh_alike(setup, chosen, outcome.weighed.noises)
+    return replace(outcome, setup=setup, chosen=chosen, steps=steps, weighed=weighed)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ ENOUGH_ANTENNAS = 5
 
 
 def fit(
-    value: Array, base: Array, shapes: Array, parts: Sequence[Series]
+    value: Array, base: Array, shapes: Sequence[Array], parts: Sequence[Series]
 ) -> tuple[list[Noise], Array]:
     """Fit the noise of each series.
 
@@ -44,7 +44,8 @@ def fit(
         Columns of the model that is always fitted, shape (m, p); columns of
         other antennas may be zero in a series.
     shapes
-        Columns of every candidate, shape (m, K): the noise must not contain what they explain.
+        For each series the columns of every candidate that shows in it, in the order of its
+        rows: the noise must not contain what they explain.
     parts
         The series.
 
@@ -56,15 +57,12 @@ def fit(
         Robust weights of the readings, shape (m,).
     """
     weights = np.ones(len(value))
-    of_axis = np.zeros(len(value), bool)
-    for part in parts:
-        of_axis[part.rows] = part.is_y
-    floors = {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
+    floors = _floors(value, parts)
     grid = grid_of(parts)
     drafts = []
-    for part in parts:
+    for part, possible in zip(parts, shapes, strict=True):
         known = np.concatenate([base[part.rows], _of_sessions(part)], axis=1)
-        columns = _rich(known, shapes[part.rows], int(part.pointing.max()) + 1)
+        columns = _rich(known, possible, int(part.pointing.max()) + 1)
         floor = floors[part.is_y]
         weights[part.rows], residual, _ = robust.weights(columns, value[part.rows], TUKEY, floor)
         given = value[part.rows], columns, weights[part.rows], residual
@@ -73,6 +71,26 @@ def fit(
         one.noise(beside(drafts, parts, n), floors[parts[n].is_y]) for n, one in enumerate(drafts)
     ]
     return _moderated(noises, parts), weights
+
+
+def weights(value: Array, model: Array, parts: Sequence[Series]) -> Array:
+    """Return robust weights of the readings (m,) beside a model's columns (m, p), by series."""
+    found = np.ones(len(value))
+    floors = _floors(value, parts)
+    for part in parts:
+        own = model[part.rows]
+        known = np.concatenate([own[:, own.any(axis=0)], _of_sessions(part)], axis=1)
+        floor = floors[part.is_y]
+        found[part.rows] = robust.weights(_orthonormal(known), value[part.rows], TUKEY, floor)[0]
+    return found
+
+
+def _floors(value: Array, parts: Sequence[Series]) -> dict[bool, float]:
+    """Return the scatter that rounding makes in either axis [rad]."""
+    of_axis = np.zeros(len(value), bool)
+    for part in parts:
+        of_axis[part.rows] = part.is_y
+    return {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
 
 
 def _moderated(noises: list[Noise], parts: Sequence[Series]) -> list[Noise]:
@@ -128,7 +146,6 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     base = base[:, np.any(base != 0, axis=0)]
     orthonormal = _orthonormal(base)
     room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
-    shapes = shapes[:, np.any(shapes != 0, axis=0)]
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
     kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)

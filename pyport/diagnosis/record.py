@@ -17,6 +17,7 @@ from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
+from pyport.diagnosis.soundness import warnings
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
 from pyport.recordings.schema import Recordings
@@ -77,6 +78,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
         "correlation": {"names": names, "matrix": matrix},
         "condition_number": diagnosis.after.solution.condition,
+        "warnings": warnings(diagnosis),
     }
 
 

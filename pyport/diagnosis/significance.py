@@ -47,7 +47,8 @@ def _log_chances(trials: Sequence[Trial], gains: Array) -> Array:
     rest = np.array([[min(trial.noise_dof, 1e6) / 2] for trial in trials])
     x = rest / (rest + gains / 2)
     chance = betainc(rest, half, x)
-    with np.errstate(divide="ignore"):
+    # Where x is one the chance is one, and its leading term, no number then, is not asked.
+    with np.errstate(divide="ignore", invalid="ignore"):
         leading = rest * np.log(x) + (half - 1) * np.log1p(-x) - np.log(rest) - betaln(rest, half)
         return np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
 

@@ -84,7 +84,8 @@ def from_sky(at: Circumstances, vector: Array, later_s: float = 0.0) -> Array:
     import erfa
 
     utc = days(at, later_s)
-    earth = erfa.c2t00b(UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS, UNIX_EPOCH_JD, utc, 0.0, 0.0)
+    pole = _day_by_day(erfa.c2i00b, utc)
+    earth = erfa.c2tcio(pole, erfa.era00(UNIX_EPOCH_JD, utc), np.eye(3))
     return np.einsum("nij,nj->ni", earth, vector) @ to_ground(at).T
 
 
@@ -109,15 +110,16 @@ def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
 
 
 def _day_by_day(vector: Callable[[float, Array], Array], utc: Array) -> Array:
-    """Return a vector of the Earth's orbit, shape (n, 3), interpolated between midnights.
+    """Return vectors or matrices (n, 3, ...) of the Earth's way, interpolated between midnights.
 
-    The orbit bends by 1 deg a day, so that a chord misses it by 4e-5 of itself at most.
+    The orbit bends by 1 deg a day, so that a chord misses it by 4e-5 of itself at most; the pole
+    nods by a hundredth of a second of arc beside its chord.
     """
     midnight, row = np.unique(np.floor(utc), return_inverse=True)
     before, after = (
         vector(UNIX_EPOCH_JD, midnight + day + TT_MINUS_UTC_DAYS)[row] for day in (0, 1)
     )
-    phase = (utc - midnight[row])[:, None]
+    phase = (utc - midnight[row]).reshape(-1, *[1] * (before.ndim - 1))
     return before + phase * (after - before)
 
 

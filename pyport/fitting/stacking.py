@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Effect
+from pyport.effects.base import Circumstances, Effect, MissingColumn
+from pyport.errors import BadInput
 from pyport.recordings.schema import Recordings
 
 Codes = NDArray[np.intp]
@@ -58,6 +59,21 @@ def stack(recordings: Recordings) -> Stack:
         is_y=np.repeat([False, True], [len(has_x), len(has_y)]),
         value=np.concatenate([recordings.x[has_x], recordings.y[has_y]]),
     )
+
+
+def term_columns(data: Stack, effect: Effect, recordings: Recordings) -> Array:
+    """Return the basis of a model's term for a stack of these recordings, shape (m, k).
+
+    Raises
+    ------
+    BadInput
+        The term needs more than these recordings tell.
+    """
+    try:
+        return data.columns(effect, recordings.at)
+    except MissingColumn as lack:
+        said = f"the model's term {effect.id} {lack}, which is not there"
+        raise BadInput(said, recordings.file) from None
 
 
 def group(recordings: Recordings, per: Sequence[str]) -> tuple[Codes, list[tuple[str, ...]]]:

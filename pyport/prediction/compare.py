@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCSEC
+from pyport.errors import BadInput
 from pyport.fitting.models import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.left_out import left_out, on_another, on_the_sky, schemes
@@ -16,6 +17,10 @@ from pyport.threads import one_thread
 
 #: Readings of less weight beside the model are outliers and count for nobody.
 OUTLIER = 0.05
+#: What is left of the readings when some are left out must still determine a model.
+KEPT = 0.8
+#: With so many offsets for each term picking costs next to nothing, and is not tried.
+PLENTY = 100
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,9 @@ def compare(
     recordings, model
         The measurements, and the model that the choice for prediction starts from.
     rivals
-        Other models. For each of more terms there is a contender of as many that picks
-        its own: once from all readings, and anew wherever readings are left out.
+        Other models. For each of more terms, where readings are few beside them, there are
+        contenders of as many that pick their own: once from all readings, and anew wherever
+        readings are left out.
     others
         Recordings of other nights.
     seed
@@ -98,7 +104,20 @@ def compare(
     night, nights = Night.of(recordings), [Night.of(one) for one in others]
     first = Refitted(night, model)
     others_of = [Refitted(night, one) for one in rivals]
-    more = sorted({int(one.terms) for one in others_of if one.terms > first.terms})
+    for each in (first, *others_of):
+        if len(night.stack) * KEPT < each.terms + 1:
+            raise BadInput(
+                f"{len(night.stack)} measured offsets are too few to leave some out beside the "
+                f"{each.terms:.0f} coefficients of {each.name}",
+                recordings.file,
+            )
+    more = sorted(
+        {
+            int(one.terms)
+            for one in others_of
+            if one.terms > first.terms and len(night.stack) < PLENTY * one.terms
+        }
+    )
     pickers = [Picked(night, model, count, anew=one) for count in more for one in (False, True)]
     own = OwnChoice(night, model)
 

@@ -12,7 +12,7 @@ from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.fitting import robust
 from pyport.fitting.models import Model
-from pyport.fitting.stacking import Stack, stack
+from pyport.fitting.stacking import Stack, stack, term_columns
 from pyport.prediction import picked, shrunk, waves
 from pyport.recordings.schema import Recordings
 
@@ -67,8 +67,14 @@ class Night:
         return cls(recordings, stack(recordings))
 
     def columns(self, model: Model) -> Array:
-        """Return the columns of a model's free terms, shape (m, p)."""
-        parts = [self.stack.columns(term.effect, self.recordings.at) for term in model.fitted()]
+        """Return the columns of a model's free terms, shape (m, p).
+
+        Raises
+        ------
+        BadInput
+            A term needs more than these recordings tell.
+        """
+        parts = [term_columns(self.stack, term.effect, self.recordings) for term in model.fitted()]
         return np.concatenate([np.zeros((len(self.stack), 0)), *parts], axis=1)
 
     def value(self, model: Model) -> Array:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
-from pyport.effects.base import Circumstances
+from pyport.effects.base import Circumstances, MissingColumn
+from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.fitting.models import Model
 from pyport.prediction import shrunk, waves
@@ -29,9 +30,7 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
     Raises
     ------
     BadInput
-        There are several antennas.
-    MissingColumn
-        A term of the model asks for more than a direction.
+        There are several antennas, or a term asks for more than a direction.
     """
     night = Night.of(recordings)
     row = night.stack.row
@@ -51,7 +50,10 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
     az, el = (one.ravel() for one in np.meshgrid(np.arange(0, 360, AZIMUTH_DEG) * DEG, heights))
     at = Circumstances(az, el, recordings.at.site)
     given = model.offsets(at)
-    columns = [term.effect.columns(at) for term in model.fitted()]
+    try:
+        columns = [term.effect.columns(at) for term in model.fitted()]
+    except MissingColumn as lack:
+        raise BadInput(f"{model.name} {lack}: a grid of directions has none") from None
     shapes = waves.columns(at)
     told = []
     for axis in (0, 1):

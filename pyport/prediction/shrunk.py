@@ -144,7 +144,8 @@ class _Evidence:
         self.p = known.model.shape[1]
         columns = known.columns()
         self.length = np.ones(columns.shape[1])
-        self.length[: self.p] = np.maximum(np.linalg.norm(known.model, axis=0), 1e-300)
+        size_of = np.linalg.norm(known.model, axis=0)
+        self.length[: self.p] = np.where(size_of > 0, size_of, 1.0)
         whole = np.concatenate([columns / self.length, known.value[:, None] / self.size], axis=1)
         whole *= np.sqrt(weight)[:, None]
         of_axis = [known.is_y == axis for axis in self.axes]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from pyport.prediction.compare import Comparison, Row
+from pyport.prediction.rehearsal import NIGHTS, Rehearsal
 
 #: Terms of which one is so many times larger than all of them together cancel each other.
 CANCEL = 3.0
@@ -70,7 +71,7 @@ def verdict(done: Comparison) -> Iterator[str]:
 
 def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
     first = next(iter(rival.unseen))
-    more = rival.unseen[first] / rival.fitted
+    more = rival.unseen[first] / max(rival.fitted, 1e-9)
     yield (
         f"{rival.name}: {rival.terms:.0f} terms leave {rival.fitted:.2f} in the fit and "
         f"{more:.2f} times as much on {first} left out."
@@ -105,8 +106,26 @@ def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
         )
 
 
-def as_json(done: Comparison) -> dict[str, Any]:
-    """Return a comparison for other programs; rms in arcseconds."""
+def of_rehearsals(rehearsals: Sequence[Rehearsal]) -> str:
+    """Return a table for each telescope that was rehearsed on."""
+    lines = []
+    for one in rehearsals:
+        wide = max(map(len, one.claimed))
+        lines += [
+            "",
+            f"Rehearsed on {NIGHTS} made nights of a telescope exactly as {one.truth} says:",
+            " " * wide + f"{'claimed':>11}{'fresh':>11}",
+        ]
+        lines += [
+            f"{name:{wide}}{claimed:>11.2f}{one.fresh[name]:>11.2f}"
+            for name, claimed in one.claimed.items()
+        ]
+    lines.append("Claimed on pointings left out; fresh ones are where nobody observed.")
+    return "\n".join(lines)
+
+
+def as_json(done: Comparison, rehearsals: Sequence[Rehearsal] = ()) -> dict[str, Any]:
+    """Return a comparison, and what was rehearsed, for other programs; rms in arcseconds."""
     return {
         "schema": "pyport.prediction/1",
         "file": done.file,
@@ -116,5 +135,6 @@ def as_json(done: Comparison) -> dict[str, Any]:
         "unit": "arcsec",
         "contenders": [dataclasses.asdict(row) for row in done.rows()],
         "cancel": done.cancel,
-        "verdict": list(verdict(done)),
+        "verdict": [one.strip() for one in verdict(done)],
+        "rehearsals": [dataclasses.asdict(one) for one in rehearsals],
     }

@@ -79,7 +79,7 @@ def test_scatter_within_and_between_pointings_is_found():
     given = recordings(400, 2, y)
     base = np.ones((800, 1))
 
-    (noise,), _ = noise_fit.fit(y, base, np.zeros((800, 0)), series(given, stack(given)))
+    (noise,), _ = noise_fit.fit(y, base, [np.zeros((800, 0))], series(given, stack(given)))
 
     assert noise.within == pytest.approx(5e-5, rel=0.1)
     assert noise.between == pytest.approx(2e-4, rel=0.1)
@@ -96,7 +96,7 @@ def test_a_drift_is_found_with_its_time():
     for k in range(1, n):
         slow[k] = keep * slow[k - 1] + drift * np.sqrt(1 - keep**2) * rng.normal()
     white = 1e-4 * rng.normal(size=n)
-    base, nothing = np.ones((n, 1)), np.zeros((n, 0))
+    base, nothing = np.ones((n, 1)), [np.zeros((n, 0))]
     given = recordings(n, 1, white)
     parts = series(given, stack(given))
 
@@ -117,8 +117,24 @@ def test_outliers_do_not_widen_the_noise():
     given = recordings(500, 1, y)
 
     (noise,), weights = noise_fit.fit(
-        y, np.ones((500, 1)), np.zeros((500, 0)), series(given, stack(given))
+        y, np.ones((500, 1)), [np.zeros((500, 0))], series(given, stack(given))
     )
 
     assert noise.floor == pytest.approx(1e-4, rel=0.1)
     assert weights[::10].max() < 0.01
+
+
+def test_weights_alone_are_those_of_the_fit():
+    """Judged anew beside the same model, the same readings are wild."""
+    rng = np.random.default_rng(4)
+    y = 1e-4 * rng.normal(size=500) + 3e-3
+    y[::10] += 5e-3
+    given = recordings(500, 1, y)
+    parts = series(given, stack(given))
+
+    alone = noise_fit.weights(y, np.ones((500, 1)), parts)
+    fitted = noise_fit.fit(y, np.ones((500, 1)), [np.zeros((500, 0))], parts)[1]
+
+    np.testing.assert_allclose(alone, fitted, atol=0.02)
+    assert alone[::10].max() < 0.01
+    assert np.median(alone) > 0.9

@@ -139,3 +139,24 @@ def test_shapes_broadcast():
 
     assert d_az.shape == d_alt.shape == (2, 4, 3)
     assert np.all(d_az == d_az.flat[0])
+
+
+@pytest.mark.parametrize("form", [swift.exact, swift.approximate])
+def test_what_is_no_number_hides_nothing_beside_it(form):
+    """Plunge and what no setting reaches are themselves, whatever else is in the block."""
+    p = [*recovered()[:2], 0.3 * DEG, 0.2 * DEG, *recovered()[4:]]
+    az, alt = np.array([1.0, 1.0, 2.0, 3.0, 4.0]), np.array([95.0, 90.0, np.nan, 45.0, -5.0]) * DEG
+    together = np.array(form(az, alt, p))
+    alone = np.array([form(one, other, p) for one, other in zip(az, alt, strict=True)]).T
+
+    np.testing.assert_array_equal(together, alone)
+    assert np.isnan(together).tolist() == [[False, False, True, False, False]] * 2
+
+
+@pytest.mark.parametrize("form", [swift.exact, swift.approximate])
+def test_an_infinite_parameter_gives_no_number(form):
+    """It is no reason to stop: no table would come out, and neither would a word why."""
+    p = list(recovered())
+    p[3] = np.inf
+
+    assert np.isnan(form(1.0, 0.5, p)[0])

@@ -183,8 +183,14 @@ def fit_rt32(
             columns, left = data.spread(*linear), data.value
         else:
             model = Rt32Model(p[: len(PARAMETERS)], exact)
-            columns = data.spread(*model.columns(recordings.at, linear))
-            left = data.value - data.spread(*model.offsets(recordings.at))
+            with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
+                columns = data.spread(*model.columns(recordings.at, linear))
+                left = data.value - data.spread(*model.offsets(recordings.at))
+        if not (np.isfinite(left).all() and np.isfinite(columns).all()):
+            raise BadInput(
+                "the fit does not converge: it asks for parameters that no telescope can have",
+                recordings.file,
+            )
         left = left - (p[-1] if step is None else step) * stepped
         if step is None:
             columns = np.column_stack([columns, stepped])

@@ -13,6 +13,9 @@ from pyport.fitting import robust
 #: The document's level: residuals beyond it lose their vote [rad].
 LEVEL = 0.007 * DEG
 
+#: No scatter is smaller, not that of offsets that a model draws to the last digit [rad].
+LEAST = 1e-12
+
 #: What is left of the weight of a residual beyond the level.
 _DOWNWEIGHT = 1e-3
 
@@ -62,7 +65,7 @@ def document(level: float) -> Tune:
 
 def soft_l1(residual: Array) -> Tuned:
     """Return 2 (sqrt(1 + u^2) - 1), u in robust sigmas: a square that goes over into a line."""
-    sigma = robust.scale(residual)
+    sigma = robust.scale(residual, LEAST)
     return Tuned(
         lambda r: (1 + (r / sigma) ** 2) ** -0.5,
         lambda r: (1 + (r / sigma) ** 2) ** -1.5,
@@ -72,7 +75,7 @@ def soft_l1(residual: Array) -> Tuned:
 
 def huber(residual: Array) -> Tuned:
     """Return Huber's: a square inside 1.345 robust sigmas, a line beyond."""
-    corner = _HUBER_CORNER * robust.scale(residual)
+    corner = _HUBER_CORNER * robust.scale(residual, LEAST)
     return Tuned(
         lambda r: corner / np.maximum(np.abs(r), corner),
         lambda r: (np.abs(r) <= corner).astype(float),
@@ -95,7 +98,7 @@ def _likeliest_t(residual: Array) -> tuple[float, float]:
     from scipy.optimize import minimize
     from scipy.special import gammaln
 
-    start = robust.scale(residual)
+    start = robust.scale(residual, LEAST)
     size = np.quantile(np.abs(residual), _QUANTILES) / start
 
     def unlikeliness(logs: Array) -> float:
