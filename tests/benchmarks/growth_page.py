@@ -11,7 +11,7 @@ PICTURE = ROOT / "docs" / "pictures" / "growth.png"
 
 KINDS = {
     "rows": "A diagnosis in memory, the whole catalogue",
-    "candidates": "A diagnosis, one candidate out of 100, 30, 10, 3, all, and 40 unknown columns more",
+    "candidates": "A diagnosis, one candidate of 100, 30, 10, 3, all, and 40 unknown columns more",
     "data_sets": "Data sets of Parquet reduced to normal points, two passes, one process",
 }
 #: The array that is scaled to: antennas, cores, and readings of an antenna in a day.
