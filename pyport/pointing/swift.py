@@ -36,6 +36,8 @@ class _Parameters:
     lean: float
     upright: float
     toward: float
+    #: How far from its own zero the tilted mount sees the south point.
+    south: float
     sag: float
     sag_sine: float
     jump: float
@@ -44,36 +46,40 @@ class _Parameters:
     in_alt: tuple[float, float]
 
     @classmethod
-    def of(cls, p: ArrayLike, tilt: Callable[[float], float]) -> _Parameters:
-        """Return them; `tilt` tells which function of xi and zeta the form adds as a vector."""
+    def of(cls, p: ArrayLike, *, exact: bool) -> _Parameters:
+        """Return them for either form."""
         # an infinite angle has no sine
         given = [one if math.isfinite(one) else math.nan for one in map(float, np.asarray(p))]
         az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = given
-        south, west = tilt(xi), tilt(zeta)
+        south, west = (math.sin(xi), math.sin(zeta)) if exact else (xi, zeta)
         toward = math.atan2(west, south)
         sine, cosine = math.sin(2 * toward), math.cos(2 * toward)
         in_az = sin_2a * cosine - cos_2a * sine, sin_2a * sine + cos_2a * cosine
         in_alt = nod * cosine, nod * sine
         lean = math.hypot(south, west)
         upright = math.sqrt(max(0.0, 1 - lean**2))
+        zero = 0.0
+        if exact:
+            sine, cosine = math.sin(toward), math.cos(toward)
+            zero = math.atan2(sine * cosine * (1 - upright), cosine**2 * upright + sine**2)
         return cls(
-            az0, alt0, sigma, beta, lean, upright, toward, sag, sag_sine, jump, in_az, in_alt
+            az0, alt0, sigma, beta, lean, upright, toward, zero, sag, sag_sine, jump, in_az, in_alt
         )
 
 
 #: (azimuth from where the mount leans, altitude, parameters, the two offsets' place, room to
-#: work) -> None; what an offset's place holds is added to.
+#: work) -> None; what depends on both angles is written.
 _Form = Callable[[Axis, Axis, _Parameters, tuple[Array, Array], Array], None]
 
 
 def exact(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.exact.exact_offsets` does, within 1e-15/cos(alt) rad."""
-    return _by_blocks(_exact, az_south, altitude, _Parameters.of(p, math.sin))
+    return _by_blocks(_exact, az_south, altitude, _Parameters.of(p, exact=True))
 
 
 def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.approximate.approximate_offsets` does."""
-    return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, float))
+    return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, exact=False))
 
 
 def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]:
@@ -108,9 +114,12 @@ def _by_blocks(
         across, along = d_az.reshape(-1)[block], d_alt.reshape(-1)[block]
         work = room[:, : len(across)]
         axes = Axis.of(az[block], p.toward, work[:2]), Axis.of_altitudes(alt[block], work[2:4])
-        _waves(axes[0], p, (across, along), work[4])
-        along += _sags(axes[1], p, work[4:6])
         form(*axes, p, (across, along), work[4:])
+        waves = work[4:7]
+        _waves(axes[0], p, waves)
+        across += waves[0]
+        along += waves[1]
+        along += _sags(axes[1], p, work[4:6])
         _wrap(across)
         if p.jump != 0:
             along += p.jump * has_jumped(az[block], alt[block])
@@ -121,7 +130,7 @@ def _grid(form: _Form, az: Array, alt: Array, p: _Parameters) -> tuple[Array, Ar
     """Return the offsets of a grid; in memory azimuths lie together, being the more usually."""
     columns, rows = Axis.of(az, p.toward), Axis.of_altitudes(alt)
     waves, sags = np.empty((3, len(az))), np.empty((2, *alt.shape))
-    _waves(columns, p, (waves[0], waves[1]), waves[2])
+    _waves(columns, p, waves)
     _sags(rows, p, sags)
     # below the horizon the step is there whatever the azimuth, on it nowhere
     height = np.where(alt > 0, alt, np.where(alt < 0, np.inf, -np.inf))
@@ -131,9 +140,10 @@ def _grid(form: _Form, az: Array, alt: Array, p: _Parameters) -> tuple[Array, Ar
     room = np.empty((_ROOMS, size, len(az)))
     for block in _slices(len(alt), size):
         across, along = d_az[block], d_alt[block]
-        across[...] = waves[0]
-        np.add(waves[1], sags[0, block], out=along)
         form(columns, rows[block], p, (across, along), room[:, : len(across)])
+        across += waves[0]
+        along += waves[1]
+        along += sags[0, block]
         _wrap(across)
         if p.jump != 0:
             along += p.jump * (height[block] >= curve)
@@ -145,13 +155,16 @@ def _slices(count: int, size: int) -> Iterator[slice]:
         yield slice(low, low + size)
 
 
-def _waves(az: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
-    """Write what depends on azimuth alone: zeros of both axes, encoders and rail."""
-    waves = zip(out, (p.az0, p.alt0), (p.in_az, p.in_alt), strict=True)
-    for offset, zero, (by_sine, by_cosine) in waves:
+def _waves(az: Axis, p: _Parameters, room: Array) -> None:
+    """Write what depends on azimuth alone to two arrays, with a third to work in.
+
+    Zeros of both axes, encoders and rail.
+    """
+    waves = zip(room[:2], (p.az0 + p.south, p.alt0), (p.in_az, p.in_alt), strict=True)
+    for place, zero, (by_sine, by_cosine) in waves:
         # the cosine of twice the azimuth is 1 - 2 sin^2
-        wave = np.multiply(az.cosine, 2 * by_sine, out=offset)
-        wave -= np.multiply(az.sine, 2 * by_cosine, out=room)
+        wave = np.multiply(az.cosine, 2 * by_sine, out=place)
+        wave -= np.multiply(az.sine, 2 * by_cosine, out=room[2])
         wave *= az.sine
         wave += zero + by_cosine
 
@@ -177,21 +190,19 @@ def _wrap(angle: Array) -> None:
 
 
 def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
-    """Add the exact form's arcs, eqs. 1 to 4, 15 and 16."""
+    """Write the exact form's arcs, eqs. 1 to 4, 15 and 16."""
     facing = np.copysign(1.0, alt.cosine) if _some_below(alt.cosine) else None
     _tilted(az, alt, p, facing, out[0], room)
     _skewed(alt, p, facing, out, room)
-    # the tilted mount counts from where it sees the south point
-    sine, cosine = math.sin(p.toward), math.cos(p.toward)
-    south = math.atan2(sine * cosine * (1 - p.upright), cosine**2 * p.upright + sine**2)
-    across = out[0]
-    across += south if facing is None else south * facing
+    if facing is not None:
+        across = out[0]
+        across += p.south * (facing - 1)
 
 
 def _tilted(
     az: Axis, alt: Axis, p: _Parameters, facing: Array | None, d_az: Array, room: Array
 ) -> None:
-    """Add the turn of azimuth by a tilt.
+    """Write the turn of azimuth by a tilt.
 
     Sine and squared cosine of the altitude that the mount reads are left in the first
     two rooms. With the lean q, along the south of these azimuths, its sign turned in
@@ -213,8 +224,7 @@ def _tilted(
     along *= m
     turn *= m
     np.subtract(np.multiply(alt.cosine, alt.cosine, out=spare), along, out=dot)
-    np.arctan2(turn, dot, out=turn)
-    d_az += turn
+    np.arctan2(turn, dot, out=d_az)
     m *= m
     m *= p.lean**2
     m -= along
@@ -224,7 +234,7 @@ def _tilted(
 def _skewed(
     alt: Axis, p: _Parameters, facing: Array | None, out: tuple[Array, Array], room: Array
 ) -> None:
-    """Add the turn of azimuth and the change of altitude by skew and box.
+    """Add the turn of azimuth and write the change of altitude by skew and box.
 
     The first two rooms hold sine and squared cosine of the altitude that the tilted mount
     reads.
@@ -251,21 +261,24 @@ def _skewed(
     np.add(sine, sin_b * cos_s * tan_s, out=rise)
     rise *= np.multiply(alt.cosine, 1 / (cos_s * cos_b), out=spare)
     rise -= np.multiply(level, np.multiply(alt.sine, 1 / cos_b, out=spare), out=sine)
-    np.arcsin(rise, out=rise)
+    d_az, d_alt = out
+    np.arcsin(rise, out=d_alt)
     if stops is not None:
-        rise[stops] = np.arctan2(up * true[0], up * true[1])
+        d_alt[stops] = np.arctan2(up * true[0], up * true[1])
     with np.errstate(divide="ignore"):
         across /= level
-    d_az, d_alt = out
     d_az += np.arctan(across, out=across)
-    d_alt += rise
 
 
 def _approximate(
-    az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array
+    az: Axis,
+    alt: Axis,
+    p: _Parameters,
+    out: tuple[Array, Array],
+    room: Array,  # noqa: ARG001 - the exact form needs it
 ) -> None:
-    """Add what depends on both angles in the approximate form, eqs. 18 and 19."""
-    across, along = room[:2]
+    """Write what depends on both angles in the approximate form, eqs. 18 and 19."""
+    across, along = out
     np.multiply(az.sine, p.lean, out=across)
     across += p.sigma
     across *= alt.sine
@@ -275,6 +288,3 @@ def _approximate(
     # put so that a NaN does not hide what else is beyond
     if not alt.angle.max(initial=0.0) <= np.pi / 2:
         along *= np.where(alt.angle > np.pi / 2, -1.0, 1.0)
-    d_az, d_alt = out
-    d_az += across
-    d_alt += along
