@@ -51,7 +51,7 @@ def page(recorded: dict[str, Any], grown: dict[str, Any] | None) -> str:
         "",
         "`make bench` measures every row below beside what one would take instead, in turn, and",
         "prints the table; `make bench-record` also records the run and writes this page. Each",
-        "number is the least of several rounds.",
+        "number is the least of several rounds, the grid three times in each.",
         "",
         *(f"- {name}: {what}" for name, what in recorded["machine"].items()),
         "",

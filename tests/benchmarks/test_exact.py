@@ -94,7 +94,8 @@ def test_grid(beside, routines):
     shape = len(az), len(alt)
     loops, answers = fortran(routines, "grid", shape, (az, alt), shape)
 
-    ours = beside(grid, loops, rounds=40, unavoidable=arcs(az.size * alt.size, angles=False))
+    floor = arcs(az.size * alt.size, angles=False)
+    ours = beside(grid, loops, rounds=30, at_a_time=3, unavoidable=floor)
 
     same = ~near_the_jump(az, alt) & (np.abs(alt - np.pi / 2) > 0.01)
     for real, out in answers.items():
