@@ -62,12 +62,15 @@ class Stability:
 
     @property
     def words(self) -> str:
-        """Return what a name that is not stable must be told with."""
-        other = "no name" if self.instead is None else f"mostly {self.instead}"
-        return (
-            f"not stable: drawing the {self.resampled} anew, the name came back in {self.kept} of "
-            f"{self.draws} draws, {other} in the others"
+        """Return how often the name came back, and what came in its place."""
+        told = (
+            f"drawing the {self.resampled} anew, the name came back in {self.kept} of "
+            f"{self.draws} draws"
         )
+        if self.stable:
+            return told
+        other = "no name" if self.instead is None else f"mostly {self.instead}"
+        return f"not stable: {told}, {other} in the others"
 
     def as_json(self) -> dict[str, object]:
         """Return it as the report spells it."""
