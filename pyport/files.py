@@ -89,6 +89,14 @@ def _remove_abandoned(path: Path) -> None:
                 Path(one.path).unlink()
 
 
+def is_file(path: str | Path) -> bool:
+    """Tell whether there is such a file; a name too long for one is no file's."""
+    try:
+        return Path(path).is_file()
+    except OSError:
+        return False
+
+
 def sha256(path: str | Path) -> str:
     """Return the SHA-256 of a file's bytes as hexadecimal text."""
     with Path(path).open("rb") as file:

@@ -13,6 +13,7 @@ import numpy as np
 from pyport.angles import RADIANS_PER, Array
 from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.recordings.formats.csv import read_text
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
@@ -136,7 +137,7 @@ def load(name: str) -> Model:
     if (foreign := models.load(name)) is not None:
         return foreign
     path = Path(name)
-    if not path.is_file():
+    if not is_file(path):
         known = ", ".join(sorted(BUILT_IN))
         raise BadInput(f"no model and no file is called {name!r}; built in are {known}")
     return _from_toml(path)

@@ -40,7 +40,10 @@ class Stack:
 
     def spread(self, x: Array, y: Array) -> Array:
         """Return the numbers of this stack out of (n, ...) arrays for each axis, shape (m, ...)."""
-        return np.concatenate([x[self.row[~self.is_y]], y[self.row[self.is_y]]])
+        first = len(self) - int(np.count_nonzero(self.is_y))
+        halves = (x, self.row[:first]), (y, self.row[first:])
+        # where every row was measured there is nothing to pick
+        return np.concatenate([own if len(rows) == len(own) else own[rows] for own, rows in halves])
 
     def columns(self, effect: Effect, at: Circumstances) -> Array:
         """Return an effect's basis for this stack, shape (m, k)."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.formats import models, tables
 from pyport.formats.field_system import err
 from pyport.formats.model_file import translated, without_counterpart
@@ -64,7 +65,7 @@ def convert(
     if _is_model(source, target, given.format, to):
         return _model(source, target, given.format, to, leave_out=leave_out)
     path = Path(source)
-    if not path.is_file():
+    if not is_file(path):
         raise BadInput("no such file, expected recordings or a pointing model", path)
     raw = read_raw(path, given)
     recordings = interpret(raw)  # what no reading could use is refused before it is spread

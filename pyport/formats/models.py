@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.fitting.models import Model
 from pyport.formats import discos, katpoint_model, ska_mid, toml_model, tpoint_mod
 from pyport.formats.field_system import ctl
@@ -56,7 +57,7 @@ def load(name: str) -> Model | None:
         line = Line(Path("katpoint description"), 1, name)
         return katpoint_model.describe(line).model("katpoint description")
     path, _ = split(name)
-    if not path.is_file() or (path.suffix.lower() == ".toml" and not toml_model.names_terms(path)):
+    if not is_file(path) or (path.suffix.lower() == ".toml" and not toml_model.names_terms(path)):
         return None
     return read(name).model(path.stem)
 
@@ -64,7 +65,7 @@ def load(name: str) -> Model | None:
 def split(name: str | Path) -> tuple[Path, str]:
     """Return the path and the receiver of `FILE#RECEIVER`."""
     path = Path(name)
-    if path.is_file():
+    if is_file(path):
         return path, ""
     file, _, receiver = str(name).rpartition("#")
     return (Path(file), receiver) if file else (path, "")
@@ -79,7 +80,7 @@ def read(name: str | Path, chosen: str = "") -> ModelFile:
         There is no such file, or it is none of a model.
     """
     path, receiver = split(name)
-    if not path.is_file():
+    if not is_file(path):
         raise BadInput("no such file, expected a pointing model", path)
     if receiver:
         return discos.read(path, receiver)

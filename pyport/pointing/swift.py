@@ -46,7 +46,8 @@ class _Parameters:
     @classmethod
     def of(cls, p: ArrayLike, tilt: Callable[[float], float]) -> _Parameters:
         """Return them; `tilt` tells which function of xi and zeta the form adds as a vector."""
-        given = [float(one) for one in np.asarray(p, dtype=float)]
+        # an infinite angle has no sine
+        given = [one if math.isfinite(one) else math.nan for one in map(float, np.asarray(p))]
         az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = given
         south, west = tilt(xi), tilt(zeta)
         toward = math.atan2(west, south)
@@ -73,6 +74,24 @@ def exact(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array
 def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.approximate.approximate_offsets` does."""
     return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, float))
+
+
+def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]:
+    """Return the offsets on the sky for one radian of each parameter, across and along, (n, 12).
+
+    What :func:`pyport.pointing.approximate.approximate_columns` adds up from its effects.
+    """
+    az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
+    double_sine, double_cosine = 2 * az.sine * az.cosine, 1 - 2 * az.sine * az.sine
+    facing = np.where(altitude > np.pi / 2, -1.0, 1.0)
+    across, along = np.zeros((2, 12, len(az_south)))
+    across[0], across[2], across[3] = alt.cosine, alt.sine, 1.0
+    across[4], across[5] = az.sine * alt.sine, -az.cosine * alt.sine
+    across[8], across[9] = double_sine * alt.cosine, double_cosine * alt.cosine
+    along[1], along[4], along[5] = 1.0, az.cosine * facing, az.sine * facing
+    along[6], along[7], along[10] = alt.cosine, alt.sine, double_sine
+    along[11] = has_jumped(az_south, altitude)
+    return across.T, along.T
 
 
 def _by_blocks(
@@ -144,6 +163,11 @@ def _sags(alt: Axis, p: _Parameters, room: Array) -> Array:
     return room[0]
 
 
+def _some_below(values: Array) -> bool:
+    """Tell whether some values are, or may be, negative: a single NaN hides what else is."""
+    return not values.min(initial=0.0) >= 0
+
+
 def _wrap(angle: Array) -> None:
     """Bring angles [rad] into [-pi, pi), in place; those that are there stay as they are."""
     # put so that a single NaN does not hide what else is beyond
@@ -154,7 +178,7 @@ def _wrap(angle: Array) -> None:
 
 def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
     """Add the exact form's arcs, eqs. 1 to 4, 15 and 16."""
-    facing = np.copysign(1.0, alt.cosine) if alt.cosine.min(initial=0.0) < 0 else None
+    facing = np.copysign(1.0, alt.cosine) if _some_below(alt.cosine) else None
     _tilted(az, alt, p, facing, out[0], room)
     _skewed(alt, p, facing, out, room)
     # the tilted mount counts from where it sees the south point
@@ -214,7 +238,7 @@ def _skewed(
     np.multiply(across, across, out=level)
     np.subtract(square, level, out=level)
     # where no setting reaches the source the azimuth stops
-    stops = np.nonzero(level < 0) if level.min(initial=0.0) < 0 else None
+    stops = np.nonzero(level < 0) if _some_below(level) else None
     if stops is not None:
         reach = np.copysign(np.sqrt(np.maximum(square[stops], 0.0)), across[stops])
         up = sine[stops] + tan_s * reach
@@ -248,7 +272,8 @@ def _approximate(
     across += p.beta
     across /= alt.cosine
     np.multiply(az.cosine, p.lean, out=along)
-    if alt.angle.max(initial=0.0) > np.pi / 2:
+    # put so that a NaN does not hide what else is beyond
+    if not alt.angle.max(initial=0.0) <= np.pi / 2:
         along *= np.where(alt.angle > np.pi / 2, -1.0, 1.0)
     d_az, d_alt = out
     d_az += across

@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.recordings.formats import csv
 
 
@@ -40,7 +41,7 @@ def read_survey(path: Path) -> Survey:
         With file and line: no such file, a column is missing, a name is blank
         or there twice, a place is no number.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise BadInput("no such file, expected a CSV file with columns name,east_m", path)
     raw = csv.read(path)
     for wanted in ("name", "east_m"):

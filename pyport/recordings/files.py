@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.recordings import gmrt
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
@@ -27,7 +28,7 @@ def resolve(name: str | Path) -> Path:
         There is neither such a file nor such a name.
     """
     path = Path(name)
-    if path.is_file():
+    if is_file(path):
         return path
     if str(name) in gmrt.NAMES:
         return gmrt.path(str(name))

@@ -102,6 +102,17 @@ def test_approximate_offsets_are_the_sum_of_their_effects(az, alt, p):
     assert abs(d_alt - float(y[0] @ p)) < 1e-15
 
 
+def test_columns_are_those_of_the_effects():
+    """All over the sky, below the horizon and in plunge."""
+    rng = np.random.default_rng(2)
+    az, alt = rng.uniform(-90, 450, 500) * DEG, rng.uniform(-5, 95, 500) * DEG
+
+    quick = swift.approximate_columns(az - math.pi, alt)
+
+    for one, other in zip(quick, approximate_columns(Circumstances(az, alt)), strict=True):
+        np.testing.assert_allclose(one, other, atol=2e-15)
+
+
 @pytest.mark.parametrize("form", [swift.exact, swift.approximate])
 def test_points_do_not_depend_on_their_company(form, monkeypatch):
     """A grid by its axes, the same points one by one and in blocks of three agree to the bit."""
@@ -128,3 +139,24 @@ def test_shapes_broadcast():
 
     assert d_az.shape == d_alt.shape == (2, 4, 3)
     assert np.all(d_az == d_az.flat[0])
+
+
+@pytest.mark.parametrize("form", [swift.exact, swift.approximate])
+def test_what_is_no_number_hides_nothing_beside_it(form):
+    """Plunge and what no setting reaches are themselves, whatever else is in the block."""
+    p = [*recovered()[:2], 0.3 * DEG, 0.2 * DEG, *recovered()[4:]]
+    az, alt = np.array([1.0, 1.0, 2.0, 3.0, 4.0]), np.array([95.0, 90.0, np.nan, 45.0, -5.0]) * DEG
+    together = np.array(form(az, alt, p))
+    alone = np.array([form(one, other, p) for one, other in zip(az, alt, strict=True)]).T
+
+    np.testing.assert_array_equal(together, alone)
+    assert np.isnan(together).tolist() == [[False, False, True, False, False]] * 2
+
+
+@pytest.mark.parametrize("form", [swift.exact, swift.approximate])
+def test_an_infinite_parameter_gives_no_number(form):
+    """It is no reason to stop: no table would come out, and neither would a word why."""
+    p = list(recovered())
+    p[3] = np.inf
+
+    assert np.isnan(form(1.0, 0.5, p)[0])

@@ -46,9 +46,14 @@ def recordings(path: Path) -> None:
 
 
 def model(path: Path) -> None:
-    """Read a model, and let it predict."""
+    """Read a model, let it predict, and write it."""
     load(str(path)).offsets(AT)
     convert(str(path), path.with_name("converted.toml"))
+
+
+def effects(path: Path) -> None:
+    """Read a model that lists effects, and let it predict."""
+    load(str(path)).offsets(AT)
 
 
 def description(path: Path) -> None:
@@ -148,19 +153,19 @@ def readers() -> dict[str, Reader]:
         ("data-set", ".parquet", (parquet(seeds.PLAIN), parquet()), data_set, streams),
         ("tpoint-dat", ".dat", (seeds.DAT,), recordings, ("formats.tpoint_dat", *lines, *raw)),
         ("fs-xtr", ".xtr", (seeds.XTR,), recordings, (*field_system, *raw)),
-        ("fs-err", ".err", (seeds.FIT,), recordings, (*field_system, *raw)),
+        ("fs-err", ".err", (seeds.fit(),), recordings, (*field_system, *raw)),
         ("katpoint-csv", ".csv", (seeds.KATPOINT_CSV,), recordings, (katpoint_csv, *lines, *raw)),
         ("scans", ".csv", (seeds.SCANS,), measure, scans),
         ("survey", ".csv", (seeds.SURVEY,), read_survey, ("recordings.antennas",)),
-        ("mask", ".mask", (seeds.MASK,), mask, ("recordings.masks",)),
+        ("mask", ".mask", (seeds.mask(),), mask, ("recordings.masks",)),
         ("filter", ".txt", (seeds.FILTER,), filtered, ("recordings.where",)),
-        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), model, ("fitting.models",)),
+        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("fitting.models",)),
         ("toml-terms", ".toml", (seeds.TOML_TERMS,), model, ("formats.toml_model", *terms)),
         ("tpoint-mod", ".mod", (seeds.MOD,), model, ("formats.tpoint_mod", *terms)),
         ("fs-ctl", ".ctl", (seeds.CTL,), model, ("formats.field_system.ctl", *terms)),
-        ("fs-err-model", ".err", (seeds.FIT,), model, ("formats.field_system.ctl", *terms)),
+        ("fs-err-model", ".err", (seeds.fit(),), model, ("formats.field_system.ctl", *terms)),
         ("fs-responses", ".csv", (seeds.GRID,), grid, agrees),
-        ("fs-fits", ".err", (seeds.FIT,), fits, agrees),
+        ("fs-fits", ".err", (seeds.fit(),), fits, agrees),
         ("katpoint", ".txt", seeds.KATPOINT, model, ("formats.katpoint_model", *terms)),
         ("katpoint-description", ".txt", seeds.KATPOINT[:1], description, katpoint),
         ("ska-mid", ".json", (seeds.SKA,), model, ("formats.ska_mid", *terms)),

@@ -11,6 +11,8 @@ import numpy as np
 
 from pyport.formats.convert import convert
 from pyport.formats.terms.ska_mid import UNITS, UNPUBLISHED
+from pyport.recordings import masks
+from pyport.recordings.files import read_raw
 from pyport.steering import Grid, Table, write_ascii, write_binary
 
 NIGHT = (
@@ -39,7 +41,7 @@ SCANS = (
         for n in range(0, 120, 4)
     )
 )
-CTL = b"* x\n 1 2014 290 0 0 0\n*\n 35.0 1 0 1 1 1\n0.1 0 0.2 0.3 0.4\n"
+CTL = b"* x\n 1 2014 290 0 0 0\n*\n 35.0 1 0 1 0 0\n0.1 0 0.2 0 0\n"
 DAT = (
     b"Mine\n: ALTAZ\n: ROTNL\n-30 14 40.3\n10.5 20.1 10.6 20.2 5 ; x\n;1 2 3 4 5\n"
     b"2 3 nan 4 5\nEND\n"
@@ -49,7 +51,6 @@ KATPOINT_CSV = (
     b"target, azimuth, elevation, delta_azimuth, delta_elevation, keep\nA, 1, 20, 0.1, 0.2, 1\n"
 )
 SURVEY = b"name,east_m\nC00,1.5\nC01,-3\n"
-MASK = b"+ 4 #6de07f3b | cloud\n+ 5-5 #0 |\n"
 FILTER = b'el_deg < 45 and not (source in ("3C84", \'x\') or time_utc >= "2003-06-01")'
 TOML_EFFECTS = (
     b'name = "mine"\n[[term]]\neffect = "azimuth_zero"\nvalue_arcsec = 3\n'
@@ -122,22 +123,18 @@ REPORT = json.dumps(
         ],
     }
 ).encode()
-#: What the Field System prints of a fit, and the data that it is of.
+#: Data of the Field System's, and unit responses of its parameters.
 XTR = (
     b"$antenna\n TEST azel 1\n$data\n"
     + b"".join(
-        b" 1 %d %d %.4f %.4f 0.001 0.001\n" % (a, e, 0.01 + a / 9e4, 0.02)
-        for a, e in ((10, 20), (80, 70), (150, 30), (220, 60), (290, 40))
+        b" 1 %d %d %.4f %.4f 0.001 0.001\n" % (23 * n % 360, 10 + 7 * n, 0.01 + n / 900, 0.02)
+        for n in range(11)
     )
     + b"$stats\n"
 )
-FIT = (
-    b"$antenna\n TEST azel 1\n$observed\n 1 10.5 20.1 0.01 0.02 0.03\n$fit_data\n 1\n 2\n"
-    b" 0.01 0 0 0 0\n 0.001 0 0 0 0\n$correlation\n 1\n$new_model\n" + CTL
-)
 GRID = (
     b"phi_deg,param,az_deg,el_deg,dx_per_unit,dy_per_unit\n"
-    b"90,1,30,45,1,0\n90,1,60,50,1,0\n90,7,30,45,0,1\n"
+    b"90,P1,30,45,1,0\n90,P1,60,50,1,0\n90,P7,30,45,0,1\n"
 )
 
 
@@ -175,3 +172,30 @@ def binary() -> bytes:
 def ascii_table() -> bytes:
     """Return an ASCII table."""
     return written(lambda path: write_ascii(table(), path))
+
+
+def fit() -> bytes:
+    """Return what the Field System writes of a fit, models included."""
+
+    def write(path: Path) -> None:
+        data, model = path.with_name("a.xtr"), path.with_name("a.ctl")
+        data.write_bytes(XTR)
+        model.write_bytes(CTL)
+        convert(str(data), path.with_name("a.err"), model=str(model))
+        path.with_name("a.err").replace(path)
+
+    return written(write)
+
+
+def mask() -> bytes:
+    """Return a mask of the recordings, with a step that takes another back."""
+
+    def write(path: Path) -> None:
+        night = path.with_name("night.csv")
+        night.write_bytes(NIGHT)
+        raw = read_raw(night)
+        masks.add(raw, (4, 5), "cloud")
+        masks.add(raw, (5,), "", masks=False)
+        masks.path_of(night).replace(path)
+
+    return written(write)

@@ -56,9 +56,8 @@ def responses(path: Path) -> list[Response]:
     if not wanted <= set(raw.columns):
         raise BadInput(f"the columns are not {', '.join(sorted(wanted))}", path)
     numbers = np.stack([raw.numbers(name) for name in ("phi_deg", *_GRID_COLUMNS)], axis=1)
-    raw.refuse(
-        np.asarray(np.isnan(numbers).any(axis=1)), "a cell is blank, expected a number in each"
-    )
+    blank = np.asarray(np.isnan(numbers).any(axis=1))
+    raw.refuse(blank, "a cell is blank, expected a number in each")
     groups: dict[tuple[float, str], list[Array]] = {}
     for row, name in zip(numbers, raw.words("param").tolist(), strict=True):
         groups.setdefault((float(row[0]), name), []).append(row[1:])

@@ -111,7 +111,7 @@ def _parquet_cells(path: Path) -> Raw:
     if not table.num_rows:
         raise BadInput("no rows in this table", path)
     names = table.column_names
-    twice = _first_double(names)
+    twice = first_double(names)
     if twice is not None:
         raise BadInput(f"two columns are called {twice!r}, expected one", path)
     columns = {name: _arrow_cells(table[name]) for name in names}
@@ -136,7 +136,7 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
 
     # the types first: only the schema is read
     schema = parquet.read_schema(path)
-    words = [one.name for one in schema if _is_text(one.type)]
+    words = [one.name for one in schema if is_text(one.type)]
     with parquet.ParquetFile(path, read_dictionary=words) as file:
         held = file.metadata
         size = sum(held.row_group(n).total_byte_size for n in range(held.num_row_groups))
@@ -148,7 +148,7 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
             raise BadInput(f"{wrong}, expected at most {MOST_CELLS} cells in 1 GB", path)
         table = file.read()
     for name, column in zip(table.column_names, table.columns, strict=True):
-        if not (pyarrow.types.is_dictionary(column.type) and _is_text(column.type.value_type)):
+        if not (pyarrow.types.is_dictionary(column.type) and is_text(column.type.value_type)):
             continue
         for chunk in column.chunks:
             length = compute.max(compute.binary_length(chunk.dictionary)).as_py() or 0
@@ -157,7 +157,8 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
     return table
 
 
-def _is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed
+def is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed
+    """Tell whether a column's cells are text or bytes of any length."""
     import pyarrow
 
     return any(
@@ -171,7 +172,7 @@ def _is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed
     )
 
 
-def _first_double(names: Iterable[str]) -> str | None:
+def first_double(names: Iterable[str]) -> str | None:
     """Return the first name that stands there a second time."""
     seen: set[str] = set()
     for name in names:

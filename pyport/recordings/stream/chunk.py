@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,15 @@ from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.recordings import interpret
 from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
-from pyport.recordings.raw import Raw
+from pyport.recordings.formats.tables import is_text
+from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.stream.pieces import Piece
 
 #: So many rows that were set aside are listed; of the others the reasons are counted.
 MOST_LISTED = 1000
+
+#: Of so many sets of labels each could have a place of its own in memory.
+MOST_CODES = 1 << 22
 
 NO_OFFSET = "no offset on either axis"
 NO_POSITION = "no azimuth or no elevation"
@@ -160,12 +163,15 @@ def _cells(batch: Any, piece: Piece, first_row: int) -> tuple[Raw, dict[str, Any
 
 
 def _as_time(column: Any, file: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
-    """Return ISO 8601 text as times."""
+    """Return ISO 8601 text as times, null where it is blank."""
     import pyarrow
     from pyarrow import compute
 
     try:
-        return compute.cast(compute.replace_substring(column, "Z", ""), pyarrow.timestamp("us"))
+        text = column.dictionary if pyarrow.types.is_dictionary(column.type) else column
+        told = compute.if_else(compute.equal(text, ""), None, text)
+        times = compute.cast(compute.replace_substring(told, "Z", ""), pyarrow.timestamp("us"))
+        return times.take(column.indices) if text is not column else times
     except pyarrow.ArrowException as error:
         raise BadInput(f"{TIME}: {str(error).splitlines()[0]}", file) from None
 
@@ -176,30 +182,49 @@ def _labels(
     """Return the number of each row's set of labels, the sets, and which labels there are."""
     names = tuple(sorted({*texts, *(name for name, _ in piece.labels)}))
     fixed = dict(piece.labels)
-    code = np.zeros(rows, np.int64)
-    values: list[list[str]] = []
+    label = np.zeros(rows, np.int64)
+    sets: list[tuple[str, ...]] = [()]
     for name in names:
         if name in texts:
             encoded = texts[name].dictionary_encode()
-            own = [_word(one) for one in encoded.dictionary.to_pylist()] + [""]
+            own = [*_words(encoded.dictionary, name, piece.file), ""]
             index = encoded.indices.fill_null(len(own) - 1).to_numpy(zero_copy_only=False)
         else:
             own, index = [fixed[name]], np.zeros(rows, np.int64)
-        code = code * len(own) + index
-        values.append(own)
-    places = np.zeros(int(math.prod(len(own) for own in values)) + 1, np.int64)
+        there, label = _numbered(label * len(own) + index, len(sets) * len(own))
+        sets = [(*sets[one // len(own)], own[one % len(own)]) for one in there.tolist()]
+    return label, sets, names
+
+
+def _numbered(code: NDArray[np.int64], size: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return which codes below `size` there are, and the place of each row's code among them."""
+    if size > MOST_CODES:
+        return np.unique(code, return_inverse=True)
+    places = np.zeros(size, np.int64)
     places[code] = 1
     there = np.flatnonzero(places)
     places[there] = np.arange(len(there))
-    label = places[code]
-    sets = []
-    for one in there.tolist():
-        rest, words = one, []
-        for own in reversed(values):
-            rest, which = divmod(rest, len(own))
-            words.append(own[which])
-        sets.append(tuple(reversed(words)))
-    return label, sets, names
+    return there, places[code]
+
+
+def _words(dictionary: Any, name: str, file: Path) -> list[str]:  # noqa: ANN401
+    """Return the texts that a column of labels holds.
+
+    Raises
+    ------
+    BadInput
+        A text is longer than a cell may be, or none.
+    """
+    from pyarrow import compute
+
+    if is_text(dictionary.type):
+        longest = compute.max(compute.binary_length(dictionary)).as_py() or 0
+        if longest > LONGEST_CELL:
+            raise BadInput(f"{name} has more than {LONGEST_CELL} characters", file)
+    try:
+        return [_word(one) for one in dictionary.to_pylist()]
+    except UnicodeDecodeError:
+        raise BadInput(f"{name} holds what is no text, expected UTF-8", file) from None
 
 
 def _word(value: object) -> str:

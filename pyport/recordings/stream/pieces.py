@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.recordings.columns import LABELS
+from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
+from pyport.recordings.formats.tables import first_double, is_text
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.
 PIECE_ROWS = 2_000_000
+#: Rows of equal cells take next to nothing in a file; measurements do not come to so many.
+MOST_ROWS_A_BYTE = 10
 #: Rows that are in memory at a time.
 CHUNK_ROWS = 1 << 18
 
@@ -39,8 +43,9 @@ class Piece:
 
     def batches(self) -> Iterator[Any]:
         """Yield record batches of at most `CHUNK_ROWS` rows."""
-        with opened(self.file) as file:
-            yield from file.iter_batches(CHUNK_ROWS, row_groups=list(self.groups))
+        with opened(self.file) as file, _refused(self.file):
+            wanted = _wanted(file.schema_arrow, self.file)
+            yield from file.iter_batches(CHUNK_ROWS, row_groups=list(self.groups), columns=wanted)
 
 
 def files_of(root: Path) -> list[Path]:
@@ -63,6 +68,7 @@ def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
         labels = labels_of(path.relative_to(root))
         with opened(path) as file:
             _agree(keys, file.schema_arrow.metadata, path)
+            _check_promise(file.metadata.num_rows, path)
             sizes = [
                 file.metadata.row_group(n).num_rows for n in range(file.metadata.num_row_groups)
             ]
@@ -79,6 +85,13 @@ def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
     return found, keys
 
 
+def _check_promise(rows: int, path: Path) -> None:
+    """Refuse a file that stands for more equal rows than anybody measured."""
+    size = path.stat().st_size
+    if rows > PIECE_ROWS + MOST_ROWS_A_BYTE * size:
+        raise BadInput(f"{rows} rows in {size} bytes, expected measurements", path)
+
+
 def labels_of(path: Path) -> tuple[tuple[str, str], ...]:
     """Return the contract's labels that a path's folders spell, `NAME=VALUE` each.
 
@@ -89,19 +102,51 @@ def labels_of(path: Path) -> tuple[tuple[str, str], ...]:
 
 
 def opened(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
-    """Open a Parquet file."""
-    import pyarrow
+    """Open a Parquet file; text comes as places in a dictionary, a long one is there once."""
     from pyarrow import parquet
 
+    with _refused(path):
+        schema = parquet.read_schema(path, memory_map=True)
+        words = [one.name for one in schema if is_text(one.type)]
+        return parquet.ParquetFile(path, memory_map=True, read_dictionary=words)
+
+
+@contextlib.contextmanager
+def _refused(path: Path) -> Iterator[None]:
+    """Say in one line what Parquet's own reader does not like of a file."""
+    import pyarrow
+
     try:
-        return parquet.ParquetFile(path, memory_map=True)
-    except (pyarrow.ArrowException, OSError) as error:
-        raise BadInput(f"no Parquet table: {str(error).splitlines()[0]}", path) from None
+        yield
+    except (pyarrow.ArrowException, OSError, UnicodeDecodeError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise BadInput(f"no Parquet table: {reason}", path) from None
+
+
+def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is not typed
+    """Return the columns that a data set is reduced by: numbers, times, and the labels known."""
+    import pyarrow
+
+    kinds = pyarrow.types
+    twice = first_double(schema.names)
+    if twice is not None:
+        raise BadInput(f"two columns are called {twice!r}, expected one", path)
+    wanted = []
+    for one in schema:
+        known = one.name in {*LABELS, TIME, SCAN_RATE} or angle_of(one.name) is not None
+        if known and kinds.is_nested(one.type):
+            raise BadInput(f"column {one.name!r} is {one.type}, expected numbers or text", path)
+        tests = kinds.is_integer, kinds.is_floating, kinds.is_timestamp
+        if known or any(test(one.type) for test in tests):
+            wanted.append(one.name)
+    return wanted
 
 
 def _agree(keys: dict[str, str], metadata: dict[bytes, bytes] | None, path: Path) -> None:
     """Take over a file's header keys; whoever contradicts an earlier file is refused."""
-    for name, value in ((k.decode(), v.decode()) for k, v in (metadata or {}).items()):
+    with _refused(path):
+        told = {name.decode(): value.decode() for name, value in (metadata or {}).items()}
+    for name, value in told.items():
         if name in {"pandas", "ARROW:schema"}:
             continue
         if keys.setdefault(name, value) != value:
