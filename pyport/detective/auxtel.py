@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,9 @@ def lines(folder: Path) -> Iterator[Line]:
     yield from _overfit("AuxTel 2020-03-14", first)
     yield from _rehearsed("AuxTel 2020-03-14", few, folder / _FAUTO)
     last = compare(good, altaz, [load(str(folder / _FIFTEEN))])
-    yield from _overfit("AuxTel 2022-04-06", last)
+    # Of this night nothing was promised: it stands beside the other one.
+    for line in _overfit("AuxTel 2022-04-06", last):
+        yield replace(line, wanted="shown", passed=None)
     for date, recordings in (("2020-03-14", few), ("2021-06-09", many), ("2022-04-06", good)):
         found = diagnosed(recordings, "altaz")
         before, after, floor = (

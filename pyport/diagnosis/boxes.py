@@ -58,6 +58,8 @@ def _inside(az: Array, el: Array, edges: Edges) -> NDArray[np.bool_]:
 def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, int]:
     """Return the edges of the best box made of cells, and how many boxes were tried."""
     steps = np.unique(np.quantile(el, np.linspace(0, 1, UPWARD + 1)))
+    if len(steps) == 1:  # one elevation for all: a box goes past it on both sides
+        steps = steps[0] + _FIRST * np.array([-1.0, 1.0])
     column = np.minimum((az * AROUND / (2 * np.pi)).astype(int), AROUND - 1)
     line = np.clip(np.searchsorted(steps, el, side="right") - 1, 0, len(steps) - 2)
     sums = np.zeros((3, AROUND, len(steps) - 1))

@@ -20,7 +20,7 @@ from pyport.diagnosis.pointings import pointings
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
-from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 
@@ -323,7 +323,7 @@ def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[A
     found: list[Chosen] = []
     start = 0
     for term in terms:
-        basis = data.columns(term.effect, recordings.at)
+        basis = term_columns(data, term.effect, recordings)
         other = [label for label in term.per if label not in ("antenna", "session")]
         codes, names = group(recordings, other)
         split = [basis * (codes[data.row] == code)[:, None] for code in range(len(names))]

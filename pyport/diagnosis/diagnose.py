@@ -28,6 +28,7 @@ from pyport.threads import one_thread
 
 #: Below this many measured numbers beyond the model's own parameters nothing can be said.
 FEWEST_SPARE = 5
+TINY = 1e-200
 
 
 @dataclass(frozen=True)
@@ -174,11 +175,13 @@ def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
     powers = np.einsum("mk,mk->k", setup.columns, setup.columns) / len(setup.columns)
     limits: dict[str, float] = {}
     for trial in outcome.last:
-        if not trial.candidate.effect.physical or "antenna" in trial.scope:
+        known = float(np.trace(trial.information))
+        # What is seen by rounding alone has no size at which it would have been seen.
+        if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
         gain = gain_needed(trial, needed)
         power = float(powers[trial.candidate.columns].sum())
-        size = float(np.sqrt(gain * power / max(np.trace(trial.information), 1e-300)))
+        size = float(np.sqrt(gain * power / known))
         effect = trial.candidate.effect.id
         limits[effect] = min(size, limits.get(effect, np.inf))
     return limits

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
@@ -22,6 +23,8 @@ BLOCKS = 5
 #: A prediction that is off by more than five sigmas counts as five: a coefficient may hang on
 #: one scan alone.
 CLIP = 25.0
+#: A prediction is open when more than this share of its columns is what the fit leaves open.
+OPEN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     white, choices = _whitened(setup, weighed, chosen)
     for one, solution, _ in _without_each(setup, white, choices, partition):
         rows = np.flatnonzero(partition.fold == one)
-        unknown = np.any((expanded[rows] != 0) & ~solution.known, axis=1)
+        unknown = _left_open(solution, expanded[rows])
         predicted = expanded[rows] @ solution.values
         left[rows] = np.where(unknown, np.nan, setup.residual[rows] - predicted)
     return left
@@ -105,9 +108,21 @@ def unseen_misfit(
     total = 0.0
     for _, solution, rows in _without_each(setup, white, choices, partition):
         left = white[rows, -1] - columns[rows] @ solution.values
-        unknown = (columns[rows] != 0) @ ~solution.known
+        unknown = _left_open(solution, columns[rows])
         total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())
     return total / weighed.evidence.common.factor
+
+
+def _left_open(solution: Solution, columns: Array) -> NDArray[np.bool_]:
+    """Tell which predictions a fit leaves open, from the columns of what is predicted, (n, P).
+
+    Coefficients that are not determined one by one may be so together: at one elevation
+    nobody tells a zero from sag, and the offset there is known all the same.
+    """
+    if solution.known.all():
+        return np.zeros(len(columns), bool)
+    beyond = columns - columns @ (solution.covariance @ solution.normal)
+    return np.asarray(np.linalg.norm(beyond, axis=1) > OPEN * np.linalg.norm(columns, axis=1), bool)
 
 
 def _whitened(

@@ -11,6 +11,7 @@ from pyport.diagnosis import record, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.soundness import warnings
+from pyport.diagnosis.words import nothing
 
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
@@ -36,9 +37,7 @@ def summary(diagnosis: Diagnosis) -> str:
         for n, finding in enumerate(diagnosis.findings, 1):
             lines += _finding(n, finding)
     else:
-        lines.append(
-            f"Nothing is missing that these recordings could show (p = {_chance(diagnosis)})."
-        )
+        lines += _wrapped(f"{nothing(diagnosis.p_value)} (p = {_chance(diagnosis)}).")
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
         seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
         lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyport.diagnosis.finding import Parameter, Where
+from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.effects.base import Effect
 
 if TYPE_CHECKING:
@@ -18,6 +19,16 @@ WATCH = "look at the region and the column that it follows, and record what chan
 _AXES = {"xel": "cross-elevation", "el": "elevation"}
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
+
+
+def nothing(p_value: float) -> str:
+    """Return what is said where no finding is."""
+    if p_value > FAMILY_ERROR:
+        return "Nothing is missing that these recordings could show"
+    return (
+        "What is left does not look like noise, but nothing that was tried predicts recordings "
+        "that it had not seen"
+    )
 
 
 def since(effect: Effect) -> str | None:

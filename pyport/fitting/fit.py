@@ -13,7 +13,7 @@ from pyport.errors import BadInput
 from pyport.fitting import robust
 from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
-from pyport.fitting.stacking import Codes, Stack, group, stack
+from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
 from pyport.fitting.two_axes import Difference, difference
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
@@ -143,7 +143,7 @@ def _expanded(
     arrays = [np.zeros((len(data), 0))]
     owners = []
     for term in terms:
-        basis = data.columns(term.effect, recordings.at)
+        basis = term_columns(data, term.effect, recordings)
         codes, names = group(recordings, term.per)
         for code, name in enumerate(names):
             arrays.append(basis * (codes[data.row] == code)[:, None])

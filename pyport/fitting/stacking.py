@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Effect
+from pyport.effects.base import Circumstances, Effect, MissingColumn
+from pyport.errors import BadInput
 from pyport.recordings.schema import Recordings
 
 Codes = NDArray[np.intp]
@@ -39,7 +40,10 @@ class Stack:
 
     def spread(self, x: Array, y: Array) -> Array:
         """Return the numbers of this stack out of (n, ...) arrays for each axis, shape (m, ...)."""
-        return np.concatenate([x[self.row[~self.is_y]], y[self.row[self.is_y]]])
+        first = len(self) - int(np.count_nonzero(self.is_y))
+        halves = (x, self.row[:first]), (y, self.row[first:])
+        # where every row was measured there is nothing to pick
+        return np.concatenate([own if len(rows) == len(own) else own[rows] for own, rows in halves])
 
     def columns(self, effect: Effect, at: Circumstances) -> Array:
         """Return an effect's basis for this stack, shape (m, k)."""
@@ -55,6 +59,21 @@ def stack(recordings: Recordings) -> Stack:
         is_y=np.repeat([False, True], [len(has_x), len(has_y)]),
         value=np.concatenate([recordings.x[has_x], recordings.y[has_y]]),
     )
+
+
+def term_columns(data: Stack, effect: Effect, recordings: Recordings) -> Array:
+    """Return the basis of a model's term for a stack of these recordings, shape (m, k).
+
+    Raises
+    ------
+    BadInput
+        The term needs more than these recordings tell.
+    """
+    try:
+        return data.columns(effect, recordings.at)
+    except MissingColumn as lack:
+        said = f"the model's term {effect.id} {lack}, which is not there"
+        raise BadInput(said, recordings.file) from None
 
 
 def group(recordings: Recordings, per: Sequence[str]) -> tuple[Codes, list[tuple[str, ...]]]:

@@ -10,7 +10,7 @@ from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.joint import sigmas
 from pyport.diagnosis.steps import Step
-from pyport.diagnosis.words import number
+from pyport.diagnosis.words import nothing, number
 from pyport.files import sha256
 from pyport.page.against import columns
 from pyport.page.layers import layers, visible
@@ -130,7 +130,7 @@ def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
     noise = chance(diagnosis.p_value)
     if not diagnosis.mismatch:
         return (
-            "Nothing is missing that these recordings could show.",
+            f"{nothing(diagnosis.p_value)}.",
             f"Noise alone looks like what {model} leaves (chance {noise}).",
         )
     names = [one.effect.replace("_", " ") for one in diagnosis.findings]

@@ -11,7 +11,7 @@ from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.fitting import robust
 from pyport.fitting.models import Model, Term
-from pyport.fitting.stacking import Stack, group, stack
+from pyport.fitting.stacking import Stack, group, stack, term_columns
 from pyport.recordings.schema import Recordings
 
 
@@ -93,7 +93,7 @@ def design(recordings: Recordings, model: Model, noise: float | None = None) -> 
 def _base(recordings: Recordings, data: Stack, model: Model) -> tuple[Array, list[Column]]:
     arrays, found = [np.zeros((len(data), 0))], []
     for term in model.fitted():
-        basis = data.columns(term.effect, recordings.at)
+        basis = term_columns(data, term.effect, recordings)
         codes, names = group(recordings, term.per)
         for code, labels in enumerate(names):
             arrays.append(basis * (codes[data.row] == code)[:, None])

@@ -9,9 +9,17 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import Circumstances
+from pyport.pointing import swift
 from pyport.pointing.approximate import approximate_columns, approximate_offsets
 from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jacobian import exact_slopes
+
+
+def linear_columns(at: Circumstances) -> tuple[Array, Array]:
+    """Return the approximate form's columns, (n, 12) each; by effects where points are means."""
+    if at.fine is not None:
+        return approximate_columns(at)
+    return swift.approximate_columns(at.az - math.pi, at.el)
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,7 @@ class Rt32Model:
         the four parameters that it is not linear in. `linear` are the columns of the
         approximate form, where they are at hand.
         """
-        x, y = approximate_columns(at) if linear is None else (one.copy() for one in linear)
+        x, y = linear_columns(at) if linear is None else (one.copy("K") for one in linear)
         if self.exact:
             cosine = np.cos(at.el)
             slopes = exact_slopes(at.az - math.pi, at.el, self.parameters)

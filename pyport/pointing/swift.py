@@ -76,6 +76,24 @@ def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple
     return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, float))
 
 
+def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]:
+    """Return the offsets on the sky for one radian of each parameter, across and along, (n, 12).
+
+    What :func:`pyport.pointing.approximate.approximate_columns` adds up from its effects.
+    """
+    az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
+    double_sine, double_cosine = 2 * az.sine * az.cosine, 1 - 2 * az.sine * az.sine
+    facing = np.where(altitude > np.pi / 2, -1.0, 1.0)
+    across, along = np.zeros((2, 12, len(az_south)))
+    across[0], across[2], across[3] = alt.cosine, alt.sine, 1.0
+    across[4], across[5] = az.sine * alt.sine, -az.cosine * alt.sine
+    across[8], across[9] = double_sine * alt.cosine, double_cosine * alt.cosine
+    along[1], along[4], along[5] = 1.0, az.cosine * facing, az.sine * facing
+    along[6], along[7], along[10] = alt.cosine, alt.sine, double_sine
+    along[11] = has_jumped(az_south, altitude)
+    return across.T, along.T
+
+
 def _by_blocks(
     form: _Form, az_south: ArrayLike, altitude: ArrayLike, p: _Parameters
 ) -> tuple[Array, Array]:

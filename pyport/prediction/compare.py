@@ -19,6 +19,8 @@ from pyport.threads import one_thread
 OUTLIER = 0.05
 #: What is left of the readings when some are left out must still determine a model.
 KEPT = 0.8
+#: With so many offsets for each term picking costs next to nothing, and is not tried.
+PLENTY = 100
 
 
 @dataclass(frozen=True)
@@ -84,8 +86,9 @@ def compare(
     recordings, model
         The measurements, and the model that the choice for prediction starts from.
     rivals
-        Other models. For each of more terms there is a contender of as many that picks
-        its own: once from all readings, and anew wherever readings are left out.
+        Other models. For each of more terms, where readings are few beside them, there are
+        contenders of as many that pick their own: once from all readings, and anew wherever
+        readings are left out.
     others
         Recordings of other nights.
     seed
@@ -108,7 +111,13 @@ def compare(
                 f"{each.terms:.0f} coefficients of {each.name}",
                 recordings.file,
             )
-    more = sorted({int(one.terms) for one in others_of if one.terms > first.terms})
+    more = sorted(
+        {
+            int(one.terms)
+            for one in others_of
+            if one.terms > first.terms and len(night.stack) < PLENTY * one.terms
+        }
+    )
     pickers = [Picked(night, model, count, anew=one) for count in more for one in (False, True)]
     own = OwnChoice(night, model)
 

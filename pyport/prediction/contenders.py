@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects import MissingColumn
 from pyport.errors import BadInput
 from pyport.fitting import robust
 from pyport.fitting.models import Model
-from pyport.fitting.stacking import Stack, stack
+from pyport.fitting.stacking import Stack, stack, term_columns
 from pyport.prediction import picked, shrunk, waves
 from pyport.recordings.schema import Recordings
 
@@ -75,11 +74,7 @@ class Night:
         BadInput
             A term needs more than these recordings tell.
         """
-        at, file = self.recordings.at, self.recordings.file
-        try:
-            parts = [self.stack.columns(term.effect, at) for term in model.fitted()]
-        except MissingColumn as lack:
-            raise BadInput(f"{model.name} {lack}, which is not there", file) from None
+        parts = [term_columns(self.stack, term.effect, self.recordings) for term in model.fitted()]
         return np.concatenate([np.zeros((len(self.stack), 0)), *parts], axis=1)
 
     def value(self, model: Model) -> Array:

@@ -71,7 +71,7 @@ def verdict(done: Comparison) -> Iterator[str]:
 
 def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
     first = next(iter(rival.unseen))
-    more = rival.unseen[first] / rival.fitted
+    more = rival.unseen[first] / max(rival.fitted, 1e-9)
     yield (
         f"{rival.name}: {rival.terms:.0f} terms leave {rival.fitted:.2f} in the fit and "
         f"{more:.2f} times as much on {first} left out."

@@ -102,6 +102,17 @@ def test_approximate_offsets_are_the_sum_of_their_effects(az, alt, p):
     assert abs(d_alt - float(y[0] @ p)) < 1e-15
 
 
+def test_columns_are_those_of_the_effects():
+    """All over the sky, below the horizon and in plunge."""
+    rng = np.random.default_rng(2)
+    az, alt = rng.uniform(-90, 450, 500) * DEG, rng.uniform(-5, 95, 500) * DEG
+
+    quick = swift.approximate_columns(az - math.pi, alt)
+
+    for one, other in zip(quick, approximate_columns(Circumstances(az, alt)), strict=True):
+        np.testing.assert_allclose(one, other, atol=2e-15)
+
+
 @pytest.mark.parametrize("form", [swift.exact, swift.approximate])
 def test_points_do_not_depend_on_their_company(form, monkeypatch):
     """A grid by its axes, the same points one by one and in blocks of three agree to the bit."""

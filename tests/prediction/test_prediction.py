@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.predict import command
-from pyport.effects import Circumstances, Site
+from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
-from pyport.fitting.models import load
-from pyport.prediction import left_out, picked, shrunk, waves, words
+from pyport.fitting.models import Term, load
+from pyport.prediction import left_out, picked, rehearsal, shrunk, waves, words
 from pyport.prediction.compare import compare
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
@@ -143,6 +143,33 @@ def test_picking_takes_the_term_that_is_there():
     expected = np.sin(2 * recordings.at.az)[night.stack.row] * night.stack.is_y
 
     assert terms[:, first[0]] == pytest.approx(expected)
+
+
+def test_a_rehearsal_knows_what_terms_picked_from_few_points_are_worth(monkeypatch):
+    """On a telescope that is the model, picked terms claim less than they leave elsewhere."""
+    monkeypatch.setattr(rehearsal, "NIGHTS", 2)
+    many = replace(load("altaz"), name="many")
+    extra = [Term(CATALOGUE[one]) for one in ("sag_sine", "azimuth_eccentricity", "refraction")]
+    many = replace(many, terms=(*many.terms, *extra))
+    first, _ = rehearsal.rehearse(_night(40, 11), ALTAZ, many)
+    picked_terms = next(name for name in first.fresh if "picked" in name)
+
+    assert first.truth == "many"
+    assert first.claimed[picked_terms] < first.fresh[picked_terms]
+    assert first.fresh["own choice"] < first.fresh[picked_terms]
+    assert "exactly as many says" in words.of_rehearsals([first])
+
+
+def test_too_few_readings_are_refused():
+    """Five pointings cannot be left out in turn beside seven coefficients."""
+    with pytest.raises(BadInput, match="too few to leave some out"):
+        compare(_night(4, 12), ALTAZ)
+
+
+def test_a_term_that_lacks_a_column_is_refused():
+    """A cosine of hour angle needs an hour angle."""
+    with pytest.raises(BadInput, match="needs hour_angle_h"):
+        compare(_night(30, 13), load("gmrt-paper"))
 
 
 def test_several_antennas_are_told_to_come_one_by_one():

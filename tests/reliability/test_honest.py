@@ -17,6 +17,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.guards import FEWEST, carriers
 from pyport.diagnosis.resampling import DRAWS, Stability, stability
 from pyport.diagnosis.search import search
+from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.summary import summary
 from pyport.fitting.models import load
 
@@ -152,3 +153,22 @@ def test_what_does_not_come_back_is_said():
         "instead": "drift",
         "stable": False,
     }
+
+
+def test_one_elevation_hides_nothing():
+    """Zero and sag are one at one elevation; what goes with azimuth shows all the same."""
+    made = recordings(200, 1, x=lambda at: 30 * np.cos(3 * at.az))
+    level = replace(made, at=replace(made.at, el=np.full(200, 0.8)))
+    done = diagnose(level, load("altaz"))
+
+    assert "azimuth_harmonics" in done.findings[0].members
+    assert np.isfinite(done.unseen[1]).all()
+    assert any("not determined" in one for one in warnings(done))
+
+
+def test_silence_is_no_all_clear_where_noise_does_not_look_like_that():
+    """No finding, and no noise either: said as it is."""
+    quiet = diagnose(recordings(100, 5), load("altaz"))
+
+    assert "Nothing is missing" in summary(quiet)
+    assert "does not look like noise" in summary(replace(quiet, p_value=1e-9))

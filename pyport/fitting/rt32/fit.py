@@ -20,17 +20,18 @@ from pyport.fitting.rt32.campaigns import BoxStep
 from pyport.fitting.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.fitting.soundness import doubts
 from pyport.fitting.stacking import Codes, Stack, stack
-from pyport.pointing import PARAMETERS, Rt32Model, approximate_columns
+from pyport.pointing import PARAMETERS, Rt32Model
+from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
-#: Linearisations of the exact form: from zero a fourth one changes a ten-millionth of a sigma.
+#: Linearisations of the exact form: from zero a fourth one changes millionths of a sigma.
 _LINEARISATIONS = 3
 #: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
-_ROUGH, _ROUNDS = 4, 60
+_ROUGH, _ROUNDS = 2, 60
 _SETTLED = 1e-4
 
 
@@ -171,7 +172,7 @@ def fit_rt32(
         cosine = np.cos(recordings.at.el[data.row])
         prior = np.where(data.is_y, 1.0, 1 / np.maximum(cosine, _LEAST_COSINE))
     p = np.zeros(size)
-    linear = approximate_columns(recordings.at)
+    linear = linear_columns(recordings.at)
     start: Array | None = None
     turns = _LINEARISATIONS if exact else 1
     for turn in range(turns):

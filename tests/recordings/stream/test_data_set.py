@@ -219,3 +219,35 @@ def test_folders_name_labels(tmp_path):
     assert set(found.at.column("antenna")) == {"W07", "W08"}
     assert "night" not in found.at
     assert Path(found.file) == tmp_path
+
+
+def points_of(recordings):
+    """Return everything that was computed, normal points in an order of their own."""
+    at = recordings.at
+    order = np.lexsort((np.rint(at.numbers("time")), at.column("antenna")))
+    numbers = (at.az, at.el, at.numbers("time"), recordings.x, recordings.y, recordings.sigma_y)
+    return np.stack([one[order] for one in numbers]), recordings.reduction
+
+
+@pytest.mark.parametrize("how", ["chunks", "pieces", "files", "order"])
+def test_how_rows_come_changes_nothing_but_rounding(tmp_path, monkeypatch, how):
+    """The size of chunks and pieces, the number of files, the order of rows."""
+    columns = campaign(rows=3000)
+    columns["d_el_arcsec"][::37] += 300
+    alone, told = points_of(read(write(tmp_path / "alone", columns)))
+    files, groups = 4, None
+    if how == "chunks":
+        monkeypatch.setattr(pieces, "CHUNK_ROWS", 97)
+    elif how == "pieces":
+        monkeypatch.setattr(pieces, "PIECE_ROWS", 200)
+        groups = 100
+    elif how == "files":
+        files = 11
+    else:
+        order = np.random.default_rng(3).permutation(3000)
+        columns = {name: values[order] for name, values in columns.items()}
+    again, also = points_of(read(write(tmp_path / "again", columns, files=files, groups=groups)))
+
+    assert also == told
+    assert told.outliers > 50
+    np.testing.assert_allclose(again, alone, rtol=1e-9, atol=1e-12)
