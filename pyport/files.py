@@ -97,6 +97,15 @@ def is_file(path: str | Path) -> bool:
         return False
 
 
+def is_spelled(name: str | Path) -> bool:
+    """Tell whether a name of a file is UTF-8: bytes that are none come as lone surrogates."""
+    try:
+        str(name).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def sha256(path: str | Path) -> str:
     """Return the SHA-256 of a file's bytes as hexadecimal text."""
     with Path(path).open("rb") as file:

@@ -74,6 +74,7 @@ def main() -> None:
     # The matrices here are small: threads of the linear algebra cost more than they bring.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
+        _refuse_what_is_no_text(sys.argv[1:])
         status = pyport.main(
             prog_name="pyport", standalone_mode=False, complete_var="_PYPORT_COMPLETE"
         )
@@ -89,3 +90,13 @@ def main() -> None:
         click.echo(f"pyport: error: {place}{error.strerror or error}", err=True)
         sys.exit(2)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _refuse_what_is_no_text(words: list[str]) -> None:
+    """Refuse names of files that no report could spell."""
+    for word in words:
+        try:
+            word.encode()
+        except UnicodeEncodeError:
+            wrong = f"{word!r} is no UTF-8 text, expected a name that is: rename the file"
+            raise BadInput(wrong) from None

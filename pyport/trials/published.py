@@ -116,6 +116,8 @@ def _check_place(where: dict[str, Any], path: Path) -> None:
     for interval in _list(where, "region", path):
         _text(interval, "column", path)
         for key in ("low", "high"):
+            if key not in interval:
+                raise BadInput(f"an interval has no {key}, expected a number or null", path)
             _optional(interval, key, path, _is_number, "a number")
     for point in _list(where, "curve", path):
         if not (_is_number(point.get("az_deg")) and _is_number(point.get("el_deg"))):

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
+import io
+import lzma
 import os
 import subprocess
 import sys
+import zipfile
 
 import numpy as np
 import pyarrow
@@ -18,6 +23,14 @@ from pyport.recordings import masks, read
 
 HEADER = "az_deg,el_deg,d_el_arcsec,source,time_utc\n"
 NIGHT = HEADER + "10,20,3,Café,2003-06-01T18:37:12Z\n-190,40,-1,,\n"
+
+
+def zipped(content):
+    """Return an archive of one file."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("night.csv", content)
+    return packed.getvalue()
 
 
 def refusal(path, reader=read):
@@ -184,6 +197,35 @@ def test_text_that_would_fill_the_memory_when_padded(tmp_path):
     path.write_text(HEADER + rows + f"1,2,3,{'x' * 999},\n")
 
     assert refusal(path).startswith(f"{path}:300002: ")
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, bz2.compress, lzma.compress, zipped])
+@pytest.mark.parametrize("suffix", [".csv", ".ecsv", ".parquet", ".dat", ".xtr", ".csv.gz", ".zip"])
+def test_nothing_is_unpacked(tmp_path, pack, suffix):
+    """An archive is no format of recordings, whatever it calls itself; so it cannot swell."""
+    path = tmp_path / f"night{suffix}"
+    path.write_bytes(pack(NIGHT.encode() * 1000))
+
+    assert refusal(path).startswith(f"{path}:")
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, zipped])
+@pytest.mark.parametrize("suffix", [".toml", ".json", ".xml", ".mod", ".ctl", ".txt", ".err"])
+def test_no_model_is_unpacked(tmp_path, pack, suffix):
+    """Nor is one a model."""
+    path = tmp_path / f"model{suffix}"
+    path.write_bytes(pack(b'vocabulary = "tpoint"\n' * 1000))
+
+    assert refusal(path, lambda file: load(str(file))).startswith(f"{path}:")
+
+
+def test_entities_that_refer_to_each_other(tmp_path):
+    """XML that would swell to a thousand million words is refused for its entities."""
+    path = tmp_path / "model.xml"
+    levels = "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
+    path.write_text(f'<!DOCTYPE P [<!ENTITY a0 "x">{levels}]><P>&a9;</P>')
+
+    assert refusal(path, lambda file: load(str(file))).startswith(f"{path}:")
 
 
 def test_yaml_that_refers_to_itself(tmp_path):

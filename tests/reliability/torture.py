@@ -119,11 +119,11 @@ def kill(words: tuple[str, ...], place: Path, took_s: float, *, writing: bool) -
 
 
 def files(place: Path) -> dict[str, Path]:
-    """Return the files in a folder by their names in it, temporary ones apart."""
+    """Return the files in a folder by their names in it, those of a run on its way apart."""
     return {
         str(path.relative_to(place)): path
         for path in sorted(place.rglob("*"))
-        if path.is_file() and not path.name.startswith(".")
+        if path.is_file() and path.name[0] != "." and "unfinished" not in path.name
     }
 
 

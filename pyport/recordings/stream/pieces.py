@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
+from pyport.files import is_spelled
 from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.tables import first_double, is_text
 
@@ -50,8 +51,11 @@ class Piece:
 
 def files_of(root: Path) -> list[Path]:
     """Return the Parquet files of a data set, in the order of their names."""
-    found = root.rglob("*.parquet")
-    return sorted(one for one in found if not one.name.startswith(("_", ".")))
+    found = sorted(one for one in root.rglob("*.parquet") if one.name[0] not in "_.")
+    for path in found:
+        if not is_spelled(path):
+            raise BadInput(f"{str(path)!r} is no UTF-8 text, expected a name that is", root)
+    return found
 
 
 def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
