@@ -40,7 +40,7 @@ def test_every_promise_has_its_row(performance):
 
 
 def test_least_time_of_the_quickest_peer_counts(performance):
-    """Ratios are ours against the quickest of the peers, rates by wall or processor time."""
+    """Ratios are ours against the quickest of the peers, rates by processor time."""
     row = performance.Row
     against = {"group": "g", "work": "w", "against": "a", "target": 2.0}
     told = {"seconds": 2.0, "peers": {"slow": 9.0, "quick": 3.0}}

@@ -95,10 +95,11 @@ def command(
     from pyport.page.of_fit import of_fit
     from pyport.progress import working
     from pyport.recordings import read
+    from pyport.recordings.stream import pass_files
 
     chosen = edited(load(model), fix=fix, add=add, drop=drop)
     with working("fitting"):
-        done = fit(read(recordings, given), chosen)
+        done = fit(read(recordings, given, beside=out), chosen)
     if save is not None:
         save_fit(done, save)
     if out is not None:
@@ -106,6 +107,9 @@ def command(
             leftover.write(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
     _write_page(lambda: of_fit(done), out)
+    if out is not None:
+        for kept in pass_files(out):
+            kept.unlink(missing_ok=True)
     if not as_json and model == "gmrt-paper":
         from pyport.fitting.gmrt import comparison
         from pyport.fitting.gmrt.beside import beside_table_18

@@ -31,7 +31,7 @@ _WEATHER = {
     "wind_tilt": "wind_speed_m_s",
 }
 #: What goes with the hour in every night.
-_BY_THE_HOUR = {"thermal_tilt": "the Sun", "drift": "the time"}
+_BY_THE_HOUR = {"thermal_tilt": "the Sun moves", "drift": "a drift goes"}
 
 
 @dataclass(frozen=True)
@@ -98,12 +98,12 @@ def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
     driver = _BY_THE_HOUR.get(effect.id)
     column = _WEATHER.get(effect.id)
     if column is not None and goes_with_the_hour(scene, column):
-        driver = column
+        driver = f"{column} went"
     if driver is None or nights(scene) > 1:
         return None
     return Refusal(
-        f"these recordings are of one night, in which {driver} went with the hour: whatever else "
-        "did looks the same",
+        f"these recordings are of one night, in which {driver} with the hour: whatever else did "
+        "looks the same",
         "observe in a second night",
     )
 

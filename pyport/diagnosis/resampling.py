@@ -31,6 +31,8 @@ STABLE = 0.8
 RIVALS = 4
 #: Rivals that fell behind by more than this in evidence cannot come first in any draw.
 NEAR = 100.0
+#: With more columns than this the model stands as fitted to all the data, and is not drawn anew.
+MOST_COLUMNS = 500
 #: Sessions from which on whole sessions are drawn; else so many blocks of time.
 ENOUGH_SESSIONS, BLOCKS = 10, 40
 
@@ -62,12 +64,15 @@ class Stability:
 
     @property
     def words(self) -> str:
-        """Return what a name that is not stable must be told with."""
-        other = "no name" if self.instead is None else f"mostly {self.instead}"
-        return (
-            f"not stable: drawing the {self.resampled} anew, the name came back in {self.kept} of "
-            f"{self.draws} draws, {other} in the others"
+        """Return how often the name came back, and what came in its place."""
+        told = (
+            f"drawing the {self.resampled} anew, the name came back in {self.kept} of "
+            f"{self.draws} draws"
         )
+        if self.stable:
+            return told
+        other = "no name" if self.instead is None else f"mostly {self.instead}"
+        return f"not stable: {told}, {other} in the others"
 
     def as_json(self) -> dict[str, object]:
         """Return it as the report spells it."""
@@ -100,6 +105,11 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     parts = [setup.expanded([one], of=white) for one in competing]
     model = setup.expanded(others, of=white)
     columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
+    if columns.shape[1] > MOST_COLUMNS:
+        columns = columns[:, model.shape[1] :] - model @ _fitted(
+            model, columns[:, model.shape[1] :]
+        )
+        model = model[:, :0]
     resampled, unit = _units(setup, own)
     products = _products(columns, np.concatenate([unit, unit]))
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
@@ -116,6 +126,11 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     kept = first.pop(own.candidate.effect.id, 0)
     instead = first.most_common(1)[0][0] if first else None
     return Stability(resampled, DRAWS, kept, instead)
+
+
+def _fitted(model: Array, columns: Array) -> Array:
+    """Return the coefficients of columns (n, K) in the model's (n, P), shape (P, K)."""
+    return np.asarray(inverse_of(model.T @ model)[0] @ (model.T @ columns))
 
 
 def _price(scene: Scene, winner: Trial) -> float:

@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
@@ -14,7 +13,7 @@ from pyport.fitting import robust
 from pyport.fitting.gram import inverted
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
-from pyport.fitting.two_axes import Difference, difference
+from pyport.fitting.two_axes import Difference, from_products
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -113,7 +112,11 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
-    compared = _two_axes(columns * root[:, None], value * root, data.is_y, owners)
+    across = (columns * root[:, None])[~data.is_y]
+    products = normal, across.T @ across
+    moments = columns.T @ (root**2 * value), across.T @ (root * value)[~data.is_y]
+    known_from = float((root * value) @ (root * value)), int(np.count_nonzero(root * value))
+    compared = _two_axes(products, moments, known_from, owners)
     return Fit(
         recordings, model, data, tuple(found), inverse, left, weight, condition, tuple(compared),
         settled,
@@ -121,17 +124,36 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
 
 
 def _two_axes(
-    white: Array, value: Array, is_y: NDArray[np.bool_], owners: list[tuple[Term, tuple[str, ...]]]
+    products: tuple[Array, Array],
+    moments: tuple[Array, Array],
+    data: tuple[float, int],
+    owners: list[tuple[Term, tuple[str, ...]]],
 ) -> Iterator[tuple[Term, Difference]]:
-    """Yield what each axis alone says of the terms that act on both."""
+    """Yield what each axis alone says of the terms that act on both.
+
+    `products` (P, P) and `moments` (P,) are those over all data and over cross-elevations.
+    """
     width = [len(term.effect.coefficients) for term, _ in owners]
     of_column = np.repeat([id(term) for term, _ in owners], width)
+    whole, across = products
     for term in {id(term): term for term, _ in owners}.values():
-        own = white[:, of_column == id(term)]
-        if not (np.any(own[is_y] != 0) and np.any(own[~is_y] != 0)):
+        own, rest = (np.flatnonzero(one) for one in (of_column == id(term), of_column != id(term)))
+        power = np.diag(across)[own], np.diag(whole - across)[own]
+        if not (np.any(power[0] > 0) and np.any(power[1] > 1e-12 * power[0])):
             continue
-        first, second = own * ~is_y[:, None], own * is_y[:, None]
-        apart = difference(white[:, of_column != id(term)], first, second, value)
+        ro, oo, none = np.ix_(rest, own), np.ix_(own, own), np.zeros((len(own), len(own)))
+        along = whole - across
+        normal = np.block(
+            [
+                [whole[np.ix_(rest, rest)], across[ro], along[ro]],
+                [across[ro].T, across[oo], none],
+                [along[ro].T, none, along[oo]],
+            ]
+        )
+        everything, of_x = moments
+        seen = np.concatenate([everything[rest], of_x[own], (everything - of_x)[own]])
+        total, rows = data
+        apart = from_products(normal, seen, total, len(own), rows)
         if apart is not None:
             yield term, apart
 

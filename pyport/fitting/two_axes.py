@@ -75,26 +75,56 @@ def difference(
         None where no coefficient is determined by either part alone. More scatter than
         unity widens the errors; less does not narrow them.
     """
-    k = first.shape[1]
     columns = np.concatenate([others, first, second], axis=1)
-    inverse, rank, _, known = inverted(columns.T @ columns)
+    rows = int(np.count_nonzero(data))
+    normal, moments = columns.T @ columns, columns.T @ data
+    return from_products(normal, moments, float(data @ data), first.shape[1], rows, dof)
+
+
+def from_products(
+    normal: Array, moments: Array, total: float, k: int, rows: int, dof: float = np.inf
+) -> Difference | None:
+    """Return what `difference` does, from the products of its columns.
+
+    Parameters
+    ----------
+    normal, moments, total
+        Products of all columns, those of both parts last, shape (p + 2 k, p + 2 k); their
+        products with the data; the data's square.
+    k
+        How many coefficients are compared.
+    rows
+        How many data there are.
+    dof
+        Deviations from which the scatter is known.
+    """
+    inverse, rank, _, known = inverted(normal)
     there = known[-2 * k : -k] & known[-k:]
     if not there.any():
         return None
     if not there.all():
-        rest = np.concatenate([others, (first + second)[:, ~there]], axis=1)
-        found = difference(rest, first[:, there], second[:, there], data, dof)
+        joined = _joined(len(normal), k, there)
+        fewer = joined.T @ normal @ joined, joined.T @ moments
+        found = from_products(*fewer, total, int(there.sum()), rows, dof)
         return found and replace(found, of=np.flatnonzero(there)[found.of])
-    values = inverse @ (columns.T @ data)
-    left = data - columns @ values
-    spare = max(1, int(np.count_nonzero(data)) - rank)
-    covariance = inverse[-2 * k :, -2 * k :] * max(1.0, float(left @ left) / spare)
+    values = inverse @ moments
+    spare = max(1, rows - rank)
+    left = max(total - float(moments @ values), 0.0)
+    covariance = inverse[-2 * k :, -2 * k :] * max(1.0, left / spare)
     chi2 = _chi2(values[-2 * k :], covariance)
     sigma = np.sqrt(np.diag(covariance))
     chance = _chance(chi2, k, min(dof, spare))
     return Difference(
         np.arange(k), values[-2 * k : -k], values[-k:], sigma[:k], sigma[k:], chi2, chance
     )
+
+
+def _joined(size: int, k: int, there: NDArray[np.bool_]) -> Array:
+    """Return what makes one column for both parts of every coefficient that is not `there`."""
+    whole = np.eye(size)
+    first, second = whole[:, -2 * k : -k], whole[:, -k:]
+    both = (first + second)[:, ~there]
+    return np.concatenate([whole[:, : -2 * k], both, first[:, there], second[:, there]], axis=1)
 
 
 def _chi2(values: Array, covariance: Array) -> float:

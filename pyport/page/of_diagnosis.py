@@ -5,16 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record, two_axes_words
+from pyport.diagnosis import record, soundness, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.joint import sigmas
 from pyport.diagnosis.steps import Step
-from pyport.diagnosis.words import nothing, number
+from pyport.diagnosis.words import nothing
 from pyport.files import sha256
 from pyport.page.against import columns
 from pyport.page.layers import layers, visible
 from pyport.page.markup import chance
+from pyport.page.notes import notes
 from pyport.page.picture import Layer, Picture, Side, sides
 from pyport.page.story import Bar, Card, Rival, Row, Source, Story, Turn
 from pyport.recordings.schema import Recordings
@@ -23,8 +24,6 @@ from pyport.recordings.schema import Recordings
 LABELS = ("source", "antenna", "session", "receiver", "channel")
 #: Candidates shown for each turn of the search.
 MOST_RIVALS = 10
-#: Parameters shown on a finding's card; the table has them all.
-MOST_PARAMETERS = 4
 
 
 def of_diagnosis(diagnosis: Diagnosis) -> tuple[Picture, Story]:
@@ -184,35 +183,9 @@ def _card(finding: Finding, layer: int) -> Card:
         verdict=finding.verdict,
         sentence=finding.sentence,
         facts=tuple(facts),
-        notes=tuple(_notes(finding)),
+        notes=tuple(notes(finding)),
         layer=layer,
     )
-
-
-def _notes(finding: Finding) -> list[tuple[str, str]]:
-    """Return what else there is to say of a finding: where, what else it could be, what next."""
-    where = finding.where
-    notes = [
-        (f"{one.column.replace('_', ' ')}", f"from {one.low:.4g} to {one.high:.4g}")
-        for one in where.region
-    ]
-    notes += [(name, " ".join(values)) for name, values in where.subset.items()]
-    if where.since:
-        notes.append(("since", where.since))
-    if finding.looks_like:
-        notes.append(("looks like", finding.looks_like))
-    if len(finding.members) > 1:
-        notes.append(("could as well be", ", ".join(finding.members[1:]).replace("_", " ")))
-    if len(finding.parameters) <= MOST_PARAMETERS:
-        notes += [(p.name.replace("_", " "), number(p)) for p in finding.parameters]
-    if finding.evidence.runner_up not in (None, finding.effect):
-        gain = finding.evidence.runner_up_delta_bic
-        text = str(finding.evidence.runner_up).replace("_", " ")
-        notes.append(("next best", text if gain is None else f"{text}, gain in BIC {gain:,.0f}"))
-    notes += [("" if n else "checked", one) for n, one in enumerate(finding.checks)]
-    if finding.decide_by:
-        notes.append(("to decide", finding.decide_by))
-    return notes
 
 
 def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -220,6 +193,7 @@ def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
     if diagnosis.wild:
         said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
     said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]
+    said += [f"{one[0].upper()}{one[1:]}." for one in soundness.warnings(diagnosis)]
     return tuple(said)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.fitting import robust
 from pyport.prediction.waves import COUNT, FAMILIES
+from pyport.threads import one_thread
 
 #: Residuals beyond so many sigmas have no weight.
 REACH = 6.0
@@ -88,6 +89,7 @@ class Shrunk:
         return np.asarray(at.columns() @ self.values)
 
 
+@one_thread
 def fit(known: Known, start: Array | None = None) -> Shrunk:
     """Fit a model and waves; `start` are the `logs` of a like fit to go on from.
 

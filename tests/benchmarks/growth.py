@@ -3,8 +3,9 @@
 python growth.py make FOLDER ROWS      write a data set
 python growth.py read FOLDER           diagnose it by normal points; print what that took, as JSON
 python growth.py diagnose ROWS         diagnose so many rows in memory, without pages
-python growth.py candidates EVERY      the same on 5,600 rows, one candidate out of so many
-python growth.py all OUT [LARGEST]     all of it up to data sets of LARGEST rows, into OUT
+python growth.py candidates EVERY MORE the same on 5,600 rows, one candidate out of so many
+python growth.py all OUT LARGEST       all of it up to data sets of LARGEST rows, into OUT; with
+                                       zero the data sets that OUT tells of are left as they are
 """
 
 from __future__ import annotations
@@ -120,11 +121,11 @@ def cut(design: Callable[..., Any], every: int) -> Callable[..., Any]:
     return some
 
 
-def diagnose(kind: str, rows: int, every: int = 1) -> dict[str, float]:
+def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> dict[str, float]:
     """Diagnose recordings that are in memory, with all candidates or one out of so many.
 
-    Where a cause is hidden that no candidate stands for, the search goes on and on: nothing is
-    hidden in the recordings that few candidates are tried on.
+    An effect is hidden in them, or nothing: where a cause is hidden that no candidate stands
+    for, the search goes on and on. Each of `more` columns that nobody knows is tried as a curve.
     """
     from pyport.diagnosis import candidates, shapes
     from pyport.diagnosis.diagnose import diagnose as run
@@ -135,17 +136,20 @@ def diagnose(kind: str, rows: int, every: int = 1) -> dict[str, float]:
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "case.csv"
-        write_recordings(make_case(kind, 91, rows=rows), path)
+        write_recordings(make_case("one" if hidden else "null", 91, rows=rows, effect=hidden), path)
         recordings = read_file(path)
+    unknown = np.random.default_rng(1).random((more, len(recordings)))
+    recordings.at.columns.update({f"unknown_{n}": one for n, one in enumerate(unknown)})
     for module in (candidates, shapes):
         module.design = cut(module.design, every)  # type: ignore[attr-defined]
-    begin = time.perf_counter()
+    begin, worked = time.perf_counter(), time.process_time()
     done = run(recordings, load("altaz"))
     tried = sum(len(one.columns) for one in (*done.setup.candidates, *done.setup.shapes))
     return {
         "rows": rows,
         "columns": tried,
         "seconds": time.perf_counter() - begin,
+        "processor_s": time.process_time() - worked,
         "peak_mb": peak_mb(),
     }
 
@@ -159,12 +163,11 @@ def apart(*words: object) -> dict[str, float]:
 
 
 def everything(largest: int) -> dict[str, list[dict[str, float]]]:
-    """Measure all sizes."""
-    found: dict[str, list[dict[str, float]]] = {"rows": [], "candidates": [], "data_sets": []}
-    for rows in (1000, 3000, 10_000, 30_000):
-        found["rows"].append(apart("diagnose", rows))
-    for every in (100, 30, 10, 3, 1):
-        found["candidates"].append(apart("candidates", every))
+    """Measure all sizes, data sets of up to `largest` rows."""
+    found: dict[str, list[dict[str, float]]] = {"data_sets": []}
+    found["rows"] = [apart("diagnose", rows) for rows in (1000, 3000, 10_000, 30_000)]
+    sizes = (100, 0), (30, 0), (10, 0), (3, 0), (1, 0), (1, 40)
+    found["candidates"] = [apart("candidates", *size) for size in sizes]
     rows = 1000
     while rows <= largest:
         with tempfile.TemporaryDirectory() as folder:
@@ -182,14 +185,17 @@ def main() -> None:
     if what == "make":
         make(Path(rest[0]), int(float(rest[1])))
     elif what == "all":
-        largest = int(float(rest[1])) if rest[1:] else 10_000_000
-        Path(rest[0]).write_text(json.dumps(everything(largest), indent=1) + "\n")
+        path, largest = Path(rest[0]), int(float(rest[1]))
+        before = json.loads(path.read_text()) if path.exists() else {}
+        found = everything(largest)
+        kept = {kind: measured or before.get(kind, []) for kind, measured in found.items()}
+        path.write_text(json.dumps(kept, indent=1) + "\n")
     elif what == "read":
         sys.stdout.write(json.dumps(read(Path(rest[0]))))
     elif what == "diagnose":
-        sys.stdout.write(json.dumps(diagnose("rt32", int(rest[0]))))
+        sys.stdout.write(json.dumps(diagnose(int(rest[0]), "refraction")))
     else:
-        sys.stdout.write(json.dumps(diagnose("null", 5600, int(rest[0]))))
+        sys.stdout.write(json.dumps(diagnose(5600, None, *map(int, rest))))
 
 
 if __name__ == "__main__":
