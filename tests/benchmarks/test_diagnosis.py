@@ -15,7 +15,11 @@ from pyport.stages import stage, timed
 from pyport.trials.files import write_recordings
 from pyport.trials.kinds import make_case
 
-ROWS = {"test_rt32": "diagnosis", "test_drawn_case": "diagnosis-1200"}
+ROWS = {
+    "test_one_cause": "diagnosis",
+    "test_rt32": "diagnosis-four",
+    "test_drawn_case": "diagnosis-1200",
+}
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +43,12 @@ def made(folder, name, *kind, **more):
     return path
 
 
+def one_cause():
+    """Diagnose as many rows as the RT32's campaign has, one cause hidden in them."""
+    with tempfile.TemporaryDirectory() as name:
+        run(made(Path(name), "large", "one", 21, effect="refraction", rows=5600))
+
+
 def rt32():
     """Diagnose recordings like the RT32's."""
     with tempfile.TemporaryDirectory() as name:
@@ -49,6 +59,13 @@ def drawn_case():
     """Diagnose a case like those of the trials."""
     with tempfile.TemporaryDirectory() as name:
         run(made(Path(name), "one", "one", 21, effect="refraction"))
+
+
+def test_one_cause(benchmark, beside, folder):
+    """As many rows as the RT32's campaign, one cause."""
+    path = made(folder, "large", "one", 21, effect="refraction", rows=5600)
+    beside(lambda: run(path), {}, rounds=3)
+    benchmark.extra_info["stages"] = stages(path)
 
 
 def test_rt32(benchmark, beside, folder):
