@@ -113,10 +113,19 @@ def sha256(path: str | Path) -> str:
 
 
 def tree(folder: Path, without: Path | None = None) -> str:
-    """Return one SHA-256 for all files in a folder, names and bytes, compiled ones apart."""
+    """Return one SHA-256 for all files in a folder, names and bytes, compiled ones apart.
+
+    Links are followed: a checkout, which has some folders elsewhere, and what is
+    installed from it are one program.
+    """
+    found = [
+        Path(place, name)
+        for place, _, names in os.walk(folder, followlinks=True)
+        if "__pycache__" not in Path(place).parts
+        for name in names
+    ]
     whole = hashlib.sha256()
-    for path in sorted(folder.rglob("*")):
-        left_out = without is not None and path.is_relative_to(without)
-        if path.is_file() and "__pycache__" not in path.parts and not left_out:
+    for path in sorted(found):
+        if without is None or not path.is_relative_to(without):
             whole.update(f"{sha256(path)}  {path.relative_to(folder).as_posix()}\n".encode())
     return whole.hexdigest()

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from pyport.files import ABANDONED_S, write_whole
+from pyport.files import ABANDONED_S, tree, write_whole
 from pyport.trials import seal
 from pyport.trials.protocol import Spec
 from pyport.trials.published import read_answers, read_seal
@@ -131,3 +131,19 @@ def test_a_seal_that_points_elsewhere_is_refused(tmp_path):
     for read, file in ((read_seal, path), (read_answers, answers)):
         with pytest.raises(ValueError, match="expected letters and digits"):
             read(file)
+
+
+def test_a_folder_that_is_a_link_counts_as_what_is_in_it(tmp_path):
+    """A checkout, with folders elsewhere, and what is installed from it have one hash."""
+    stored, linked, copied = (tmp_path / name for name in ("stored", "linked", "copied"))
+    stored.mkdir()
+    (stored / "answers.json").write_text("[1]")
+    for one in (linked, copied):
+        one.mkdir()
+        (one / "code.py").write_text("pass")
+    (linked / "oracle").symlink_to(stored, target_is_directory=True)
+    shutil.copytree(stored, copied / "oracle")
+
+    assert tree(linked) == tree(copied)
+    (copied / "oracle" / "answers.json").write_text("[2]")
+    assert tree(linked) != tree(copied)
