@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -52,6 +53,23 @@ class Series:
     time: Array | None
     antenna: str
     is_y: bool
+
+    @cached_property
+    def readings(self) -> Codes:
+        """Return how many readings each pointing has."""
+        return np.bincount(self.pointing)
+
+    @cached_property
+    def first(self) -> Codes:
+        """Return the index in the stack of the first reading of each pointing."""
+        return self.rows[np.unique(self.pointing, return_index=True)[1]]
+
+    @cached_property
+    def order(self) -> Codes | None:
+        """Return what sorts the readings by pointing; None where they are sorted."""
+        if np.all(self.pointing[1:] >= self.pointing[:-1]):
+            return None
+        return np.argsort(self.pointing)
 
 
 @dataclass(frozen=True)
@@ -171,8 +189,7 @@ def _whiten_series(out: Array, columns: Array, weights: Array, part: Series, noi
     means, variance, deviations = by_pointing(columns[part.rows], weights[part.rows], part, noise)
     if deviations is not None:
         out[part.rows] = deviations
-    first = part.rows[np.unique(part.pointing, return_index=True)[1]]
-    out[len(columns) + first] = decorrelate(means, variance, part, noise)
+    out[len(columns) + part.first] = decorrelate(means, variance, part, noise)
 
 
 def by_pointing(
@@ -183,13 +200,13 @@ def by_pointing(
     A lone reading has no deviation; its scatter is `within` and `between` together.
     Where all stand alone there are no deviations.
     """
-    count = np.bincount(part.pointing)
+    count = part.readings
     if count.max() == 1:
-        order = np.argsort(part.pointing)
-        weights = weights[order]
+        if part.order is not None:
+            columns, weights = columns[part.order], weights[part.order]
         variance = (noise.between**2 + noise.within**2) / np.maximum(weights, 1e-12)
         variance = np.where(weights < OUTLIER, FAR, variance)
-        return columns[order], variance, None
+        return columns, variance, None
     within = np.where(noise.within > 0, noise.within, 1.0)
     precision = np.maximum(weights, 1e-12) / within**2
     total = np.bincount(part.pointing, precision)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
@@ -202,25 +202,19 @@ def _write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a te
     quantities = ("residual_before", "residual_after", "heldout_before", "heldout_after")
     in_arcsec = [f"{name}_arcsec" for name in quantities]
     writer.writerow(["line", "axis", *labels, "az_deg", "el_deg", *in_arcsec, "weight"])
-    before, after = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
-    for n in np.lexsort((setup.stack.is_y, row)):
-        r = row[n]
-        writer.writerow(
-            [
-                int(setup.recordings.line[r]),
-                "el" if setup.stack.is_y[n] else "xel",
-                *(at.column(name)[r] for name in labels),
-                f"{at.az[r] / DEG:.6f}",
-                f"{at.el[r] / DEG:.6f}",
-                *(
-                    "" if not math.isfinite(value) else f"{value / ARCSEC:.3f}"
-                    for value in (
-                        before[n],
-                        after[n],
-                        diagnosis.unseen[0][n],
-                        diagnosis.unseen[1][n],
-                    )
-                ),
-                f"{diagnosis.weighed.weights[n]:.4f}",
-            ]
-        )
+    order = np.lexsort((setup.stack.is_y, row))
+    of = row[order]
+
+    def shown(values: Array, digits: int) -> list[str]:
+        return [f"{one:.{digits}f}" if math.isfinite(one) else "" for one in values.tolist()]
+
+    offsets = (diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after), *diagnosis.unseen)
+    columns = [
+        setup.recordings.line[of].tolist(),
+        np.where(setup.stack.is_y[order], "el", "xel").tolist(),
+        *(np.asarray(at.column(name))[of].tolist() for name in labels),
+        *(shown(angle[of] / DEG, 6) for angle in (at.az, at.el)),
+        *(shown(one[order] / ARCSEC, 3) for one in offsets),
+        shown(diagnosis.weighed.weights[order], 4),
+    ]
+    writer.writerows(zip(*columns, strict=True))

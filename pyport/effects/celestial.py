@@ -8,7 +8,7 @@ unless they are the effect.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
 
 import numpy as np
 
@@ -84,16 +84,14 @@ def from_sky(at: Circumstances, vector: Array, later_s: float = 0.0) -> Array:
     import erfa
 
     utc = days(at, later_s)
-    pole = _day_by_day(erfa.c2i00b, utc)
+    pole = _day_by_day("pole", utc)
     earth = erfa.c2tcio(pole, erfa.era00(UNIX_EPOCH_JD, utc), np.eye(3))
     return np.einsum("nij,nj->ni", earth, vector) @ to_ground(at).T
 
 
 def earth_velocity(at: Circumstances) -> Array:
     """Return the Earth's barycentric velocity over that of light, celestial axes, shape (n, 3)."""
-    import erfa
-
-    return _day_by_day(lambda *tt: erfa.epv00(*tt)[1]["v"], days(at)) / LIGHT_AU_PER_DAY
+    return _day_by_day("velocity", days(at)) / LIGHT_AU_PER_DAY
 
 
 def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
@@ -101,26 +99,38 @@ def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
 
     To a minute of arc: what a structure feels.
     """
-    import erfa
-
-    earth = _day_by_day(lambda *tt: erfa.plan94(*tt, 3)["p"], days(at, -lag_s))
+    earth = _day_by_day("place", days(at, -lag_s))
     north, east, up = from_sky(at, -earth, -lag_s).T
     azimuth, elevation = timed(at, np.arctan2(east, north), np.arctan2(up, np.hypot(north, east)))
     return azimuth, elevation
 
 
-def _day_by_day(vector: Callable[[float, Array], Array], utc: Array) -> Array:
+def _day_by_day(what: str, utc: Array) -> Array:
     """Return vectors or matrices (n, 3, ...) of the Earth's way, interpolated between midnights.
 
     The orbit bends by 1 deg a day, so that a chord misses it by 4e-5 of itself at most; the pole
     nods by a hundredth of a second of arc beside its chord.
     """
     midnight, row = np.unique(np.floor(utc), return_inverse=True)
-    before, after = (
-        vector(UNIX_EPOCH_JD, midnight + day + TT_MINUS_UTC_DAYS)[row] for day in (0, 1)
-    )
+    before, after = (_at_midnight(what, tuple(midnight + day))[row] for day in (0, 1))
     phase = (utc - midnight[row]).reshape(-1, *[1] * (before.ndim - 1))
-    return before + phase * (after - before)
+    return np.asarray(before + phase * (after - before))
+
+
+@functools.lru_cache(maxsize=16)
+def _at_midnight(what: str, midnights: tuple[float, ...]) -> Array:
+    """Return the Earth's velocity, its place, or the matrix of its pole, at some UTC days."""
+    import erfa
+
+    tt = np.array(midnights) + TT_MINUS_UTC_DAYS
+    if what == "velocity":
+        found = erfa.epv00(UNIX_EPOCH_JD, tt)[1]["v"]
+    elif what == "place":
+        found = erfa.plan94(UNIX_EPOCH_JD, tt, 3)["p"]
+    else:
+        found = erfa.c2i00b(UNIX_EPOCH_JD, tt)
+    found.setflags(write=False)
+    return np.asarray(found)
 
 
 def hour_angle_shift(at: Circumstances) -> tuple[Array, Array]:
