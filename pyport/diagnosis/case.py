@@ -233,12 +233,22 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
 
 
 @stage("whitening")
-def widened(weighed: Weighed, wider: Setup, chosen: Sequence[Chosen]) -> Weighed:
-    """Return what `weigh` does for a case to which columns were added, whitening only those."""
-    old = weighed.white.shape[1] - 1
-    added = whiten(wider.columns[:, old:], weighed.weights, wider.parts, weighed.noises)
-    white = np.concatenate([weighed.white[:, :-1], added, weighed.white[:, -1:]], axis=1)
-    return _weighed(wider, chosen, weighed.noises, weighed.weights, white)
+def weigh_model(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
+    """Return what `weigh` does for what looks at the model and the data alone.
+
+    No other column is whitened: they are zero. An array's common mode asks for all.
+    """
+    if len(np.unique(setup.blocks.antenna)) >= common_mode.ENOUGH_ANTENNAS:
+        return weigh(setup, chosen)
+    noises, weights = _noise(setup, chosen)
+    size = setup.columns.shape[1]
+    model = [one.candidate.columns for one in (*setup.base, *chosen)]
+    own = np.unique(np.concatenate([np.zeros(0, np.intp), *model]))
+    white = np.zeros((2 * len(setup.columns), size + 1))
+    places = np.append(own, size).astype(np.intp)
+    data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
+    white[:, places] = whiten(data, weights, setup.parts, noises)
+    return _weighed(setup, chosen, noises, weights, white)
 
 
 def _weighed(

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.boxes import boxes
-from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh, widened
+from pyport.diagnosis.case import Chosen, Setup, weigh, weigh_model
 from pyport.diagnosis.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
@@ -29,7 +29,7 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
     if not names and family_p_value(outcome.last) > FAMILY_ERROR:
         return None
-    weighed = outcome.weighed if not names else weigh(setup, before)
+    weighed = outcome.weighed if not names else weigh_model(setup, before)
     ground = Ground(setup, weighed, before)
     worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, weighed, before))]
     best = max(worths, key=lambda one: one.evidence)
@@ -39,7 +39,7 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
         least += _together(ground, setup, names)
     if best.evidence <= least or best.directions.shape[1] == 0:
         return None
-    return _with_field(setup, weighed, before, outcome.steps[:turn], best, outcome.p_value)
+    return _with_field(setup, before, outcome.steps[:turn], best, outcome.p_value)
 
 
 def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
@@ -51,7 +51,6 @@ def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
 
 def _with_field(
     setup: Setup,
-    weighed: Weighed,
     before: tuple[Chosen, ...],
     steps: tuple[Step, ...],
     worth: Worth,
@@ -65,7 +64,7 @@ def _with_field(
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
     candidate = as_candidate(worth, places)
     new = Chosen(candidate, "all")
-    seen = widened(weighed, wider, before)
+    seen = weigh(wider, before)
     after = (*before, new)
     if not predicts(wider, seen, before, after, worth.gain):
         return None
