@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,7 +40,8 @@ def collect(scene: Scene) -> list[Finding]:
             told = [_single(scene, first + n, step, earlier)]
         else:
             told = of_array(scene, first + n, step, earlier, parts)
-        found += honest(scene, first + n, step, told)
+        told = honest(scene, first + n, step, told)
+        found += [replace(one, choice=first + n) for one in told]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 

@@ -203,6 +203,12 @@ class Effect:
         The nonlinear parameter of a member, in internal units: k, seconds, radians.
     edge
         For a step across a curve in the sky: azimuth -> the curve's elevation [rad].
+    member
+        What distinguishes this member of its family, as numbers, texts and lists of them, so
+        that a file can hold it; empty where there is no choice.
+    make
+        For a family: `make(**member)` -> the member. What depends on the recordings that a
+        family was tried on (a mean, a span of time, names of labels) is part of `member`.
     """
 
     id: str
@@ -218,6 +224,8 @@ class Effect:
     formula: tuple[str, str] = ("", "")
     parameter: float | None = None
     edge: Callable[[Array], Array] | None = None
+    member: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    make: Callable[..., Effect] | None = field(default=None, compare=False)
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

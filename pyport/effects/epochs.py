@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,9 @@ def offset(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (1, 0), (0, 1))
 
 
-def _within(effect: Effect, inside: Inside, labels: list[str], variant: str) -> Effect:
+def _within(
+    effect: Effect, inside: Inside, labels: list[str], variant: str, member: Mapping[str, Any]
+) -> Effect:
     """Return an effect with coefficients of its own in each of some epochs, zero outside.
 
     `inside` tells which of the epochs, named by `labels`, each row is in: (n, epochs).
@@ -42,7 +45,9 @@ def _within(effect: Effect, inside: Inside, labels: list[str], variant: str) -> 
     coefficients = tuple(
         replace(one, name=f"{one.name}[{label}]") for label in labels for one in effect.coefficients
     )
-    return replace(effect, coefficients=coefficients, basis=basis, variant=variant)
+    return replace(
+        effect, coefficients=coefficients, basis=basis, variant=variant, member=dict(member)
+    )
 
 
 def _by_session(effect: Effect, at: Circumstances) -> Effect:
@@ -50,12 +55,17 @@ def _by_session(effect: Effect, at: Circumstances) -> Effect:
     names = np.unique(at.column("session").astype(str))
     if len(names) < 2:
         raise MissingColumn("a second session")
-    others = names[1:]
+    return _in_sessions(effect, [str(name) for name in names[1:]])
+
+
+def _in_sessions(effect: Effect, sessions: Sequence[str]) -> Effect:
+    """Return an effect with coefficients of its own in each of some sessions."""
     return _within(
         effect,
-        lambda at: at.column("session")[:, None] == others,
-        [str(name) for name in others],
+        lambda at: at.column("session").astype(str)[:, None] == np.array(sessions),
+        list(sessions),
         "constant per session",
+        {"sessions": list(sessions)},
     )
 
 
@@ -66,8 +76,21 @@ def epoch_step(since_s: float, effect: Effect | None = None) -> Effect:
     """
     when = f"since {np.datetime64(round(since_s), 's')}Z"
     inside = lambda at: (at.numbers("time") >= since_s)[:, None]  # noqa: E731 - as short as it says
-    step = _within(effect or _OFFSET, inside, [when], f"step, {when}")
+    step = _within(effect or _OFFSET, inside, [when], f"step, {when}", {"since_s": since_s})
     return replace(step, parameter=since_s)
+
+
+def _made(
+    effect: Callable[[], Effect],
+) -> Callable[..., Effect]:
+    """Return what makes a member of an effect of epochs: by sessions, or since a moment."""
+
+    def make(sessions: Sequence[str] | None = None, since_s: float = 0.0) -> Effect:
+        return (
+            epoch_step(since_s, effect()) if sessions is None else _in_sessions(effect(), sessions)
+        )
+
+    return make
 
 
 def _moments(time: Array) -> Array:
@@ -131,7 +154,7 @@ def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     return _members(effect, at, _starts(at))
 
 
-def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
+def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
     """Return a polynomial in time over a span, by default that of the recordings themselves."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -153,6 +176,8 @@ def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
         needs=("time_utc",),
         formula=("a polynomial in time", "another polynomial in time"),
         parameter=order,
+        member={"order": order} | ({} if span_s is None else {"span_s": list(span_s)}),
+        make=_drift,
     )
 
 
@@ -175,6 +200,7 @@ _OFFSET: Effect = Effect(
     profile=_epoch_offsets,
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
+    make=_made(lambda: _OFFSET),
 )
 _TILT: Effect = Effect(
     "epoch_tilt",
@@ -186,6 +212,7 @@ _TILT: Effect = Effect(
     profile=lambda at: _from_session_on(_TILT, at),
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
+    make=_made(lambda: _TILT),
 )
 _SAG: Effect = Effect(
     "epoch_sag",
@@ -197,6 +224,7 @@ _SAG: Effect = Effect(
     profile=lambda at: _from_session_on(_SAG, at),
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),
+    make=_made(lambda: _SAG),
 )
 #: What each of them does inside an epoch.
 _SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}

@@ -65,6 +65,8 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
         needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
         parameter=lag_h * 3600.0,
+        member={"heating": heating, "lag_h": lag_h},
+        make=_thermal_tilt,
     )
 
 
@@ -110,6 +112,8 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         profile=_temperatures,
         needs=("temperature_c",),
         formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
+        member={"through": through} | ({} if reference_c is None else {"reference_c": reference_c}),
+        make=_temperature,
     )
 
 

@@ -108,7 +108,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     start = 0
     for term, labels in owners:
         stop = start + len(term.effect.coefficients)
-        given = 0.0 if term.values is None else np.array(term.values)
+        given = np.array(term.given(labels))
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)

@@ -35,11 +35,12 @@ def text(fit: Fit) -> str:
 
 def fixed(fit: Fit) -> list[tuple[Coefficient, float]]:
     """Return the coefficients that were held, with their values in internal units."""
-    held = [(term.effect.coefficients, term.values) for term in fit.model.terms if term.fixed]
+    held = [term for term in fit.model.terms if term.fixed]
     return [
         pair
-        for names, values in held
-        for pair in zip(names, values or (0.0,) * len(names), strict=True)
+        for term in held
+        for values in (term.by.values() or [term.given(())])
+        for pair in zip(term.effect.coefficients, values, strict=True)
     ]
 
 

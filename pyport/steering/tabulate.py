@@ -174,7 +174,7 @@ def _any_offsets(
 
     az_deg, zd_deg = np.broadcast_arrays(az_deg, zd_deg)
     loaded = models.load(model)
-    if loaded.given is None and all(term.values is None for term in loaded.terms):
+    if loaded.given is None and not any(term.has_values for term in loaded.terms):
         raise BadInput(f"model {model!r} has no coefficients to make a table from")
     at = Circumstances(az=az_deg.ravel() * DEG, el=math.pi / 2 - zd_deg.ravel() * DEG)
     try:

@@ -6,14 +6,14 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pyport.angles import RADIANS_PER, Array
-from pyport.effects import CATALOGUE, Circumstances, Effect
-from pyport.effects.base import Basis, stack
+from pyport.angles import RADIANS_PER
+from pyport.effects import CATALOGUE, Effect
 from pyport.errors import BadInput
 from pyport.fitting.models import Model, Term
 from pyport.formats.terms import field_system, tpoint
 from pyport.formats.terms.alike import ratio, seen
 from pyport.formats.terms.words import Word
+from pyport.models.members import apart
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
 
@@ -136,29 +136,15 @@ def word_of(name: str) -> Word | None:
 
 def _apart(term: Term) -> list[Term]:
     """Return a term for each coefficient of one."""
-    effect = term.effect
-    if len(effect.coefficients) <= 1:
-        return [term]
     return [
         replace(
             term,
-            effect=replace(
-                effect, coefficients=(coefficient,), basis=_column(effect, n), profile=None
-            ),
+            effect=effect,
             values=None if term.values is None else (term.values[n],),
+            by={labels: (values[n],) for labels, values in term.by.items()},
         )
-        for n, coefficient in enumerate(effect.coefficients)
+        for n, effect in enumerate(apart(term.effect))
     ]
-
-
-def _column(effect: Effect, n: int) -> Basis:
-    """Return the basis of one of an effect's coefficients."""
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        x, y = effect.columns(at)
-        return stack(at, (x[:, n], y[:, n]))
-
-    return basis
 
 
 def _places(terms: Sequence[Term], name: str) -> list[int]:

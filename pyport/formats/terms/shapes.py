@@ -7,9 +7,9 @@ own are told by that name, so that two programs' words for one thing are one sha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,6 +72,30 @@ class Shape:
     k: int = 0
     axis: str = ""
     waves: tuple[Wave, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        effect: str,
+        column: int = 0,
+        k: int = 0,
+        axis: str = "",
+        waves: Sequence[Sequence[Any]] = (),
+    ) -> Shape:
+        """Return the shape that `told` gave."""
+        return cls(effect, column, k, axis, tuple(Wave(*one) for one in waves))
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """Return it as a file holds it."""
+        whole = {
+            "effect": self.effect,
+            "column": self.column,
+            "k": self.k,
+            "axis": self.axis,
+            "waves": [list(one) for one in self.waves],
+        }
+        return {key: value for key, value in whole.items() if value}
 
     def parent(self) -> Effect:
         """Return the effect that this is a column of."""

@@ -1,0 +1,110 @@
+"""The model that a diagnosis completes: the terms refitted, and everything that was found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.joint import sigmas
+from pyport.effects.fields import UNKNOWN
+from pyport.fitting.models import Model, Term
+from pyport.fitting.stacking import group
+from pyport.models.complete import Solved, complete
+
+
+def completed(diagnosis: Diagnosis) -> Model:
+    """Return the model that leaves what the diagnosis leaves; see `pyport.models`.
+
+    Raises
+    ------
+    BadInput
+        A term cannot be kept in a file.
+    """
+    setup, fit = diagnosis.setup, diagnosis.after
+    terms = _terms(diagnosis)
+    solved = [
+        one
+        for choice, term in enumerate(terms)
+        for one in _solved(diagnosis, choice, term, base=choice < len(setup.base))
+    ]
+    covariance = fit.solution.covariance * _excess(diagnosis)
+    for choice, chosen in enumerate(fit.choices):
+        if chosen.spread:
+            where = np.arange(len(covariance))[fit.slice(choice)]
+            covariance[where, where] += chosen.spread**2
+    return complete(
+        setup.model,
+        setup.recordings,
+        solved,
+        covariance,
+        by="diagnose",
+        findings=[one.as_json() for one in diagnosis.findings],
+    )
+
+
+def _terms(diagnosis: Diagnosis) -> list[Term]:
+    """Return the term of every choice: the model's, then one for each that was found."""
+    setup = diagnosis.setup
+    fitted = [chosen.candidate.effect for chosen in setup.base]
+    own = [term for term in setup.model.terms if any(term.effect is one for one in fitted)]
+    found = diagnosis.after.choices[len(own) :]
+    return [
+        *own,
+        *(_found(one, _number(diagnosis, len(own) + n)) for n, one in enumerate(found)),
+    ]
+
+
+def _found(chosen: Chosen, number: int | None) -> Term:
+    """Return what was found as a term of a model; what has no name is not fitted again."""
+    per = tuple(label for label in ("antenna", "session") if label in chosen.scope)
+    effect = chosen.candidate.effect
+    return Term(effect, per, fixed=effect.id == UNKNOWN, finding=number)
+
+
+def _number(diagnosis: Diagnosis, choice: int) -> int | None:
+    """Return the number, from 1, of the first finding that was read from a choice."""
+    for n, finding in enumerate(diagnosis.findings, 1):
+        if finding.choice == choice:
+            return n
+    return None
+
+
+def _solved(diagnosis: Diagnosis, choice: int, term: Term, *, base: bool) -> Iterator[Solved]:
+    """Yield what was solved for a term, for each set of its labels."""
+    setup, fit = diagnosis.setup, diagnosis.after
+    chosen = fit.choices[choice]
+    start = int(fit.starts[choice])
+    k, width = len(term.effect.coefficients), len(chosen.candidate.columns)
+    rest = [label for label in term.per if label not in ("antenna", "session")] if base else []
+    others = group(setup.recordings, rest)[1]
+    groups = setup.blocks.groups(chosen.scope)
+    for number, block in enumerate(np.unique(groups, return_index=True)[1]):
+        told = {"antenna": setup.blocks.antenna[block], "session": setup.blocks.session[block]}
+        for n, other in enumerate(others):
+            told |= dict(zip(rest, other, strict=True))
+            which = [
+                (place, of)
+                for place, of in enumerate(chosen.candidate.coefficients)
+                if place // k == n or not base
+            ]
+            change: Array = np.zeros(k)
+            places, known = [-1] * k, [False] * k
+            for place, of in which:
+                at = start + number * width + place
+                change[of] = fit.solution.values[at]
+                places[of], known[of] = at, bool(fit.solution.known[at])
+            yield Solved(term, tuple(str(told[label]) for label in term.per), change, places, known)
+
+
+def _excess(diagnosis: Diagnosis) -> float:
+    """Return how much more is left than the fitted noise: it widens the sigmas."""
+    fit = diagnosis.after
+    size = len(fit.solution.values)
+    unit = replace(fit, solution=replace(fit.solution, covariance=np.eye(size)))
+    widened = sigmas(unit, len(diagnosis.setup.residual))
+    return float(widened[0] ** 2) if size else 1.0
