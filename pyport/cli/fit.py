@@ -88,9 +88,10 @@ def command(
         return
     from pyport.files import write_whole
     from pyport.fitting import leftover, table
+    from pyport.fitting.completed import completed
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
-    from pyport.formats.fitted import save_fit
+    from pyport.formats.completed import write_model
     from pyport.formats.terms.editing import edited
     from pyport.page.of_fit import of_fit
     from pyport.progress import working
@@ -101,7 +102,7 @@ def command(
     with working("fitting"):
         done = fit(read(recordings, given, beside=out), chosen)
     if save is not None:
-        save_fit(done, save)
+        write_model(completed(done), save)
     if out is not None:
         with write_whole(out / "residuals.csv") as file:
             leftover.write(done, file)

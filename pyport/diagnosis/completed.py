@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,35 +13,32 @@ from pyport.diagnosis.joint import sigmas
 from pyport.effects.fields import UNKNOWN
 from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import group
-from pyport.models.complete import Solved, complete
+from pyport.models.complete import Left, Solved, complete
 
 
 def completed(diagnosis: Diagnosis) -> Model:
-    """Return the model that leaves what the diagnosis leaves; see `pyport.models`.
-
-    Raises
-    ------
-    BadInput
-        A term cannot be kept in a file.
-    """
+    """Return the model that leaves what the diagnosis leaves; see `pyport.models`."""
     setup, fit = diagnosis.setup, diagnosis.after
-    terms = _terms(diagnosis)
+    plain = np.sqrt(np.maximum(np.diag(fit.solution.covariance), 0.0))
+    sigma = sigmas(fit, len(setup.residual))
+    for choice, chosen in enumerate(fit.choices):
+        where = fit.slice(choice)
+        sigma[where] = np.hypot(sigma[where], chosen.spread)
+    # The same correlations, with errors widened as those that are told of each coefficient.
+    wider = np.divide(sigma, plain, out=np.zeros_like(sigma), where=plain > 0)
+    covariance = fit.solution.covariance * np.outer(wider, wider)
     solved = [
         one
-        for choice, term in enumerate(terms)
-        for one in _solved(diagnosis, choice, term, base=choice < len(setup.base))
+        for choice, term in enumerate(_terms(diagnosis))
+        for one in _solved(diagnosis, choice, term, sigma, base=choice < len(setup.base))
     ]
-    covariance = fit.solution.covariance * _excess(diagnosis)
-    for choice, chosen in enumerate(fit.choices):
-        if chosen.spread:
-            where = np.arange(len(covariance))[fit.slice(choice)]
-            covariance[where, where] += chosen.spread**2
     return complete(
         setup.model,
         setup.recordings,
         solved,
         covariance,
         by="diagnose",
+        left=Left(diagnosis.left(fit), diagnosis.weighed.used, setup.stack),
         findings=[one.as_json() for one in diagnosis.findings],
     )
 
@@ -74,7 +70,9 @@ def _number(diagnosis: Diagnosis, choice: int) -> int | None:
     return None
 
 
-def _solved(diagnosis: Diagnosis, choice: int, term: Term, *, base: bool) -> Iterator[Solved]:
+def _solved(
+    diagnosis: Diagnosis, choice: int, term: Term, sigma: Array, *, base: bool
+) -> Iterator[Solved]:
     """Yield what was solved for a term, for each set of its labels."""
     setup, fit = diagnosis.setup, diagnosis.after
     chosen = fit.choices[choice]
@@ -92,19 +90,11 @@ def _solved(diagnosis: Diagnosis, choice: int, term: Term, *, base: bool) -> Ite
                 for place, of in enumerate(chosen.candidate.coefficients)
                 if place // k == n or not base
             ]
-            change: Array = np.zeros(k)
+            change, errors = np.zeros(k), np.zeros(k)
             places, known = [-1] * k, [False] * k
             for place, of in which:
                 at = start + number * width + place
-                change[of] = fit.solution.values[at]
+                change[of], errors[of] = fit.solution.values[at], sigma[at]
                 places[of], known[of] = at, bool(fit.solution.known[at])
-            yield Solved(term, tuple(str(told[label]) for label in term.per), change, places, known)
-
-
-def _excess(diagnosis: Diagnosis) -> float:
-    """Return how much more is left than the fitted noise: it widens the sigmas."""
-    fit = diagnosis.after
-    size = len(fit.solution.values)
-    unit = replace(fit, solution=replace(fit.solution, covariance=np.eye(size)))
-    widened = sigmas(unit, len(diagnosis.setup.residual))
-    return float(widened[0] ** 2) if size else 1.0
+            labels = tuple(str(told[label]) for label in term.per)
+            yield Solved(term, labels, change, errors, places, known)

@@ -6,22 +6,18 @@ import numpy as np
 
 from pyport.fitting.fit import Fit
 from pyport.fitting.models import Model
-from pyport.models.complete import Solved, complete
+from pyport.models.complete import Left, Solved, complete
 
 
 def completed(fit: Fit) -> Model:
-    """Return the model with the fitted values in its terms; see `pyport.models`.
-
-    Raises
-    ------
-    BadInput
-        A term cannot be kept in a file.
-    """
+    """Return the model with the fitted values in its terms; see `pyport.models`."""
     solved, start = [], 0
     for one in fit.coefficients:
         known = np.isfinite(one.value)
         change = np.where(known, one.value - np.array(one.term.given(one.labels)), 0.0)
         places = range(start, start + len(known))
-        solved.append(Solved(one.term, one.labels, change, places, known.tolist()))
+        sigma = np.where(known, one.sigma, 0.0)
+        solved.append(Solved(one.term, one.labels, change, sigma, places, known.tolist()))
         start += len(known)
-    return complete(fit.model, fit.recordings, solved, fit.covariance, by="fit")
+    left = Left(fit.residual, fit.weight > 0, fit.stack)
+    return complete(fit.model, fit.recordings, solved, fit.covariance, by="fit", left=left)

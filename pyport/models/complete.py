@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport import __version__
-from pyport.angles import Array
+from pyport.angles import ARCSEC, Array
 from pyport.errors import BadInput
 from pyport.files import sha256
 from pyport.fitting.models import Model, Term, rt32_values
+from pyport.fitting.stacking import Stack
 from pyport.models.completed import Completed, Value
 from pyport.models.members import frozen
 from pyport.recordings.schema import Recordings
@@ -30,6 +32,8 @@ class Solved:
         Which; a term that a finding added has its number in `finding`.
     change
         What is added to the values that the term has, in internal units, shape (k,).
+    sigma
+        One-sigma errors, shape (k,).
     places
         Where its coefficients stand in the covariance, shape (k,); -1 for what was not fitted.
     known
@@ -39,8 +43,31 @@ class Solved:
     term: Term
     labels: Labels
     change: Array
+    sigma: Array
     places: Sequence[int]
     known: Sequence[bool]
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a fit leaves of m measured offsets [rad], and which of them count, shape (m,) each."""
+
+    residual: Array
+    counted: NDArray[np.bool_]
+    stack: Stack
+
+    def sizes(self) -> dict[str, Any]:
+        """Return the rms of each axis, and stars and sky rms as TPOINT counts them [arcsec]."""
+        found: dict[str, Any] = {}
+        for name, axis in (("xel", ~self.stack.is_y), ("el", self.stack.is_y)):
+            own = self.residual[axis & self.counted]
+            if len(own):
+                found[f"rms_{name}_arcsec"] = float(np.sqrt(np.mean(own**2))) / ARCSEC
+        stars = len(np.unique(self.stack.row[self.counted]))
+        whole = float((self.residual[self.counted] ** 2).sum())
+        found["stars"] = stars
+        found["sky_rms_arcsec"] = float(np.sqrt(whole / max(stars, 1))) / ARCSEC
+        return found
 
 
 def complete(
@@ -50,6 +77,7 @@ def complete(
     covariance: Array,
     *,
     by: str,
+    left: Left,
     findings: Sequence[Mapping[str, Any]] = (),
 ) -> Model:
     """Return a model with what was solved for in its terms.
@@ -66,18 +94,16 @@ def complete(
         Of everything that was fitted, in internal units, shape (P, P).
     by
         What made it: fit or diagnose.
+    left
+        What is left of the measured offsets.
     findings
         As `report.json` spells them.
-
-    Raises
-    ------
-    BadInput
-        A term cannot be kept in a file.
     """
     terms: list[Term] = []
     values: list[Value] = []
     places: list[int] = []
     scales: list[float] = []
+    unsaved: list[str] = []
     about = rt32_values(model.base)
     fitted = {id(one.term) for one in solved}
     held = [term for term in model.terms if id(term) not in fitted]
@@ -85,8 +111,9 @@ def complete(
         own = [one for one in solved if one.term is first] or _held(first)
         try:
             effect = frozen(first.effect, recordings.at)
-        except BadInput as error:
-            raise BadInput(error.message, recordings.file) from None
+        except BadInput:
+            effect = first.effect
+            unsaved.append(effect.id)
         after: dict[Labels, tuple[float, ...]] = {}
         for one in own:
             before = np.array(first.given(one.labels))
@@ -94,7 +121,6 @@ def complete(
             for n, coefficient in enumerate(effect.coefficients):
                 zero = about.get(effect.member.get("rt32", 0), 0.0)
                 scale, place = coefficient.scale, one.places[n]
-                sigma = np.sqrt(max(covariance[place, place], 0.0)) if place >= 0 else None
                 labels = zip(first.per, one.labels, strict=False)
                 values.append(
                     Value(
@@ -102,7 +128,7 @@ def complete(
                         effect=effect.id,
                         unit=coefficient.unit,
                         value=(after[one.labels][n] + zero) / scale,
-                        sigma=None if sigma is None else float(sigma) / scale,
+                        sigma=float(one.sigma[n]) / abs(scale) if place >= 0 else None,
                         before=(float(before[n]) + zero) / scale,
                         labels={key: text for key, text in labels if text},
                         finding=first.finding,
@@ -117,10 +143,11 @@ def complete(
         terms=tuple(terms),
         site=recordings.at.site or model.site,
         completed=Completed(
-            made=_made(model, recordings, by),
+            made=_made(model, recordings, by) | left.sizes(),
             values=tuple(values),
             covariance=_picked(covariance, places, scales),
             findings=tuple(findings),
+            unsaved=tuple(unsaved),
         ),
     )
 
@@ -134,7 +161,8 @@ def _held(term: Term) -> list[Solved]:
     """Return a term that was not fitted, with the values that it has."""
     k = len(term.effect.coefficients)
     return [
-        Solved(term, labels, np.zeros(k), [-1] * k, [True] * k) for labels in (term.by or {(): ()})
+        Solved(term, labels, np.zeros(k), np.zeros(k), [-1] * k, [True] * k)
+        for labels in (term.by or {(): ()})
     ]
 
 
@@ -164,4 +192,5 @@ def _made(model: Model, recordings: Recordings, by: str) -> dict[str, Any]:
         "sha256": sha256(file) if file.is_file() else None,
         "rows": len(recordings),
         "model": model.name,
+        "telescope": recordings.meta.get("telescope"),
     }

@@ -58,9 +58,12 @@ class Completed:
         Of the values in their units, shape (P, P); zero for what was held.
     findings
         As `report.json` spells them.
+    unsaved
+        Ids of terms that no file can hold: they were made in Python.
     """
 
     made: Mapping[str, Any]
     values: tuple[Value, ...]
     covariance: Array
     findings: tuple[Mapping[str, Any], ...] = ()
+    unsaved: tuple[str, ...] = ()

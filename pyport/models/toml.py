@@ -27,10 +27,18 @@ _COVARIANCE_DIGITS = 7
 
 
 def tree(model: Model) -> dict[str, Any]:
-    """Return a completed model as tables, for TOML and JSON alike."""
+    """Return a completed model as tables, for TOML and JSON alike.
+
+    Raises
+    ------
+    BadInput
+        The model was not completed, or has terms that no file can hold.
+    """
     completed = model.completed
     if completed is None:
         raise BadInput(f"the model {model.name} was not completed by a fit or a diagnosis")
+    if completed.unsaved:
+        raise BadInput(f"no file can hold the model's terms {', '.join(completed.unsaved)}")
     rows = iter(completed.values)
     whole: dict[str, Any] = {"schema": SCHEMA, "name": model.name}
     if model.base:

@@ -60,7 +60,7 @@ def edited(
     for assignment in fix:
         name, equals, value = assignment.partition("=")
         _fix(terms, name.strip(), value.strip() if equals else None)
-    return replace(model, terms=tuple(terms))
+    return replace(model, terms=tuple(terms), completed=None)
 
 
 def _fix(terms: list[Term], name: str, value: str | None) -> None:
