@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pyport.diagnosis.finding import Finding
     from pyport.fitting import fit as fitting
     from pyport.fitting.models import Model
+    from pyport.models.use import PointingModel
     from pyport.page.picture import Picture
     from pyport.page.story import Story
     from pyport.planning.look import Look as Found
@@ -127,8 +128,22 @@ class Diagnosis(Shown):
 
         return summary(self.result)
 
+    @cached_property
+    def model(self) -> PointingModel:
+        """Return the model completed by everything that was found."""
+        from pyport.diagnosis.completed import completed
+        from pyport.models.use import PointingModel
+
+        return PointingModel(completed(self.result))
+
     def save(self, folder: str | Path) -> Path:
-        """Write report.json, rows.csv and report.html into a folder, and return it."""
+        """Write report.json, rows.csv and report.html into a folder, and return it.
+
+        A path to a .toml takes the completed model alone.
+        """
+        if Path(folder).suffix.lower() == ".toml":
+            self.model.save(folder)
+            return Path(folder)
         from pyport.diagnosis.record import write
 
         page = Path(folder) / "report.html"
@@ -198,7 +213,7 @@ class Look:
 
 def diagnose(
     table: Table,
-    model: str | Path | Model = "altaz",
+    model: str | Path | Model | PointingModel = "altaz",
     *,
     refit: str | Collection[str] = "all",
     seed: int = 0,
@@ -235,7 +250,12 @@ def diagnose(
     return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=seed))
 
 
-def fit(table: Table, model: str | Path | Model = "altaz", *, header: Header | None = None) -> Fit:
+def fit(
+    table: Table,
+    model: str | Path | Model | PointingModel = "altaz",
+    *,
+    header: Header | None = None,
+) -> Fit:
     """Fit a pointing model to recordings; parameters as in `diagnose`.
 
     Raises
@@ -250,7 +270,7 @@ def fit(table: Table, model: str | Path | Model = "altaz", *, header: Header | N
 
 def look(
     table: Table,
-    model: str | Path | Model = "altaz",
+    model: str | Path | Model | PointingModel = "altaz",
     *,
     header: Header | None = None,
     **options: Any,  # noqa: ANN401 - those of planning.look
@@ -270,7 +290,29 @@ def look(
     return Look(look(from_table(table, header), _model(model), **options))
 
 
-def _model(model: str | Path | Model) -> Model:
-    from pyport.fitting.models import Model, load
+def load_model(model: str | Path | Model) -> PointingModel:
+    """Return a pointing model with coefficients, ready to be asked for offsets.
 
+    Parameters
+    ----------
+    model
+        A file: what `--save` or `save` wrote, TPOINT's .mod, the Field System's .ctl,
+        katpoint's, SKA-Mid's .json, DISCOS's .xml; a built-in model of the RT32; a model.
+
+    Raises
+    ------
+    BadInput
+        There is no such model, or it has no coefficients.
+    """
+    from pyport.models.use import PointingModel
+
+    return PointingModel(_model(model))
+
+
+def _model(model: str | Path | Model | PointingModel) -> Model:
+    from pyport.fitting.models import Model, load
+    from pyport.models.use import PointingModel
+
+    if isinstance(model, PointingModel):
+        return model.model
     return model if isinstance(model, Model) else load(str(model))

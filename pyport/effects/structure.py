@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -81,6 +82,31 @@ def _jump(
         edge = FreeEdge(tuple(edge_az_rad), tuple(edge_el_rad))
         return jump_above(edge, None if share is None else SoftEdge.of(**share))
     return _above(60 * DEG if above_el_rad is None else above_el_rad)
+
+
+def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
+    """Return how much of a jump there is in one direction [rad], as arrays of one have it."""
+    effect = _jump(**member)
+    if "beyond_az_rad" in member:
+        az_edge = float(member["beyond_az_rad"])
+        return lambda az, _: 1.0 if az >= az_edge else 0.0
+    if "wave_rad" in member:
+        height, *waves = map(float, member["wave_rad"])
+
+        def above_wave(az: float, el: float) -> float:
+            curve = height + waves[0] * math.cos(az) + waves[1] * math.sin(az)
+            curve += waves[2] * math.cos(2 * az) + waves[3] * math.sin(2 * az)
+            return 1.0 if el >= curve else 0.0
+
+        return above_wave
+    if "edge_az_rad" in member:
+        return lambda az, el: float(effect.basis(_one(az, el))[1][0, 0])
+    el_edge = float(member.get("above_el_rad", 60 * DEG))
+    return lambda _, el: 1.0 if el >= el_edge else 0.0
+
+
+def _one(az: float, el: float) -> Circumstances:
+    return Circumstances(np.array([az]), np.array([el]))
 
 
 def _nearest_turn(az: Array, low: float, high: float) -> Array:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER, Array
 from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect, MissingColumn, Site
@@ -64,13 +65,24 @@ class Term:
         if not self.by:
             values = np.array(self.values)
             return x @ values, y @ values
-        each = self._values_of(at)
-        return (x * each).sum(axis=1), (y * each).sum(axis=1)
-
-    def _values_of(self, at: Circumstances) -> Array:
-        """Return the values for each pointing by its labels, shape (n, k)."""
         nobody = np.full(len(at), "")
-        labels = [np.asarray(at.columns.get(name, nobody)).astype(str) for name in self.per]
+        labels = {name: np.asarray(at.columns.get(name, nobody)) for name in self.per}
+        codes, values = self._by_labels(labels)
+        return (x * values[codes]).sum(axis=1), (y * values[codes]).sum(axis=1)
+
+    def values_of(self, labels: Mapping[str, NDArray[Any]]) -> Array:
+        """Return the values before any fit for one value of each label, shape (k,).
+
+        Raises
+        ------
+        BadInput
+            The term has none for it.
+        """
+        return np.array(self.values) if not self.by else self._by_labels(labels)[1][0]
+
+    def _by_labels(self, of_row: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.intp], Array]:
+        """Return which values each row has by its labels, (n,), and those, (groups, k)."""
+        labels = [of_row[name].astype(str) for name in self.per]
         there, which = np.unique(np.stack(labels), axis=1, return_inverse=True)
         found = []
         for one in map(tuple, there.T.tolist()):
@@ -82,7 +94,7 @@ class Term:
                     f"it has them for {known}"
                 )
             found.append(self.by[one])
-        return np.array(found)[which.ravel()]
+        return which.ravel(), np.array(found)
 
 
 @dataclass(frozen=True)

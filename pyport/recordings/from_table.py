@@ -36,10 +36,15 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
         return table
     if isinstance(table, str | Path):
         return read(table, Given(keys))
+    return interpret(raw_table(table, keys))
+
+
+def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
+    """Return the cells of a table in memory; `keys` are header keys that it does not have."""
     columns = {_named(name, table[name]): _cells(table[name]) for name in _names(table)}
     rows = max((len(cells) for cells in columns.values()), default=0)
     meta = {str(k): str(v) for k, v in (getattr(table, "meta", None) or {}).items()}
-    return interpret(Raw(Path("table"), meta | keys, 0, columns, np.arange(1, rows + 1)))
+    return Raw(Path("table"), meta | dict(keys or {}), 0, columns, np.arange(1, rows + 1))
 
 
 def _names(table: Table) -> list[str]:
