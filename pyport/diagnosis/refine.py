@@ -11,7 +11,6 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.edges import edges_of
 from pyport.diagnosis.evidence import Trial
-from pyport.diagnosis.noise import whiten
 from pyport.diagnosis.view import FEWEST, View, plain_view
 from pyport.effects import CATALOGUE, Effect
 from pyport.effects.epochs import epoch_step
@@ -73,7 +72,7 @@ def _gains(
 ) -> list[float]:
     """Return what each of some blocks of columns (m, k) gains beside the model."""
     model = setup.expanded((*setup.base, *chosen), of=weighed.white)
-    white = whiten(np.concatenate(some, axis=1), weighed.weights, setup.parts, weighed.noises)
+    white = weighed.covariance.whiten(np.concatenate(some, axis=1))
     both = np.concatenate([white, weighed.white[:, -1:]], axis=1)
     both -= model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
     gains, start = [], 0

@@ -115,7 +115,7 @@ def _in_vocabulary(told: _Told, vocabulary: str, path: Path) -> list[Entry]:
 
 def _statistics(fit: Fit) -> dict[str, Decimal]:
     """Return TPOINT's line: stars, and the rms on the sky."""
-    counted = fit.weight > 0
+    counted = fit.noise.used
     stars = len(np.unique(fit.stack.row[counted]))
     rms = np.sqrt((fit.residual[counted] ** 2).sum() / max(stars, 1)) / ARCSEC
     return {"stars": Decimal(stars), "sky_rms_arcsec": rounded(Decimal(repr(float(rms))), 4)}
