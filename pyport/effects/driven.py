@@ -62,7 +62,7 @@ _NO_NAME = (
         *("hour", "time", "date", "day", "mjd", "jd", "utc", "ut", "airmass"),
         *("scan", "number", "num", "index", "line", "row", "id", "obsnum", "seq"),
         *("exptime", "duration", "integration", "frequency", "snr", "flux", "peak", "amplitude"),
-        *("weight", "quality"),
+        *("weight", "quality", "tsys"),
     }
 )
 #: Parts of a column's name by which it is known what moves: a focus, a temperature.
@@ -70,7 +70,7 @@ _KNOWN = frozenset({"focus", "temperature", "temp"})
 
 #: The unit that a column's ending stands for.
 _UNITS = {
-    "m_s": "m/s",
+    "m_s": "(m/s)",
     "c": "K",
     "k": "K",
     "pct": "%",

@@ -134,7 +134,6 @@ def _by_the_field(sense: int) -> Effect:
 def _turnings(at: Circumstances) -> tuple[Effect, ...]:
     """Return circles in every angle that turned far enough, both ways."""
     columns = angle_columns(at)
-    columns = {name: angle for name, angle in columns.items() if 2 * arc(angle) >= LEAST_ARC}
     furthest = sorted(columns, key=lambda name: -arc(columns[name]))[:MOST_COLUMNS]
     found = [
         _recorded(name, sense * rate)
