@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,10 +40,10 @@ _TERMS: dict[str, tuple[Basis, tuple[str, ...], str]] = {
     "elevation_zero": (elevation_zero, ("elevation_zero",), "the elevation zero moves"),
     "collimation": (collimation, ("collimation",), "the collimation changes"),
 }
-#: The terms that a condition may drive of which nothing is known but the name. An offset that
-#: is the same all over the sky and follows such a column names no part of the telescope: it
-#: stays a curve in that column, without a name.
-_OF_THE_MOUNT = ("tilt", "sag_cosine")
+#: The term that a condition may drive of which nothing is known but the name. An offset that is
+#: the same all over the sky, or nearly so as a sag is, and follows such a column names no part
+#: of the telescope: it stays a curve in that column, without a name.
+_BY_ANYTHING = ("tilt",)
 #: What the temperature of the air does to zeros and sag is the effect `temperature`.
 _BEYOND_TEMPERATURE = ("tilt",)
 
@@ -180,7 +180,7 @@ def _recorded(at: Circumstances, name: str, terms: tuple[str, ...] | None = None
         return None
     if terms is None:
         told = name in _CONTRACT or _KNOWN & set(name.split("_"))
-        terms = tuple(_TERMS) if told else _OF_THE_MOUNT
+        terms = tuple(_TERMS) if told else _BY_ANYTHING
     centre = float(np.nanmedian(at.numbers(name)))
     unit = next((_UNITS[end] for end in _UNITS if name.endswith(f"_{end}")), name)
     return Driver(name, unit, lambda at: (at.numbers(name) - centre,), terms=terms, follows=name)
@@ -268,4 +268,6 @@ _AIR = Driver(
     terms=_BEYOND_TEMPERATURE,
     follows="temperature_c",
 )
-EFFECTS = (driven("tilt", _AIR),)
+EFFECTS = (
+    replace(driven("tilt", _AIR), sentence="a term of the mount follows a recorded condition"),
+)

@@ -53,12 +53,9 @@ def test_temperature_drives_here_what_it_does_not_drive_elsewhere():
     assert [name for name in members(AT) if "temperature" in name] == ["tilt follows temperature_c"]
 
 
-def test_unknown_conditions_drive_tilt_and_sag_only():
+def test_unknown_conditions_drive_the_tilt_only():
     """An offset that follows a column of which nothing is known stays without a name."""
-    assert members(bare(hydraulic_bar=NOISE[0])) == [
-        "tilt follows hydraulic_bar",
-        "sag_cosine follows hydraulic_bar",
-    ]
+    assert members(bare(hydraulic_bar=NOISE[0])) == ["tilt follows hydraulic_bar"]
     assert "collimation follows focus_mm" in members(bare(focus_mm=NOISE[0]))
     assert "elevation_zero follows yoke_temp_c" in members(bare(yoke_temp_c=NOISE[0]))
 
