@@ -98,3 +98,27 @@ def test_a_tilt_that_one_night_warms_is_not_named_after_its_temperature():
 
     assert found
     assert all(one.verdict != "named" for one in found)
+
+
+def on_platform(at, _):
+    """Return what a receiver on the left platform adds, less the sag that is drawn beside it."""
+    el = at.el
+    return -12 * np.cos(el) + 20 * np.sin(el), 12 * np.sin(el) + 20 * np.cos(el) - 15 * np.cos(el)
+
+
+def test_a_receiver_on_a_platform_is_named_where_skew_and_sag_are_not_fitted():
+    """Both axes turn with elevation, the side of the platform decides which way."""
+    given = drawn(300, 3, 2, 2.0, on_platform)
+    usual = ("azimuth_zero", "collimation", "elevation_zero", "tilt")
+    first = diagnose(given, load("altaz"), refit=usual).findings[0]
+
+    assert (first.effect, first.variant) == ("nasmyth", "platform on the left")
+    assert first.verdict == "named"
+
+
+def test_a_receiver_on_a_platform_is_no_second_name_for_sag():
+    """Beside skew and sag it is the sine of elevation, which is said once."""
+    found = diagnose(drawn(300, 3, 2, 1.0, on_platform), load("altaz")).findings
+
+    assert "sag_sine" in found[0].members
+    assert all("nasmyth" not in one.members for one in found)
