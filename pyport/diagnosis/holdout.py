@@ -46,7 +46,7 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
     epochs = any(
-        one.candidate.effect.id.startswith("epoch") or one.candidate.of_time for one in choices
+        one.candidate.effect.changes_with == "session" or one.candidate.of_time for one in choices
     )
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
         count = len(np.unique(sessions))

@@ -39,7 +39,7 @@ def refine(
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
         return setup, plain, 1.0, 0.0
-    step = effect.id.startswith("epoch") and effect.parameter is not None
+    step = effect.changes_with == "session" and effect.parameter is not None
     if not step and not (effect.id == "subreflector_jump" and effect.edge is not None):
         return setup, plain, 1.0, 0.0
     view = plain_view(setup, weighed, chosen)

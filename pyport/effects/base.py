@@ -31,6 +31,10 @@ SPELLED = {
 }
 
 
+#: The driver of effects that go with the time of the day: the Sun, the hour, time itself.
+THE_HOUR = "the hour"
+
+
 class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
     """An effect needs something that these recordings do not tell."""
 
@@ -203,6 +207,12 @@ class Effect:
         The nonlinear parameter of a member, in internal units: k, seconds, radians.
     edge
         For a step across a curve in the sky: azimuth -> the curve's elevation [rad].
+    driver
+        The recorded condition that the effect follows, as `Circumstances` names its column, or
+        `THE_HOUR` for what goes with the time of the day or with time itself.
+    changes_with
+        "session" for a change from one session or epoch to another, "" for what does not
+        depend on when it was recorded.
     """
 
     id: str
@@ -218,6 +228,8 @@ class Effect:
     formula: tuple[str, str] = ("", "")
     parameter: float | None = None
     edge: Callable[[Array], Array] | None = None
+    driver: str | None = None
+    changes_with: str = ""
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

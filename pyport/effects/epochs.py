@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import (
+    THE_HOUR,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
 from pyport.effects.geometry import tilt
 from pyport.effects.gravity import sag_cosine
 
@@ -153,6 +160,7 @@ def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
         needs=("time_utc",),
         formula=("a polynomial in time", "another polynomial in time"),
         parameter=order,
+        driver=THE_HOUR,
     )
 
 
@@ -175,6 +183,7 @@ _OFFSET: Effect = Effect(
     profile=_epoch_offsets,
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
+    changes_with="session",
 )
 _TILT: Effect = Effect(
     "epoch_tilt",
@@ -186,6 +195,7 @@ _TILT: Effect = Effect(
     profile=lambda at: _from_session_on(_TILT, at),
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
+    changes_with="session",
 )
 _SAG: Effect = Effect(
     "epoch_sag",
@@ -197,6 +207,7 @@ _SAG: Effect = Effect(
     profile=lambda at: _from_session_on(_SAG, at),
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),
+    changes_with="session",
 )
 #: What each of them does inside an epoch.
 _SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}
