@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 OUT ?= out
 
 .PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
+.PHONY: nulls real
 .PHONY: fuzz torture lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix mutants coverage parity-report
@@ -97,6 +98,15 @@ proof: $(BIN)/pyport
 DATA ?= ../shared/data
 detective: $(BIN)/pyport
 	$(BIN)/pyport detective --jobs 2 --data $(DATA)
+
+# Recordings with nothing hidden in every kind of noise: claims, and how often sigmas hold.
+CASES ?= 100
+nulls: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev nulls --cases $(CASES) --jobs 2 --out $(OUT)/nulls
+
+# Public recordings of other telescopes, and those shipped, beside what was published of them.
+real: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev real --data $(DATA) --markdown docs/real.md
 
 # Every reader against spoilt files for SECONDS; every writer against KILLS kills.
 SECONDS ?= 600

@@ -18,6 +18,7 @@ COMMANDS = {
     "completion": "Print what a shell needs to complete commands, options and names.",
     "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",
+    "dev": "Hold the program to its targets on drawn and public recordings.",
     "detective": "Measure the detective: real recordings, the RT32's jump, drawn cases.",
     "diagnose": "Find, name and model what a pointing model leaves out of recordings.",
     "effects": "List the physical effects that a diagnosis may name, and what each one needs.",

@@ -91,6 +91,6 @@ def _chosen(raw: Raw, lines: str, outliers: str, given: Given) -> tuple[int, ...
         from pyport.fitting.models import load
 
         done = fit(interpret(masks.masked(raw)), load(outliers))
-        rows = np.unique(done.stack.row[done.weight <= 0])
+        rows = np.unique(done.stack.row[~done.noise.used])
         return tuple(done.recordings.line[rows].tolist())
     return ()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.finding import Interval
-from pyport.effects import CATALOGUE, Effect, MissingColumn
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.fitting.stacking import Codes, Stack
 from pyport.recordings.schema import Recordings
 
@@ -57,11 +57,12 @@ def design(
     candidates: list[Candidate] = []
     untestable: list[Untestable] = []
     start = 0
+    conditions = _conditions(recordings)
     for effect in (catalogue or CATALOGUE).values():
         if not effect.physical:
             continue
         try:
-            variants = effect.variants(recordings.at)
+            variants = effect.variants(conditions)
             bases = [stack.columns(variant, recordings.at) for variant in variants]
         except MissingColumn as lack:
             untestable.append(Untestable(effect.id, f"for want of {lack.column}"))
@@ -78,3 +79,13 @@ def design(
             start += len(kept)
     columns = np.concatenate(blocks, axis=1) if blocks else np.zeros((len(stack), 0))
     return columns, candidates, untestable
+
+
+def _conditions(recordings: Recordings) -> Circumstances:
+    """Return the circumstances without the columns that the header calls `bookkeeping`.
+
+    They say how a row was written down, so that no effect may follow them.
+    """
+    at, kept = recordings.at, set(recordings.at.columns)
+    kept -= set(recordings.meta.get("bookkeeping", "").split())
+    return replace(at, columns={name: at.columns[name] for name in at.columns if name in kept})

@@ -11,28 +11,26 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import candidates as listing
-from pyport.diagnosis import common_mode, noise_fit, shapes
+from pyport.diagnosis import shapes
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
-from pyport.diagnosis.noise import Noise, Series, series, whiten
-from pyport.diagnosis.pointings import pointings
+from pyport.effects.base import Effect
 from pyport.fitting.gram import Part
 from pyport.fitting.models import Model, Term
 from pyport.fitting.refit import Refit
 from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
+from pyport.noise import common_mode
+from pyport.noise.covariance import Covariance
+from pyport.noise.estimate import Frame, estimate, frame, reweighed
+from pyport.noise.pointings import pointings
+from pyport.noise.whitening import Noise, Series
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 
-#: Readings of less weight than this are outliers: kept in the list, left out of the rms.
-OUTLIER_WEIGHT = 0.05
 DRAWS = 300
 #: Sessions of a single antenna up to which an effect of the sky may differ between them.
 MOST_SESSIONS = 12
-
-
-#: The noise of each series, and robust weights of the readings.
-_Fitted = tuple[tuple[Noise, ...], Array]
 
 
 @dataclass(frozen=True)
@@ -71,12 +69,12 @@ class Setup:
         Number of the pointing of each reading, shape (m,).
     scan
         Number of the scan of each reading: one moment and axis for all antennas, shape (m,).
-    parts
-        The series that noise is fitted to.
+    frame
+        What the noise is estimated from: series, sessions, sources.
     seed
         Of the draws of noise.
-    noises
-        Noise that was fitted before, by what was chosen, with what it was fitted beside.
+    known
+        Covariances that were estimated before, by what was chosen, with what they are beside.
     """
 
     recordings: Recordings
@@ -93,11 +91,16 @@ class Setup:
     session: Codes
     pointing: Codes
     scan: Codes
-    parts: tuple[Series, ...]
+    frame: Frame
     seed: int
-    noises: dict[tuple[tuple[int, str], ...], tuple[tuple[Chosen, ...], _Fitted]] = field(
+    known: dict[tuple[object, ...], tuple[tuple[Chosen, ...], Covariance]] = field(
         default_factory=dict, repr=False, compare=False
     )
+
+    @property
+    def parts(self) -> tuple[Series, ...]:
+        """Return the series that noise is estimated for."""
+        return self.frame.parts
 
     @cached_property
     def data(self) -> Array:
@@ -106,8 +109,13 @@ class Setup:
 
     @cached_property
     def possible(self) -> tuple[Array, ...]:
-        """Return the columns of all candidates that are not empty in a series, for each series."""
-        columns = self.columns[:, np.concatenate([c.columns for c in self.candidates])]
+        """Return for each series the columns of all candidates that are not empty in it.
+
+        What changes with time is not among them: the noise holds what nights and drifts do, and
+        an effect of time has to stand out of that.
+        """
+        lasting = [c.columns for c in self.candidates if not temporal(c.effect)]
+        columns = self.columns[:, np.concatenate([np.zeros(0, np.intp), *lasting])]
         found = []
         for part in self.parts:
             own = columns[part.rows]
@@ -143,23 +151,32 @@ class Weighed:
 
     Attributes
     ----------
-    noises, weights
-        The noise of each series; robust weights of the readings, shape (m,).
+    covariance
+        Of the readings.
     white
-        All columns and the data, whitened, shape (2 m, K + 1): see `noise.whiten`.
+        All columns and the data, whitened, shape (2 m, K + 1): see `Covariance.whiten`.
     evidence
         Their products.
     """
 
-    noises: tuple[Noise, ...]
-    weights: Array
+    covariance: Covariance
     white: Array
     evidence: Evidence
 
     @property
+    def noises(self) -> tuple[Noise, ...]:
+        """Return the noise of each series."""
+        return self.covariance.noises
+
+    @property
+    def weights(self) -> Array:
+        """Return the robust weights of the readings, shape (m,)."""
+        return self.covariance.weights
+
+    @property
     def used(self) -> NDArray[np.bool_]:
         """Tell which readings are no outliers, shape (m,)."""
-        return self.weights >= OUTLIER_WEIGHT
+        return self.covariance.used
 
 
 @stage("preparing columns")
@@ -205,7 +222,7 @@ def prepare(
         session=sessions[data.row],
         pointing=pointings(recordings)[data.row],
         scan=_scans(recordings, data),
-        parts=tuple(series(recordings, data)),
+        frame=frame(recordings, data),
         seed=seed,
     )
 
@@ -226,10 +243,8 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 @stage("whitening")
 def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
-    noises, weights = _noise(setup, chosen)
-    return _weighed(
-        setup, chosen, noises, weights, whiten(setup.data, weights, setup.parts, noises)
-    )
+    covariance = noise(setup, chosen)
+    return _weighed(setup, chosen, covariance, covariance.whiten(setup.data))
 
 
 @stage("whitening")
@@ -240,60 +255,67 @@ def weigh_model(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
     """
     if len(np.unique(setup.blocks.antenna)) >= common_mode.ENOUGH_ANTENNAS:
         return weigh(setup, chosen)
-    noises, weights = _noise(setup, chosen)
+    covariance = noise(setup, chosen)
     size = setup.columns.shape[1]
     model = [one.candidate.columns for one in (*setup.base, *chosen)]
     own = np.unique(np.concatenate([np.zeros(0, np.intp), *model]))
     white = np.zeros((2 * len(setup.columns), size + 1))
     places = np.append(own, size).astype(np.intp)
     data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
-    white[:, places] = whiten(data, weights, setup.parts, noises)
-    return _weighed(setup, chosen, noises, weights, white)
+    white[:, places] = covariance.whiten(data)
+    return _weighed(setup, chosen, covariance, white)
 
 
 def _weighed(
-    setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...], weights: Array, white: Array
+    setup: Setup, chosen: Sequence[Chosen], covariance: Covariance, white: Array
 ) -> Weighed:
     evidence = Evidence(
         white,
         np.concatenate([setup.block, setup.block]),
         np.concatenate([setup.stack.is_y, setup.stack.is_y]).astype(np.intp),
         setup.blocks,
-        common=_common_excess(setup, (*setup.base, *chosen), white, weights, noises),
+        common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
         draws=DRAWS,
-        dof=_dof(setup.parts, noises, setup.blocks),
+        dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
         rng=np.random.default_rng(setup.seed),
     )
-    return Weighed(noises, weights, white, evidence)
+    return Weighed(covariance, white, evidence)
 
 
 @stage("whitening")
-def weigh_alike(setup: Setup, chosen: Sequence[Chosen], noises: tuple[Noise, ...]) -> Weighed:
+def weigh_alike(setup: Setup, chosen: Sequence[Chosen], known: Covariance) -> Weighed:
     """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
-    key = _key(chosen)
-    known = setup.expanded([*setup.base, *chosen])
-    weights = noise_fit.weights(setup.residual, known, setup.parts)
-    setup.noises[key] = tuple(chosen), (noises, weights)
+    design = setup.expanded([*setup.base, *chosen])
+    covariance = reweighed(known, setup.residual, design)
+    setup.known[_key(chosen, searching=True)] = tuple(chosen), covariance
     return weigh(setup, chosen)
 
 
-def _key(chosen: Sequence[Chosen]) -> tuple[tuple[int, str], ...]:
-    return tuple((id(one.candidate), one.scope) for one in chosen)
+def _key(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
+    return (searching, *((id(one.candidate), one.scope) for one in chosen))
 
 
 @stage("fitting noise")
-def _noise(setup: Setup, chosen: Sequence[Chosen]) -> tuple[tuple[Noise, ...], Array]:
-    """Fit the noise beside some effects, or remember it: columns that join later do not touch it.
+def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
+    """Estimate the noise beside some effects, or remember it.
 
-    Effects are told apart by what they are, not by what they look like.
+    Columns that join the design later do not touch it. While a search goes on, what its
+    candidates could explain is no noise; in a final fit (`searching` false) it is.
     """
-    key = _key(chosen)
-    if key not in setup.noises:
-        known = setup.expanded([*setup.base, *chosen])
-        noises, weights = noise_fit.fit(setup.residual, known, setup.possible, setup.parts)
-        setup.noises[key] = tuple(chosen), (tuple(noises), weights)
-    return setup.noises[key][1]
+    key = _key(chosen, searching=searching)
+    if key not in setup.known:
+        design = setup.expanded([*setup.base, *chosen])
+        shapes = setup.possible if searching else None
+        covariance = estimate(setup.residual, design, setup.frame, shapes)
+        # The choices are kept as long as the key that their identities make.
+        setup.known[key] = tuple(chosen), covariance
+    return setup.known[key][1]
+
+
+def temporal(effect: Effect) -> bool:
+    """Tell whether an effect changes with time alone: the noise may do what it does."""
+    return effect.id.startswith("epoch") or effect.id == "drift"
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:
@@ -310,8 +332,7 @@ def _common_excess(
     setup: Setup,
     fitted: Sequence[Chosen],
     white: Array,
-    weights: Array,
-    noises: Sequence[Noise],
+    covariance: Covariance,
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
     if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
@@ -319,7 +340,7 @@ def _common_excess(
     columns = setup.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
     means = slice(len(setup.columns), None)
-    one = whiten(np.ones((len(setup.columns), 1)), weights, setup.parts, noises)[means, 0]
+    one = covariance.whiten(np.ones((len(setup.columns), 1)))[means, 0]
     return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
 
 
@@ -345,13 +366,3 @@ def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[A
         found.append(Chosen(candidate, scope or "all"))
         start += width
     return np.concatenate(arrays, axis=1), found
-
-
-def _dof(parts: Sequence[Series], noises: Sequence[Noise], blocks: Blocks) -> Array:
-    """Return the degrees of freedom of each antenna's noise."""
-    return np.array(
-        [
-            sum(n.dof for p, n in zip(parts, noises, strict=True) if p.antenna == antenna)
-            for antenna in np.unique(blocks.antenna)
-        ]
-    )

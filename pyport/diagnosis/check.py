@@ -11,7 +11,6 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Setup, Weighed
 from pyport.diagnosis.identify import agrees
 from pyport.diagnosis.joint import Joint, contribution
-from pyport.diagnosis.noise import whiten
 from pyport.fitting.gram import Gram
 
 #: Halves whose strengths differ by more than this many sigmas and this share are not one effect.
@@ -42,7 +41,7 @@ def halves(setup: Setup, weighed: Weighed, joint: Joint, choice: int) -> list[Ch
         columns = np.concatenate(
             [others, curve[:, None], (curve * mask)[:, None], setup.residual[:, None]], axis=1
         )
-        white = whiten(columns, weighed.weights, setup.parts, weighed.noises)
+        white = weighed.covariance.whiten(columns)
         found.append(_compare(white, label))
     return [check for check in found if check is not None]
 

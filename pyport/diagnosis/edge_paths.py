@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, weigh_alike
 from pyport.diagnosis.edges import LEVELS, Sky, sky_of
-from pyport.diagnosis.noise import FAR, Noise, by_pointing, factor, whiten
 from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.view import FEWEST
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
+from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.stages import stage
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     chosen = tuple(new if one is old else one for one in outcome.chosen)
     steps = tuple(replace(one, chosen=new) if one.chosen is old else one for one in outcome.steps)
     # The noise is that of the edge which fitted best; readings beside it are judged anew.
-    weighed = weigh_alike(setup, chosen, outcome.weighed.noises)
+    weighed = weigh_alike(setup, chosen, outcome.weighed.covariance)
     return replace(outcome, setup=setup, chosen=chosen, steps=steps, weighed=weighed)
 
 
@@ -205,7 +205,7 @@ def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track],
     setup, weighed = outcome.setup, outcome.weighed
     others = [one for one in (*setup.base, *outcome.chosen) if one is not old]
     data = np.column_stack([setup.expanded(others), setup.residual])
-    white = whiten(data, weighed.weights, setup.parts, weighed.noises)
+    white = weighed.covariance.whiten(data)
     tracks = []
     for part, noise in zip(setup.parts, weighed.noises, strict=True):
         if part.is_y:
@@ -216,7 +216,8 @@ def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track],
             heaviest = np.zeros(len(first))
             np.maximum.at(heaviest, part.pointing, weights)
             even = weights / np.maximum(heaviest[part.pointing], 1e-12)
-            means, variance, _ = by_pointing(data[part.rows], even, part, noise)
+            precision = weighed.covariance.precision[part.rows]
+            means, variance, _ = by_pointing(data[part.rows], even, precision, part, noise)
             own = sky.of(first)
             tracks.append(_Track(means[:, :-1], means[:, -1], variance, part.time, noise, own))
     return tracks, white.T @ white

@@ -11,7 +11,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.common_mode import Excess
+from pyport.noise.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, index, inverse_of
 from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes

@@ -20,7 +20,6 @@ from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field, families
 from pyport.diagnosis.finding import Interval
-from pyport.diagnosis.noise import whiten
 from pyport.effects.fields import field as as_effect
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
@@ -79,7 +78,7 @@ class Ground:
     def products(self, columns: Array) -> tuple[Array, Array]:
         """Return the information on columns (m, K) beside the model, and their moments."""
         setup, weighed = self.setup, self.weighed
-        seen = self._without(whiten(columns, weighed.weights, setup.parts, weighed.noises))
+        seen = self._without(weighed.covariance.whiten(columns))
         excess = weighed.evidence.common.factor
         return seen.T @ seen / excess, seen.T @ self.left / excess
 
@@ -89,7 +88,7 @@ class Ground:
         from scipy.linalg import block_diag
 
         setup, weighed = self.setup, self.weighed
-        white = whiten(columns, weighed.weights, setup.parts, weighed.noises)
+        white = weighed.covariance.whiten(columns)
         of_axis = [white[rows] for rows in self.rows]
         own = [one.T @ one for one in of_axis]
         shared = [self.basis[rows].T @ one for rows, one in zip(self.rows, of_axis, strict=True)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.scene import Scene
-from pyport.effects.base import Effect
+from pyport.effects.base import THE_HOUR, Effect
 
 #: Pointings that must carry an effect's curve, and that each side of a change must have.
 FEWEST = 4
@@ -23,15 +23,6 @@ SPARE = 20
 NIGHT_GAP_S, DAY_S = 6 * 3600.0, 86400.0
 #: A column of which a cubic in time draws this share went with the hour.
 SMOOTH, ORDER = 0.9, 3
-
-#: What the weather does to offsets, by the column that it must be told apart in.
-_WEATHER = {
-    "temperature": "temperature_c",
-    "wet_refraction": "humidity_pct",
-    "wind_tilt": "wind_speed_m_s",
-}
-#: What goes with the hour in every night.
-_BY_THE_HOUR = {"thermal_tilt": "the Sun moves", "drift": "a drift goes"}
 
 
 @dataclass(frozen=True)
@@ -81,7 +72,7 @@ def carriers(scene: Scene, seen: Array) -> float:
 
 
 def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
-    if not effect.id.startswith("epoch"):
+    if effect.changes_with != "session":
         return None
     sessions = len(np.unique(scene.setup.session))
     if max(sessions, nights(scene)) > 1:
@@ -95,14 +86,14 @@ def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
 
 def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
     """Refuse what follows something that went with the hour, where there is one night only."""
-    driver = _BY_THE_HOUR.get(effect.id)
-    column = _WEATHER.get(effect.id)
-    if column is not None and goes_with_the_hour(scene, column):
-        driver = f"{column} went"
+    driver = effect.driver
     if driver is None or nights(scene) > 1:
         return None
+    if driver != THE_HOUR and not goes_with_the_hour(scene, driver):
+        return None
+    what = "what drives it" if driver == THE_HOUR else driver
     return Refusal(
-        f"these recordings are of one night, in which {driver} with the hour: whatever else did "
+        f"these recordings are of one night, in which {what} went with the hour: whatever else did "
         "looks the same",
         "observe in a second night",
     )

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.diagnosis.noise import whiten
 from pyport.fitting.gram import Gram, Solution
 from pyport.fitting.stacking import Codes
 from pyport.stages import stage
@@ -47,7 +46,7 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
     epochs = any(
-        one.candidate.effect.id.startswith("epoch") or one.candidate.of_time for one in choices
+        one.candidate.effect.changes_with == "session" or one.candidate.of_time for one in choices
     )
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
         count = len(np.unique(sessions))
@@ -138,7 +137,7 @@ def _whitened(
         replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
         for one, low, high in zip(choices, starts, starts[1:], strict=False)
     ]
-    return whiten(data, weighed.weights, setup.parts, weighed.noises), own
+    return weighed.covariance.whiten(data), own
 
 
 def _without_each(

@@ -54,6 +54,7 @@ class Name:
 
 def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     """Return the class of the winner of a turn and the best effect outside it."""
+    inside = [winner]
     members = [winner.candidate.effect.id]
     rivals = sorted(
         (t for t in trials if t.candidate.effect.physical),
@@ -74,12 +75,26 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
             and beside.share(winner, rival) >= ALIKE
             and winner.gain - rival.gain < max(DECISIVE, DECISIVE_SHARE * winner.gain)
         )
+        if (close or same) and any(_only_adds_to(beside, one, rival) for one in inside):
+            continue
         if close or same:
+            inside.append(rival)
             members.append(effect)
         else:
             outside.append(rival)
     outside = [rival for rival in outside if rival.candidate.effect.id not in members]
     return Name(tuple(members), outside[0] if outside else None)
+
+
+def _only_adds_to(beside: Beside, one: Trial, rival: Trial) -> bool:
+    """Tell whether a rival is a simpler effect and more, which the model has already.
+
+    Beside zeros, skew and sag a receiver on a platform is the sine of elevation alone: as a
+    second name for that it would widen every class of curves in elevation.
+    """
+    return (
+        rival.dof < len(rival.values) and rival.dof == len(one.values) and _same(beside, one, rival)
+    )
 
 
 def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:

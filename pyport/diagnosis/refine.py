@@ -11,7 +11,6 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.edges import edges_of
 from pyport.diagnosis.evidence import Trial
-from pyport.diagnosis.noise import whiten
 from pyport.diagnosis.view import FEWEST, View, plain_view
 from pyport.effects import CATALOGUE, Effect
 from pyport.effects.epochs import epoch_step
@@ -40,7 +39,7 @@ def refine(
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
         return setup, plain, 1.0, 0.0
-    step = effect.id.startswith("epoch") and effect.parameter is not None
+    step = effect.changes_with == "session" and effect.parameter is not None
     if not step and not (effect.id == "subreflector_jump" and effect.edge is not None):
         return setup, plain, 1.0, 0.0
     view = plain_view(setup, weighed, chosen)
@@ -73,7 +72,7 @@ def _gains(
 ) -> list[float]:
     """Return what each of some blocks of columns (m, k) gains beside the model."""
     model = setup.expanded((*setup.base, *chosen), of=weighed.white)
-    white = whiten(np.concatenate(some, axis=1), weighed.weights, setup.parts, weighed.noises)
+    white = weighed.covariance.whiten(np.concatenate(some, axis=1))
     both = np.concatenate([white, weighed.white[:, -1:]], axis=1)
     both -= model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
     gains, start = [], 0

@@ -47,9 +47,7 @@ class Scene:
 
 def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     """Return the scene of a finished search."""
-    floor = np.zeros(len(setup.residual))
-    for part, noise in zip(setup.parts, outcome.weighed.noises, strict=True):
-        floor[part.rows] = noise.floor
+    floor = outcome.weighed.covariance.scatter
     quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
     usual = np.median(floor[counted]) if counted.any() else 1.0

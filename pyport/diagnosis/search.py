@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from pyport.diagnosis import identify
-from pyport.diagnosis.case import Chosen, Setup, weigh
+from pyport.diagnosis.case import Chosen, Setup, temporal, weigh
+from pyport.diagnosis.confirm import confirmed
 from pyport.diagnosis.instead import IMPERFECTION, field_instead
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
-from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
+from pyport.diagnosis.winner import CONFIRMED, alone, joined, trials_of, winner_of, without_idle
 
 MOST_FINDINGS = 8
 #: An earlier choice makes way for another that has so much more evidence beside the later ones.
@@ -39,7 +42,7 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
         outcome = _searched(setup, banned, tell)
         wrong = _wrong_sizes(outcome)
         if not wrong:
-            return outcome
+            return _walk(_standing(outcome, tell), banned, tell, strict=True)
         tell(f"{', '.join(sorted(wrong))}: not the size that physics gives, once more without")
         banned |= wrong
 
@@ -58,6 +61,31 @@ def _searched(setup: Setup, banned: frozenset[str], tell: Callable[[str], None])
     return outcome
 
 
+def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
+    """Drop what the noise, estimated with it and without it, can do as well; the weakest first."""
+    while now.chosen:
+        sure = [_standing_of(now, one) for one in now.chosen]
+        weakest = min(range(len(sure)), key=lambda n: sure[n])
+        if sure[weakest] > CONFIRMED:
+            break
+        out = now.chosen[weakest]
+        tell(f"{out.candidate.effect.id}: the noise does as well")
+        kept = tuple(one for one in now.chosen if one is not out)
+        steps = tuple(step for step in now.steps if step.chosen is not out)
+        now = replace(now, chosen=kept, steps=steps)
+    return replace(now, weighed=weigh(now.setup, now.chosen))
+
+
+def _standing_of(now: Outcome, one: Chosen) -> float:
+    """Return the evidence of a choice beside all others, the noise estimated anew."""
+    step = next(each for each in reversed(now.steps) if each.chosen is one)
+    dof = step.winner.dof
+    pointings = max(step.beside.evidence.pointings, 3)
+    price = max(0.0, step.winner.gain - step.winner.delta_bic - dof * float(np.log(pointings)))
+    others = tuple(each for each in now.chosen if each is not one)
+    return confirmed(now.setup, others, one, price, searching=False)
+
+
 def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
     """Return the chosen effects of known size that do not have it, everything else fitted too."""
     setup, chosen = outcome.setup, outcome.chosen
@@ -71,7 +99,13 @@ def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
     return frozenset(found)
 
 
-def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
+def _walk(
+    start: Outcome,
+    banned: frozenset[str],
+    tell: Callable[[str], None],
+    *,
+    strict: bool = False,
+) -> Outcome:
     """Go on from where a search stands with the effects that have names."""
     now = start
     first = start.p_value if start.steps else None
@@ -82,13 +116,21 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
         p_value = family_p_value(trials)
         first = p_value if first is None else first
         winner = None
-        if p_value <= FAMILY_ERROR and len(now.steps) < MOST_FINDINGS:
+        if len(now.steps) < MOST_FINDINGS:
             strongest = max((step.winner.gain for step in now.steps), default=0.0)
             least = IMPERFECTION * strongest
-            winner = winner_of(setup, weighed, chosen, trials, least, banned)
+            mismatch = p_value <= FAMILY_ERROR
+            winner = winner_of(
+                setup, weighed, chosen, trials, least, banned=banned, mismatch=mismatch, strict=strict
+            )
         if winner is None:
             return replace(now, p_value=first, last=trials)
-        trial, setup, new = winner
+        trial, setup, new = winner.trial, winner.setup, winner.chosen
+        # A Bayes factor bounds the chance that noise alone reaches it.
+        if temporal(trial.candidate.effect):
+            p_value = min(p_value, float(np.exp(-trial.evidence / 2)))
+        if not now.steps:
+            first = min(first, p_value)
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
         step = Step(trial, new, trials, chosen, beside, p_value)
         then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
@@ -119,11 +161,11 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         )
         trials = tuple(trials_of(now.setup, beside))
         better = winner_of(
-            now.setup, now.weighed, others, trials, own.evidence + EXCHANGED_FOR, banned
+            now.setup, now.weighed, others, trials, own.evidence + EXCHANGED_FOR, banned=banned, changes=False
         )
-        if better is None or better[0].candidate.effect.id == one.candidate.effect.id:
+        if better is None or better.trial.candidate.effect.id == one.candidate.effect.id:
             continue
-        trial, setup, new = better
+        trial, setup, new = better.trial, better.setup, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
         old = next(step for step in now.steps if step.chosen is one)
         step = Step(trial, new, trials, others, beside, old.p_value)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
-from pyport.diagnosis.noise import whiten
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
 from pyport.stages import stage
 
@@ -143,12 +142,7 @@ class _Ground:
         own, y = self.setup.expanded([one]), self.setup.stack.is_y
         quarters = [
             [
-                whiten(
-                    own * (half & axis)[:, None],
-                    self.weighed.weights,
-                    self.setup.parts,
-                    self.weighed.noises,
-                )
+                self.weighed.covariance.whiten(own * (half & axis)[:, None])
                 for axis in (~y, y)
             ]
             for half in (first, ~first)

@@ -39,9 +39,7 @@ class View:
 
 def plain_view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model, outliers left out."""
-    scatter = np.ones(len(setup.residual))
-    for part, noise in zip(setup.parts, weighed.noises, strict=True):
-        scatter[part.rows] = noise.floor
+    scatter = weighed.covariance.scatter
     rows = np.flatnonzero(weighed.used)
     root = np.sqrt(weighed.weights[rows]) / scatter[rows]
     model = setup.expanded((*setup.base, *chosen))[rows] * root[:, None]

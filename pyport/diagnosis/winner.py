@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.diagnosis import identify
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal
+from pyport.diagnosis.confirm import confirmed
 from pyport.diagnosis.evidence import Beside, Trial
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
@@ -22,6 +23,14 @@ MOST_TRIED = 4
 #: An effect whose known size does not come out leads for now, because something else may still be
 #: left out, when it beats all others by this much in evidence.
 LEADS_BY = 10.0
+#: Twice the log of the Bayes factor, the noise estimated anew in both worlds and the choice among
+#: the family paid for, from which an effect is accepted: odds of 150 to one.
+CONFIRMED = 10.0
+#: What changes with time is looked at beside its own noise when it gains so much more than it has
+#: coefficients; noise alone gains as much in one turn out of ten.
+WORTH_A_LOOK = 6.0
+#: So many kinds of change are looked at in a turn.
+MOST_CHANGES = 3
 
 
 def trials_of(setup: Setup, beside: Beside) -> list[Trial]:
@@ -46,11 +55,24 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
     effect, there = candidate.effect, blocks.scopes()
     if not effect.physical:
         return ["all"]
-    if effect.id.startswith("epoch"):
+    if effect.changes_with == "session":
         return [scope for scope in there if "session" not in scope]
     if effect.common != "antenna":
         return [scope for scope in there if "antenna" not in scope]
     return there if "antenna" in there else ["all"]
+
+
+@dataclass(frozen=True)
+class Winner:
+    """What a turn adds: its trial, the case with its columns, the choice.
+
+    `price` is what a refined moment or edge costs beyond the choice among the family.
+    """
+
+    trial: Trial
+    setup: Setup
+    chosen: Chosen
+    price: float
 
 
 def winner_of(
@@ -59,20 +81,26 @@ def winner_of(
     chosen: tuple[Chosen, ...],
     trials: Sequence[Trial],
     least: float,
+    *,
     banned: Collection[str] = (),
-) -> tuple[Trial, Setup, Chosen] | None:
+    mismatch: bool = True,
+    changes: bool = True,
+    strict: bool = False,
+) -> Winner | None:
     """Return the effect most worth its coefficients that also predicts unseen data better.
 
     Nothing wins whose evidence is no more than `least`, or that is `banned`.
-    Steps and edges compete with their moment and curve refined. With the trial
-    comes the case that holds the columns of what is to be added, and the choice
-    itself.
+    Steps and edges compete with their moment and curve refined. What changes with time competes
+    by its evidence with the noise estimated anew, unless no `changes` are looked for, and without
+    a `mismatch` beside the present noise nothing else does: the noise may have swallowed a change,
+    and no other effect. In a `strict` turn everything is confirmed in that way.
     """
-    ranked = []
+    ranked: list[Winner] = []
     refined: set[str] = set()
-    for trial in _worth(trials, least, banned):
+    worth = _worth(trials, least, banned) if mismatch else []
+    for trial in [*(_changes(trials, banned) if changes else []), *worth]:
         effect = trial.candidate.effect
-        wider, new = setup, Chosen(trial.candidate, trial.scope)
+        wider, new, price = setup, Chosen(trial.candidate, trial.scope), 0.0
         if effect.id not in refined:
             refined.add(effect.id)
             wider, new, more, price = refine(setup, weighed, chosen, trial)
@@ -83,12 +111,46 @@ def winner_of(
                 delta_bic=trial.delta_bic + added - price,
                 evidence=trial.evidence + added - price,
             )
-        ranked.append((trial, wider, new))
-    ranked.sort(key=lambda one: -round(one[0].evidence, identify.TIE))
-    for trial, wider, new in ranked[:MOST_TRIED]:
-        if predicts(wider, weighed, chosen, joined(wider, chosen, new), trial.gain):
-            return trial, wider, new
+        if temporal(effect) and changes:
+            sure = _confirmed(wider, chosen, new, price, searching=True)
+            trial = replace(trial, evidence=sure)  # noqa: PLW2901 - the same, beside its own noise
+            if sure <= CONFIRMED:
+                continue
+        if trial.evidence > least:
+            ranked.append(Winner(trial, wider, new, price))
+    ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
+    for one in ranked[:MOST_TRIED]:
+        after = joined(one.setup, chosen, one.chosen)
+        if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
+            continue
+        if not strict:
+            return one
+        sure = _confirmed(one.setup, chosen, one.chosen, one.price, searching=False)
+        if sure > CONFIRMED:
+            return one
     return None
+
+
+def _confirmed(
+    setup: Setup, chosen: tuple[Chosen, ...], new: Chosen, price: float, *, searching: bool
+) -> float:
+    """Return the evidence of a choice in the world that it makes, its price paid."""
+    others = joined(setup, chosen, new)[:-1]
+    price += 2 * float(np.log(new.candidate.choices))
+    return confirmed(setup, others, new, price, searching=searching)
+
+
+def _changes(trials: Sequence[Trial], banned: Collection[str]) -> list[Trial]:
+    """Return the best trial of each effect that changes with time, those that gain most."""
+    best: dict[str, Trial] = {}
+    for trial in trials:
+        effect = trial.candidate.effect
+        if effect.physical and temporal(effect) and effect.id not in banned:
+            held = best.get(effect.id)
+            if held is None or trial.evidence > held.evidence:
+                best[effect.id] = trial
+    worth = [one for one in best.values() if one.gain > one.dof + WORTH_A_LOOK]
+    return sorted(worth, key=lambda one: -round(one.gain - one.dof, identify.TIE))[:MOST_CHANGES]
 
 
 def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> list[Trial]:
@@ -101,6 +163,7 @@ def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> li
         t
         for t in trials
         if t.candidate.effect.physical
+        and not temporal(t.candidate.effect)
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]

@@ -32,8 +32,10 @@ _FAMILIES = (
     "drive",
     "thermal",
     "receiver",
+    "rotation",
     "structure",
     "epochs",
+    "driven",
     "empirical",
 )
 

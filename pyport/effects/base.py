@@ -31,6 +31,10 @@ SPELLED = {
 }
 
 
+#: The driver of effects that go with the time of the day: the Sun, the hour, time itself.
+THE_HOUR = "the hour"
+
+
 class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
     """An effect needs something that these recordings do not tell."""
 
@@ -203,6 +207,12 @@ class Effect:
         The nonlinear parameter of a member, in internal units: k, seconds, radians.
     edge
         For a step across a curve in the sky: azimuth -> the curve's elevation [rad].
+    driver
+        The recorded condition that the effect follows, as `Circumstances` names its column, or
+        `THE_HOUR` for what goes with the time of the day or with time itself.
+    changes_with
+        "session" for a change from one session or epoch to another, "" for what does not
+        depend on when it was recorded.
     member
         What distinguishes this member of its family, as numbers, texts and lists of them, so
         that a file can hold it; empty where there is no choice.
@@ -224,6 +234,8 @@ class Effect:
     formula: tuple[str, str] = ("", "")
     parameter: float | None = None
     edge: Callable[[Array], Array] | None = None
+    driver: str | None = None
+    changes_with: str = ""
     member: Mapping[str, Any] = field(default_factory=dict, compare=False)
     make: Callable[..., Effect] | None = field(default=None, compare=False)
 

@@ -53,6 +53,9 @@ WHERE = {
     "own hours": "where each session has a time of the day of its own",
     "wind": "in a steady wind from where the Sun is",
     "two epochs": "in two campaigns far apart",
+    "one season": "within some weeks",
+    "prevailing wind": "in a wind from always the same side",
+    "rotator with elevation": "where the rotator turns as the elevation does",
 }
 
 #: What nearly every model fits beside an effect under test.
@@ -238,6 +241,52 @@ ALIKE = (
     Alike(("thermal_tilt", "tilt"), "one hour", _DAY_AND_NIGHT),
     Alike(("thermal_tilt", "epoch_tilt"), "own hours", _DAY_AND_NIGHT, ("tilt",)),
     Alike(("thermal_tilt", "wind_tilt"), "wind", "observe on a calm day and on a cloudy one"),
+    # What turns the image.
+    Alike(
+        ("nasmyth", "sag_sine"),
+        "always",
+        "rotate the camera by half a turn, or change to the other platform: an offset from the "
+        "axis changes its sign, sag does not",
+        USUAL,
+    ),
+    Alike(
+        ("rotator_circle", "nasmyth"),
+        "rotator with elevation",
+        "turn the rotator at one elevation",
+    ),
+    Alike(
+        ("rotator_circle", "source_position"),
+        "always",
+        "rotate the camera by half a turn: what is off its axis changes its sign, an error of "
+        "positions does not",
+    ),
+    # What a condition drives.
+    Alike(
+        ("driven_term", "epoch_tilt"),
+        "seasons",
+        "observe through a warm day and a cold night of one session",
+        ("tilt",),
+    ),
+    _nearly(
+        "driven_term",
+        "thermal_tilt",
+        "one season",
+        "observe in another season, when the Sun is elsewhere at the same hour",
+    ),
+    _nearly(
+        "driven_term",
+        "wind_tilt",
+        "prevailing wind",
+        "observe in a wind from another side",
+        ("tilt",),
+    ),
+    _nearly(
+        "driven_term",
+        "drift",
+        "one night",
+        "observe in more nights: what goes with the hour comes back, a drift does not",
+        ("collimation", "elevation_zero"),
+    ),
 )
 
 #: The observation that tells two effects apart, by their ids.

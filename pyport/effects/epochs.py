@@ -10,7 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import (
+    THE_HOUR,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
 from pyport.effects.geometry import tilt
 from pyport.effects.gravity import sag_cosine
 
@@ -176,6 +183,7 @@ def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
         needs=("time_utc",),
         formula=("a polynomial in time", "another polynomial in time"),
         parameter=order,
+        driver=THE_HOUR,
         member={"order": order} | ({} if span_s is None else {"span_s": list(span_s)}),
         make=_drift,
     )
@@ -200,6 +208,7 @@ _OFFSET: Effect = Effect(
     profile=_epoch_offsets,
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
+    changes_with="session",
     make=_made(lambda: _OFFSET),
 )
 _TILT: Effect = Effect(
@@ -212,6 +221,7 @@ _TILT: Effect = Effect(
     profile=lambda at: _from_session_on(_TILT, at),
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
+    changes_with="session",
     make=_made(lambda: _TILT),
 )
 _SAG: Effect = Effect(
@@ -224,6 +234,7 @@ _SAG: Effect = Effect(
     profile=lambda at: _from_session_on(_SAG, at),
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),
+    changes_with="session",
     make=_made(lambda: _SAG),
 )
 #: What each of them does inside an epoch.

@@ -53,6 +53,7 @@ EFFECTS = (
         common="array",
         needs=("humidity_pct", "temperature_c"),
         formula=("", "w e cot E, e the pressure of water vapour"),
+        driver="humidity_pct",
     ),
     Effect(
         "ionosphere",

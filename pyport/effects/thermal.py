@@ -7,7 +7,14 @@ from collections.abc import Callable
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import (
+    THE_HOUR,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
 from pyport.effects.celestial import sun
 from pyport.effects.geometry import tilt
 
@@ -65,6 +72,7 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
         needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
         parameter=lag_h * 3600.0,
+        driver=THE_HOUR,
         member={"heating": heating, "lag_h": lag_h},
         make=_thermal_tilt,
     )
@@ -112,6 +120,7 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         profile=_temperatures,
         needs=("temperature_c",),
         formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
+        driver="temperature_c",
         member={"through": through} | ({} if reference_c is None else {"reference_c": reference_c}),
         make=_temperature,
     )
@@ -140,5 +149,6 @@ EFFECTS = (
         wind_tilt,
         needs=("wind_speed_m_s", "wind_az_deg"),
         formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 away from where the wind blows"),
+        driver="wind_speed_m_s",
     ),
 )

@@ -68,9 +68,8 @@ def warnings(fit: Fit) -> Iterator[str]:
     yield from doubts(
         condition=fit.condition,
         covariance=fit.covariance[np.ix_(known, known)],
-        numbers=int((fit.weight > 0).sum()),
+        numbers=int(fit.noise.used.sum()),
         rank=int(known.sum()),
-        settled=fit.settled,
     )
 
 

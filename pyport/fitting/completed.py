@@ -19,5 +19,5 @@ def completed(fit: Fit) -> Model:
         sigma = np.where(known, one.sigma, 0.0)
         solved.append(Solved(one.term, one.labels, change, sigma, places, known.tolist()))
         start += len(known)
-    left = Left(fit.residual, fit.weight > 0, fit.stack)
+    left = Left(fit.residual, fit.noise.used, fit.stack)
     return complete(fit.model, fit.recordings, solved, fit.covariance, by="fit", left=left)

@@ -29,7 +29,7 @@ def by_label(fit: Fit, label: str) -> list[dict[str, object]]:
     groups: list[dict[str, object]] = []
     for value in np.unique(values):
         group: dict[str, object] = {label: str(value)}
-        rows = (values[fit.stack.row] == value) & (fit.weight > 0)
+        rows = (values[fit.stack.row] == value) & fit.noise.used
         for axis, is_y in (("xel", False), ("el", True)):
             left = fit.residual[rows & (fit.stack.is_y == is_y)] / ARCSEC
             group[f"{axis}_offsets"] = len(left)

@@ -28,7 +28,7 @@ def text(fit: Fit) -> str:
     lines.append("")
     for axis, rows in left.items():
         if rows.any():
-            counted = rows & (fit.weight > 0)
+            counted = rows & fit.noise.used
             rms = math.sqrt(float(np.mean(fit.residual[counted] ** 2)))
             over = f"{counted.sum()} of {rows.sum()} offsets"
             lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pyport.angles import Array
+
+if TYPE_CHECKING:
+    from astropy.units import Quantity
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,13 @@ class Value:
     def change(self) -> float:
         """Return what the file that was given has to be changed by."""
         return self.value - self.before
+
+    @property
+    def quantity(self) -> Quantity:
+        """Return the value as astropy's Quantity."""
+        from astropy import units
+
+        return units.Quantity(self.value, self.unit)
 
 
 @dataclass(frozen=True)

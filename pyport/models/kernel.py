@@ -65,8 +65,8 @@ class Kernel:
     ) -> tuple[float, float]:
         """Return the offsets across and along elevation of one direction [rad]."""
         if self.folded and not 0 <= el <= math.pi / 2:
-            x, y = self.many(np.array([az]), np.array([el]), _arrays(columns), site)
-            return float(x[0]), float(y[0])
+            both = self.many(np.array([az]), np.array([el]), _arrays(columns), site)
+            return float(both[0][0]), float(both[1][0])
         around, up = complex(math.cos(az), math.sin(az)), complex(math.cos(el), math.sin(el))
         x = y = 0.0
         circles, arcs = {0: 1 + 0j, 1: around}, {0: 1 + 0j, 1: up, -1: up.conjugate()}
@@ -129,7 +129,7 @@ class Kernel:
     @cached_property
     def _jumps(self) -> tuple[tuple[Callable[[float, float], float], float], ...]:
         """Return the steps at edges, each for one direction at a time, and their sizes."""
-        found = []
+        found: list[tuple[Callable[[float, float], float], float]] = []
         for effect, values in self.rest:
             if effect is RT32_JUMP:
                 found.append((_rt32_jump, float(values[0])))

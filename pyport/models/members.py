@@ -27,7 +27,7 @@ def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
         There is no such effect, or the member is none of it.
     """
     told = dict(member)
-    column = told.pop("column", None)
+    column = told.pop("coefficient", None)
     try:
         effect = _whole(identity, told)
         if column is not None:
@@ -71,7 +71,7 @@ def apart(effect: Effect) -> list[Effect]:
             coefficients=(coefficient,),
             basis=_column(effect, n),
             profile=None,
-            member={**effect.member, "column": n},
+            member={**effect.member, "coefficient": n},
         )
         for n, coefficient in enumerate(effect.coefficients)
     ]
@@ -98,7 +98,7 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
         A file could not hold it: what it gives back differs.
     """
     told = dict(effect.member)
-    column = told.pop("column", None)
+    column = told.pop("coefficient", None)
     if column is not None:
         whole = frozen(_whole(effect.id, told), at)
         return apart(whole)[column]

@@ -110,8 +110,8 @@ class PointingModel:
         from astropy import units
 
         if len(where) == 2 and not conditions and type(where[0]) is type(where[1]) is float:
-            x, y = self.offsets_rad(where[0] * DEG, where[1] * DEG)
-            return Offsets(units.Quantity(x / ARCSEC, units.arcsec), y / ARCSEC * units.arcsec)
+            one = self.offsets_rad(where[0] * DEG, where[1] * DEG)
+            return Offsets(one[0] / ARCSEC * units.arcsec, one[1] / ARCSEC * units.arcsec)
         there = directions(where, conditions, self.model.site, self._others)
         x, y = self._asked(there)
         return Offsets(*(one.reshape(there.shape) / ARCSEC * units.arcsec for one in (x, y)))
@@ -189,7 +189,7 @@ class PointingModel:
 
     def needs(self) -> list[str]:
         """Return what the model has to be told beside a direction, as the contract names it."""
-        missing = {}
+        missing: dict[str, None] = {}
         for term in self.model.terms:
             if term.has_values:
                 missing |= dict.fromkeys(_missing(term.effect, self.model.site))

@@ -22,7 +22,7 @@ def of_fit(fit: Fit) -> tuple[Picture, Story]:
     """Return what the panels draw of a fit, and what the page says of it."""
     names, curves = _terms(fit)
     before = fit.residual + sum(curves, np.zeros(len(fit.residual)))
-    counted = (fit.weight > 0).astype(float)
+    counted = (fit.noise.used).astype(float)
     x, y = sides(fit.recordings, fit.stack, before, curves, counted)
     layers = tuple(Layer(name.replace("_", " ")) for name in names)
     picture = picture_of(fit.recordings, layers, x, y, ("before the fit", "after the fit"), "after")
@@ -109,5 +109,5 @@ def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
 def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:
     return tuple(
         off_by(int(fit.recordings.line[fit.stack.row[n]]), fit.stack.is_y[n], fit.residual[n])
-        for n in np.flatnonzero(fit.weight <= 0)
+        for n in np.flatnonzero(~fit.noise.used)
     )

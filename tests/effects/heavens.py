@@ -50,6 +50,12 @@ def misplaced(size):
     return seen(HOUR_ANGLE - there * 6 / np.cos(DEC), DEC - there * 4)
 
 
+def aside(size):
+    """Return the offsets of a camera that sees what is 12" west and 5" north of its axis."""
+    west, north = size * 12 * ARCSEC, size * 5 * ARCSEC
+    return seen(HOUR_ANGLE + west / np.cos(DEC), DEC + north)
+
+
 def near(size):
     """Return the offsets of what is so near that its horizontal parallax is 30"."""
     sine = np.sin(size * 30 * ARCSEC)
@@ -57,6 +63,7 @@ def near(size):
 
 
 SPHERE = [
+    Case("rotator_circle", (12.0, 5.0), aside, variant="phi = -parallactic angle", tolerance=1e-3),
     Case(
         "site_latitude",
         (20.0,),

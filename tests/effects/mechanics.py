@@ -2,7 +2,7 @@
 
 import numpy as np
 from effects.cases import AT, Case
-from effects.mount import encoders
+from effects.mount import encoders, from_platform, turned
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
@@ -223,4 +223,77 @@ SCANS = [
     Case("scan_timing", (0.4,), scanned(0.4 * RATE, 0.4 * RATE), variant="rate on the sky"),
 ]
 
-CASES = [*MOUNT, *WEATHER, *LABELLED, *SCANS]
+
+def on_circle(angle):
+    """Return amplitude -> a beam that is 15" left and 20" low of the axis before it is turned."""
+
+    def flaws(size):
+        # What the encoders must make up for is opposite to where the beam went.
+        right, up = turned(angle, -size * 15 * ARCSEC, -size * 20 * ARCSEC)
+        return {"beam_left": -right, "droop": lambda _: -up}
+
+    return flaws
+
+
+ROTATOR = np.radians(AT.columns["rotator_deg"])
+TURNING = [
+    # A ray traced by way of the tertiary mirror: the receiver leans by 15" forward and 20" up.
+    mounted("nasmyth", (15.0, -20.0), lambda s: {"beam": platform(1, s)}),
+    mounted(
+        "nasmyth",
+        (-15.0, -20.0),
+        lambda s: {"beam": platform(-1, s)},
+        variant="platform on the left",
+    ),
+    *(
+        mounted("rotator_circle", (15.0, 20.0), on_circle(times * ROTATOR), variant=f"phi = {name}")
+        for times, name in (
+            (1, "rotator_deg"),
+            (-1, "-rotator_deg"),
+            (2, "2 rotator_deg"),
+            (-2, "-2 rotator_deg"),
+        )
+    ),
+]
+
+
+def platform(side, size):
+    """Return the beam of that receiver, at an amplitude."""
+    return from_platform(side, size * 15 * ARCSEC, size * 20 * ARCSEC)
+
+
+def above_middle(column):
+    """Return how much a condition is above its median."""
+    return AT.columns[column] - np.median(AT.columns[column])
+
+
+COLD, CALM = above_middle("temperature_c"), above_middle("wind_speed_m_s")
+HOUR_OF_DAY = 2 * np.pi * (AT.columns["time"] % 86400) / 86400
+DRIVEN = [
+    mounted(
+        "driven_term",
+        (1.5, -2.0),
+        lambda s: {"lean": (s * 1.5 * ARCSEC * COLD, -s * 2.0 * ARCSEC * COLD)},
+        variant="tilt follows temperature_c",
+    ),
+    mounted(
+        "driven_term",
+        (3.0,),
+        lambda s: {"droop": lambda el: s * 3 * ARCSEC * CALM * np.cos(el)},
+        variant="sag_cosine follows wind_speed_m_s",
+    ),
+    mounted(
+        "driven_term",
+        (3.0, -2.0),
+        lambda s: {"beam_left": s * ARCSEC * (3 * np.cos(HOUR_OF_DAY) - 2 * np.sin(HOUR_OF_DAY))},
+        variant="collimation follows the time of day",
+    ),
+    mounted(
+        "driven_term",
+        (0.5,),
+        lambda s: {"read_el": lambda _: s * 0.5 * ARCSEC * np.degrees(above_middle("sun_el"))},
+        variant="elevation_zero follows sun_el_deg",
+    ),
+]
+
+CASES = [*MOUNT, *WEATHER, *LABELLED, *SCANS, *TURNING, *DRIVEN]

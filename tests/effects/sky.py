@@ -64,6 +64,8 @@ def campaign(number=400, seed=1, start_s=START_S, nights=NIGHTS):
         "sun_az": rng.uniform(0, 24 * HOUR, n),
         "sun_el": rng.uniform(-60 * DEG, 60 * DEG, n),
         "frequency_mhz": rng.choice([1420.0, 1666.0, 5000.0], n),
+        "pressure_hpa": rng.uniform(980, 1030, n),
+        "rotator_deg": rng.uniform(-170, 170, n),
     }
     return Circumstances(az % (2 * np.pi), el, SITE, columns)
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from effects.cases import AT
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
@@ -20,6 +21,7 @@ STABLE = {
     *("servo_lag_azimuth", "servo_lag_elevation", "thermal_tilt", "temperature"),
     *("wind_tilt", "receiver_offset", "beam_squint", "epoch_offset"),
     *("epoch_tilt", "epoch_sag", "drift", "subreflector_jump"),
+    *("nasmyth", "rotator_circle", "driven_term"),
 }
 
 #: Radians (or seconds, or none) in one of each unit that a report may show.
@@ -91,3 +93,21 @@ def test_who_shares_a_coefficient():
 
     assert {name for name, how in common.items() if how == "array"} == OF_THE_SKY
     assert {name for name, how in common.items() if how == "session"} == {"scan_timing"}
+
+
+def test_what_drives_an_effect_and_what_it_changes_with():
+    """The weather drives by its column, the Sun by the hour; epochs change with the session."""
+    drivers = {effect.id: effect.driver for effect in CATALOGUE.values() if effect.driver}
+    changing = {effect.id for effect in CATALOGUE.values() if effect.changes_with == "session"}
+
+    assert drivers == {
+        "temperature": "temperature_c",
+        "wet_refraction": "humidity_pct",
+        "wind_tilt": "wind_speed_m_s",
+        "thermal_tilt": "the hour",
+        "drift": "the hour",
+        "driven_term": "temperature_c",
+    }
+    assert changing == {"epoch_offset", "epoch_tilt", "epoch_sag"}
+    for name in changing:
+        assert all(one.changes_with == "session" for one in CATALOGUE[name].variants(AT))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from effects.sky import SITE, START_S, campaign, replaced
+from effects.sky import SITE, START_S, campaign, replaced, without
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE
@@ -55,6 +55,7 @@ def campaigns():
     wide, at = between(10, 84), campaign(500)
     rows = len(at)
     labels = np.where(at.columns["receiver"] == "C", "1", "2")
+    one_season = without(without(campaign(400, nights=1), "sun_az_deg"), "sun_el_deg")
     one_hour = {"sun_az": np.full(rows, 2.0), "sun_el": np.full(rows, 0.5)}
     return {
         "always": at,
@@ -80,6 +81,9 @@ def campaigns():
         "own hours": hourly(),
         "wind": replaced(at, wind_az=at.columns["sun_az"], wind_speed_m_s=np.full(rows, 7.0)),
         "two epochs": two_epochs(),
+        "one season": one_season,
+        "prevailing wind": replaced(at, wind_az=np.full(rows, 4.0)),
+        "rotator with elevation": replaced(at, rotator_deg=at.el / DEG),
     }
 
 

@@ -144,3 +144,26 @@ def test_every_term_of_the_real_models_is_known():
         assert [entry.name for entry in tpoint_mod.read(sample(f"auxtel/{model}.mod")).entries] == (
             names
         )
+
+
+#: TPOINT's formulae in its azimuth, from south through east: what is added to azimuth (on the
+#: sky) and to elevation.
+IN_ITS_FRAME = {
+    "NPAE": lambda a, e: (np.sin(e), 0 * a),
+    "AN": lambda a, e: (np.sin(a) * np.sin(e), np.cos(a)),
+    "AW": lambda a, e: (-np.cos(a) * np.sin(e), np.sin(a)),
+    "ECES": lambda a, e: (0 * a, np.sin(e)),
+    "NRX": lambda _, e: (np.cos(e), -np.sin(e)),
+    "NRY": lambda _, e: (np.sin(e), np.cos(e)),
+}
+
+
+@pytest.mark.parametrize("name", IN_ITS_FRAME)
+def test_terms_of_its_frame_turn_into_ours(name):
+    """Terms that a turned mount confirms and the two of a Nasmyth rotator go by one rule."""
+    across, up = IN_ITS_FRAME[name](np.pi - AZ, EL)
+
+    x, y = tpoint.word(name).columns(Circumstances(AZ, EL))
+
+    np.testing.assert_allclose(x, across, atol=1e-12)
+    np.testing.assert_allclose(y, -up, atol=1e-12)

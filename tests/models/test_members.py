@@ -132,7 +132,7 @@ def test_a_soft_edge_comes_back_and_knows_whole_turns():
         ("nothing", {}, "no effect is called 'nothing'"),
         ("skew", {"k": 2}, "no family"),
         ("azimuth_track", {"j": 2}, "tells no member"),
-        ("tilt", {"column": 5}, "tells no member"),
+        ("tilt", {"coefficient": 5}, "tells no member"),
         ("unknown", {"bumps": {"kind": "hills"}}, "tells no member"),
     ],
 )

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import joint
-from pyport.diagnosis.case import OUTLIER_WEIGHT, Setup
+from pyport.diagnosis.case import Setup
+from pyport.noise.covariance import OUTLIER_WEIGHT
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.fitting import robust

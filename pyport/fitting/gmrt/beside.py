@@ -141,7 +141,7 @@ def _beside(
     own = (recordings.label("antenna") == track.antenna) & (
         recordings.label("session") == track.session
     )
-    used = fit.stack.is_y & own[fit.stack.row] & (fit.weight > 0)
+    used = fit.stack.is_y & own[fit.stack.row] & (fit.noise.used)
     hour_angle = np.asarray(recordings.at.column("hour_angle"), float)[fit.stack.row[used]]
     offset = fit.stack.value[used]
     found = None if scanned is None else continued(track, scanned.scanned, *place)

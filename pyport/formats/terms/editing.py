@@ -14,6 +14,7 @@ from pyport.formats.terms import field_system, tpoint
 from pyport.formats.terms.alike import ratio, seen
 from pyport.formats.terms.words import Word
 from pyport.models.members import apart
+from pyport.recordings.columns import LABELS
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
 
@@ -24,6 +25,7 @@ def edited(
     fix: Sequence[str] = (),
     add: Sequence[str] = (),
     drop: Sequence[str] = (),
+    per: Sequence[str] | None = None,
 ) -> Model:
     """Return a model with terms dropped, added and fixed, in this order.
 
@@ -36,6 +38,8 @@ def edited(
         of its own behind the number; NAME alone holds what the model gives.
     add, drop
         Names: TPOINT's, P1..P30, an effect's id or one of its coefficients.
+    per
+        Labels each value of which has coefficients of its own; None leaves that to the model.
 
     Raises
     ------
@@ -43,7 +47,7 @@ def edited(
         A name is none, or is (or is not) in the model already.
     """
     if not (fix or add or drop):
-        return model
+        return _split(model, per)
     terms = [one for term in model.terms for one in _apart(term)]
     for name in drop:
         found = _places(terms, name)
@@ -60,7 +64,24 @@ def edited(
     for assignment in fix:
         name, equals, value = assignment.partition("=")
         _fix(terms, name.strip(), value.strip() if equals else None)
-    return replace(model, terms=tuple(terms), completed=None)
+    return _split(replace(model, terms=tuple(terms), completed=None), per)
+
+
+def _split(model: Model, per: Sequence[str] | None) -> Model:
+    """Return a model whose fitted terms have coefficients for each value of some labels.
+
+    Raises
+    ------
+    BadInput
+        A name is no label.
+    """
+    if per is None:
+        return model
+    for name in per:
+        if name not in LABELS:
+            raise BadInput(f"--per {name}: expected labels among {', '.join(sorted(LABELS))}")
+    terms = [one if one.fixed or one.by else replace(one, per=tuple(per)) for one in model.terms]
+    return replace(model, terms=tuple(terms))
 
 
 def _fix(terms: list[Term], name: str, value: str | None) -> None:

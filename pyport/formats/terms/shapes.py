@@ -165,6 +165,8 @@ _FORMULA = {
     ("refraction", 0): "y = cot E",
     ("elevation_scale", 0): "y = E",
     ("azimuth_scale", 0): "x = A cos E",
+    ("nasmyth", 0): "x = cos E, y = sin E",
+    ("nasmyth", 1): "x = -sin E, y = cos E",
 }
 
 

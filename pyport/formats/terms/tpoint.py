@@ -26,6 +26,8 @@ NAMED: dict[str, tuple[Shape, int]] = {
     "ACEC": (Shape("azimuth_eccentricity", 1), -1),
     "ECES": (Shape("sag_sine"), -1),
     "ECEC": (Shape("sag_cosine"), -1),
+    "NRX": (Shape("nasmyth", 0), 1),
+    "NRY": (Shape("nasmyth", 1), -1),
 }
 _NAME_OF = {shape: (name, sign) for name, (shape, sign) in reversed(NAMED.items())}
 

@@ -1,10 +1,9 @@
-"""Noise: how much of a recording's scatter no model can remove, and how it hangs together.
+"""The noise of one antenna and axis, and whitening under it.
 
-Three parts, for each antenna and axis: readings of one pointing that differ
-(channels of one scan) scatter by `within`; pointings scatter by `between` on
-top; and what drifts is an Ornstein-Uhlenbeck process of amplitude `drift` and
-correlation time `time_s`. Whitening turns columns into ones whose scatter is
-unity, so that plain least squares is the right thing to do.
+Readings of one pointing that differ (channels of one scan) scatter by `within`; pointings
+scatter by `between` on top; and what drifts is a sum of Ornstein-Uhlenbeck processes. Whitening
+turns columns into ones of unit scatter, so that plain least squares is the right thing to do.
+What both axes, sessions and sources share is added by `covariance`.
 """
 
 from __future__ import annotations
@@ -16,16 +15,10 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.pointings import pointings
+from pyport.noise.pointings import pointings
 from pyport.fitting.stacking import Codes, Stack, group
 from pyport.recordings.schema import Recordings
 
-#: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them.
-TUKEY = 6.0
-#: Sessions are pulled apart by this much more than they are, so that no drift spans them. [s]
-APART = 1e9
-#: Fewer pointings than this in one antenna and axis tell nothing of a drift.
-ENOUGH_FOR_DRIFT = 80
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3
 FAR = 1e4
@@ -43,7 +36,9 @@ class Series:
         For each the number of its pointing within the series; readings of one
         pointing share it, shape (m,).
     time
-        Time of each pointing [s], sessions pulled apart; None where unknown.
+        Time of each pointing [s since the first]; None where any is unknown.
+    number
+        The number of each pointing among all pointings of the recordings.
     antenna, is_y
         What the series is of.
     """
@@ -51,6 +46,7 @@ class Series:
     rows: Codes
     pointing: Codes
     time: Array | None
+    number: Codes
     antenna: str
     is_y: bool
 
@@ -87,6 +83,8 @@ class Noise:
         What the scale was estimated from.
     how
         `replicates` or `reml`.
+    tail
+        By what factor `between` was widened because the tails are heavy.
     """
 
     within: float
@@ -94,6 +92,7 @@ class Noise:
     drifts: tuple[tuple[float, float], ...] = ()
     dof: float = np.inf
     how: str = "reml"
+    tail: float = 1.0
 
     @property
     def drift(self) -> float:
@@ -129,9 +128,11 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
             if len(rows) == 0:
                 continue
             of_row = stack.row[rows]
-            rows = rows[np.lexsort((pointing[of_row], time[of_row], sessions[of_row]))]
+            timed = bool(np.isfinite(time[of_row]).all())
+            first = time[of_row] if timed else sessions[of_row]
+            rows = rows[np.lexsort((pointing[of_row], sessions[of_row], first))]
             found.append(
-                _ordered(rows, stack.row[rows], pointing, time, sessions, name[0], is_y=is_y)
+                _ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y)
             )
     return found
 
@@ -141,59 +142,43 @@ def _ordered(
     of_row: Codes,
     pointing: Codes,
     time: Array,
-    sessions: Codes,
     antenna: str,
     *,
     is_y: bool,
 ) -> Series:
-    """Put the pointings of a series in order and pull its sessions apart in time."""
-    _, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
+    """Put the pointings of a series in the order of their rows."""
+    number, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
     order = np.empty(len(first), np.intp)
     order[np.argsort(first, kind="stable")] = np.arange(len(first))
-    when, session = time[of_row][np.sort(first)], sessions[of_row][np.sort(first)]
-    if not np.all(np.isfinite(when)):
-        return Series(rows, order[inverse], None, antenna, is_y)
-    apart = np.concatenate([[0.0], np.where(np.diff(session) != 0, APART, 0.0)]).cumsum()
-    when = np.maximum.accumulate(when + apart - when.min())
-    return Series(rows, order[inverse], when, antenna, is_y)
+    when = time[of_row][np.sort(first)]
+    known = bool(np.all(np.isfinite(when)))
+    return Series(
+        rows,
+        order[inverse],
+        np.maximum.accumulate(when - when.min()) if known else None,
+        number[np.argsort(first, kind="stable")],
+        antenna,
+        is_y,
+    )
 
 
-def whiten(
-    columns: Array, weights: Array, parts: Sequence[Series], noises: Sequence[Noise]
-) -> Array:
-    """Return columns of unit scatter.
+def whiten_series(
+    columns: Array, weights: Array, precision: Array, part: Series, noise: Noise
+) -> tuple[Array, Array | None]:
+    """Return the whitened means of a series' pointings (p, K) and their readings' deviations.
 
     Parameters
     ----------
-    columns
-        Shape (m, K).
-    weights
-        Robust weights, shape (m,), one for an ordinary reading.
-    parts, noises
-        The series and the noise of each.
-
-    Returns
-    -------
-    Array
-        Shape (2 m, K): for each reading its deviation from its pointing's
-        mean, and the pointing's mean at its first reading, zero elsewhere.
-        Sums of products over all rows are what generalised least squares needs.
+    columns, weights, precision
+        Rows of the series: columns (n, K), robust weights (n,), one for an ordinary reading,
+        and relative precision (n,), one for a reading of usual scatter.
     """
-    out = np.zeros((2 * len(columns), columns.shape[1]))
-    for part, noise in zip(parts, noises, strict=True):
-        _whiten_series(out, columns, weights, part, noise)
-    return out
-
-
-def _whiten_series(out: Array, columns: Array, weights: Array, part: Series, noise: Noise) -> None:
-    means, variance, deviations = by_pointing(columns[part.rows], weights[part.rows], part, noise)
-    if deviations is not None:
-        out[part.rows] = deviations
-    out[len(columns) + part.first] = decorrelate(means, variance, part, noise)
+    means, variance, deviations = by_pointing(columns, weights, precision, part, noise)
+    return decorrelate(means, variance, part, noise), deviations
 
 
 def by_pointing(
-    columns: Array, weights: Array, part: Series, noise: Noise
+    columns: Array, weights: Array, precision: Array, part: Series, noise: Noise
 ) -> tuple[Array, Array, Array | None]:
     """Return each pointing's mean, the variance of that mean, and whitened deviations from it.
 
@@ -204,22 +189,23 @@ def by_pointing(
     if count.max() == 1:
         if part.order is not None:
             columns, weights = columns[part.order], weights[part.order]
-        variance = (noise.between**2 + noise.within**2) / np.maximum(weights, 1e-12)
+            precision = precision[part.order]
+        variance = (noise.between**2 + noise.within**2) / np.maximum(weights * precision, 1e-12)
         variance = np.where(weights < OUTLIER, FAR, variance)
         return columns, variance, None
     within = np.where(noise.within > 0, noise.within, 1.0)
-    precision = np.maximum(weights, 1e-12) / within**2
-    total = np.bincount(part.pointing, precision)
+    own = np.maximum(weights * precision, 1e-12) / within**2
+    total = np.bincount(part.pointing, own)
     means = np.stack(
-        [np.bincount(part.pointing, precision * column) / total for column in columns.T], axis=1
+        [np.bincount(part.pointing, own * column) / total for column in columns.T], axis=1
     )
     deviations = np.zeros_like(columns)
     if noise.within > 0 and count.max() > 1:
-        deviations = (columns - means[part.pointing]) * np.sqrt(precision)[:, None]
+        deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]
         variance = noise.between**2 + 1 / total
     else:
         best = np.zeros(len(count))
-        np.maximum.at(best, part.pointing, weights)
+        np.maximum.at(best, part.pointing, weights * precision)
         variance = (noise.between**2 + noise.within**2) / np.maximum(best, 1e-12)
     # An outlier says nothing, whatever the noise: its variance must not move with it.
     heaviest = np.zeros(len(count))

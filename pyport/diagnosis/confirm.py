@@ -1,0 +1,80 @@
+"""Confirmation: the evidence for a change with time, the noise estimated with it and without it.
+
+While the search goes on every candidate is held against one noise. What changes with time can
+pass for noise and noise for it, so before a change is accepted both worlds are fitted whole: one
+where nights, sources and drifts do it all, and one with the change and what is left for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Setup, noise
+from pyport.diagnosis.evidence import VISIBLE, at_best
+from pyport.noise.covariance import Covariance
+from pyport.noise.estimate import directions, estimate
+from pyport.stages import stage
+
+
+@stage("confirming")
+def confirmed(
+    setup: Setup, others: Sequence[Chosen], one: Chosen, price: float, *, searching: bool
+) -> float:
+    """Return twice the log of how much likelier the data are with an effect than without.
+
+    The coefficients of the effect come from one normal of the best width, those of everything
+    else from a flat prior; the variances of scatter, drift and departures are the likeliest in
+    either world, outliers and tails those of the world with the effect.
+
+    Parameters
+    ----------
+    setup
+        The case.
+    others, one
+        What else is fitted, and the effect.
+    price
+        What its choice among its family costs.
+    searching
+        Whether other effects may still be hidden: what lasting ones could draw is then no noise
+        in either world.
+    """
+    model = setup.expanded((*setup.base, *others))
+    own = setup.expanded([one])
+    whole = noise(setup, (*others, one), searching=searching)
+    value, given = setup.residual, setup.frame
+    shapes = setup.possible if searching else None
+    design = np.concatenate([model, own], axis=1)
+    with_it = estimate(value, design, given, shapes, like=whole)
+    without = estimate(value, model, given, shapes, like=whole)
+    if shapes is not None:
+        model = np.concatenate([model, directions(model, given, shapes)], axis=1)
+    lack, gained = _lack(with_it, model, own, value)
+    return _lack(without, model, own[:, :0], value)[0] - lack + gained - price
+
+
+def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tuple[float, float]:
+    """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence."""
+    white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
+    p = model.shape[1]
+    length = np.linalg.norm(white[:, :p], axis=0)
+    basis, strength, _ = np.linalg.svd(
+        white[:, :p] / np.where(length > 0, length, 1.0), full_matrices=False
+    )
+    kept = strength > 1e-9 * strength.max(initial=1e-300)
+    basis = basis[:, kept]
+    rest = white[:, p:] - basis @ (basis.T @ white[:, p:])
+    left = rest[:, -1]
+    lack = covariance.log_determinant + 2 * float(np.log(strength[kept]).sum()) + float(left @ left)
+    lack += 2 * float(np.log(length[length > 0]).sum())
+    if own.shape[1] == 0:
+        return lack, 0.0
+    columns = rest[:, :-1]
+    size = np.linalg.norm(white[:, p:-1], axis=0)
+    columns = columns / np.where(size > 0, size, np.inf)
+    power, vectors = np.linalg.eigh(columns.T @ columns)
+    good = power > VISIBLE**2 * max(1.0, float(power[-1]))
+    along = vectors[:, good].T @ (columns.T @ left)
+    return lack, at_best(power[good], along)[0]

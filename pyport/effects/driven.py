@@ -1,0 +1,304 @@
+"""Driven terms: a term of the mount that follows a recorded condition."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.effects.base import (
+    THE_HOUR,
+    Basis,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
+from pyport.effects.geometry import collimation, elevation_zero, tilt
+from pyport.effects.gravity import sag_cosine
+from pyport.effects.rotation import LEAST_ARC, OFFSETS_AND_SIZES, PLACES, angle_columns, arc
+from pyport.effects.thermal import sun
+
+_GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
+
+_NEEDS = "temperature_c or wind_speed_m_s or humidity_pct or pressure_hpa or sun_el_deg or time_utc"
+
+#: So many conditions are tried. With four terms each that is the 24 members that a search bears.
+MOST_DRIVERS = 6
+#: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
+FEW_VALUES = 4
+#: A column of which so much of the variance is drawn by the direction is a name for it.
+BY_DIRECTION = 0.9
+
+#: The terms: what they do for one unit, what their coefficients are called, and in words.
+_TERMS: dict[str, tuple[Basis, tuple[str, ...], str]] = {
+    "tilt": (tilt, ("tilt_north", "tilt_east"), "the azimuth axis leans"),
+    "sag_cosine": (sag_cosine, ("sag_cosine",), "the structure sags"),
+    "elevation_zero": (elevation_zero, ("elevation_zero",), "the elevation zero moves"),
+    "collimation": (collimation, ("collimation",), "the collimation changes"),
+}
+#: The term that a condition may drive of which nothing is known but the name. An offset that is
+#: the same all over the sky, or nearly so as a sag is, and follows such a column names no part
+#: of the telescope: it stays a curve in that column, without a name.
+_BY_ANYTHING = ("tilt",)
+#: What the temperature of the air does to zeros and sag is the effect `temperature`.
+_BEYOND_TEMPERATURE = ("tilt",)
+
+#: Columns that are no condition: places, times of a scan, and how it was made.
+_NO_CONDITION = frozenset(
+    {
+        *("time", "hour_angle", "ra", "dec", "sun_az", "sun_el", "wind_az"),
+        *("scan_direction", "scan_rate", "frequency_mhz"),
+    }
+)
+#: Parts of a column's name that say that it is a time or how the measurement was made.
+_NO_NAME = (
+    PLACES
+    | OFFSETS_AND_SIZES
+    | {
+        *("hour", "time", "date", "day", "mjd", "jd", "utc", "ut", "airmass"),
+        *("scan", "number", "num", "index", "line", "row", "id", "obsnum", "seq"),
+        *("exptime", "duration", "integration", "frequency", "snr", "flux", "peak", "amplitude"),
+        *("weight", "quality", "tsys"),
+    }
+)
+#: Parts of a column's name by which it is known what moves: a focus, a temperature.
+_KNOWN = frozenset({"focus", "temperature", "temp"})
+
+#: The unit that a column's ending stands for.
+_UNITS = {
+    "m_s": "(m/s)",
+    "c": "K",
+    "k": "K",
+    "pct": "%",
+    "hpa": "hPa",
+    "bar": "bar",
+    "mm": "mm",
+    "um": "um",
+    "deg": "deg",
+    "arcmin": "arcmin",
+    "arcsec": "arcsec",
+}
+
+
+@dataclass(frozen=True)
+class Driver:
+    """A condition that a term may follow.
+
+    Attributes
+    ----------
+    name
+        The column as the contract spells it, or what is computed.
+    unit
+        Of its value.
+    values
+        Circumstances -> its values, one or more columns of shape (n,), NaN where unknown.
+    labels
+        What is added to a coefficient's name for each of them.
+    terms
+        Which of the terms may follow it.
+    follows
+        The `driver` of the effects.
+    centre
+        What is taken off the values; None for a median of the recordings at hand, or nothing.
+    """
+
+    name: str
+    unit: str
+    values: Callable[[Circumstances], tuple[Array, ...]]
+    labels: tuple[str, ...] = ("",)
+    terms: tuple[str, ...] = tuple(_TERMS)
+    follows: str = THE_HOUR
+    centre: float | None = None
+
+
+def driven(term: str, driver: Driver) -> Effect:
+    """Return a term of the mount times a condition, reported per unit of the condition."""
+    shape, names, words = _TERMS[term]
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        x, y = shape(at)
+        each = [
+            (x[:, k] * one, y[:, k] * one) for one in driver.values(at) for k in range(x.shape[1])
+        ]
+        return stack(at, *each)
+
+    unit = f"arcsec/{driver.unit}" if driver.unit else "arcsec"
+    return Effect(
+        "driven_term",
+        f"{words} as {driver.name} changes",
+        _GREVE,
+        tuple(Coefficient(f"{name}{label}", unit) for label in driver.labels for name in names),
+        basis,
+        variant=f"{term} follows {driver.name}",
+        profile=_driven_terms,
+        needs=(_NEEDS,),
+        formula=(
+            "a term of the mount times (c - c0), c a recorded condition",
+            "the same term along elevation",
+        ),
+        driver=driver.follows,
+        member={"term": term, "follows": driver.name}
+        | ({} if driver.centre is None else {"centre": driver.centre}),
+        make=_made,
+    )
+
+
+def _made(term: str, follows: str, centre: float | None = None) -> Effect:
+    """Return the term that a file tells."""
+    if follows == _TIME_OF_DAY.name:
+        return driven(term, _TIME_OF_DAY)
+    if follows == _SUN:
+        return driven(term, _above_sun(centre or 0.0))
+    return driven(term, _AIR if centre is None else _about(follows, centre))
+
+
+def _driven_terms(at: Circumstances) -> tuple[Effect, ...]:
+    found = tuple(driven(term, one) for one in drivers(at) for term in one.terms)
+    if not found:
+        raise MissingColumn(_NEEDS)
+    return found
+
+
+def drivers(at: Circumstances) -> list[Driver]:
+    """Return the conditions worth trying, at most `MOST_DRIVERS`.
+
+    First what is known to move a telescope: the temperature, the time of the day, the height of
+    the Sun, the wind. Then every other column of numbers that is no place, time, offset, error
+    or detail of the measurement, by its name; that takes more than a few values; that does not
+    only grow or only fall with time (a counter, a clock: `drift`) and is not drawn by the
+    direction; those first that the direction draws least.
+    """
+    known = [_temperature(at), _time_of_day(at), _sun(at), _recorded(at, "wind_speed_m_s")]
+    found = [one for one in known if one is not None]
+    others = {name: _free(at, name) for name in at.columns if _may_drive(at, name)}
+    ranked = sorted(
+        (name for name in others if others[name] > 1 - BY_DIRECTION), key=lambda n: -others[n]
+    )
+    for name in ranked:
+        one = _recorded(at, name)
+        if one is not None:
+            found.append(one)
+    return found[:MOST_DRIVERS]
+
+
+def _temperature(at: Circumstances) -> Driver | None:
+    return _recorded(at, "temperature_c", _BEYOND_TEMPERATURE)
+
+
+def _recorded(at: Circumstances, name: str, terms: tuple[str, ...] | None = None) -> Driver | None:
+    """Return a recorded condition less its median here; None where it hardly varies."""
+    if not _varies(at, name):
+        return None
+    if terms is None:
+        told = name in _CONTRACT or _KNOWN & set(name.split("_"))
+        terms = tuple(_TERMS) if told else _BY_ANYTHING
+    return _about(name, float(np.nanmedian(at.numbers(name))), terms)
+
+
+def _about(name: str, centre: float, terms: tuple[str, ...] = tuple(_TERMS)) -> Driver:
+    """Return a recorded condition less a number."""
+    unit = next((_UNITS[end] for end in _UNITS if name.endswith(f"_{end}")), name)
+    return Driver(
+        name,
+        unit,
+        lambda at: (at.numbers(name) - centre,),
+        terms=terms,
+        follows=name,
+        centre=centre,
+    )
+
+
+#: The contract's conditions.
+_CONTRACT = frozenset({"temperature_c", "wind_speed_m_s", "humidity_pct", "pressure_hpa"})
+
+
+def _time_of_day(at: Circumstances) -> Driver | None:
+    """Return once a day, as cosine and sine of UTC: what any local time is a mixture of."""
+    return _TIME_OF_DAY if _varies(at, "time") else None
+
+
+def _hours(at: Circumstances) -> tuple[Array, ...]:
+    angle = at.numbers("time") / 86400 % 1 * 2 * np.pi
+    return np.cos(angle), np.sin(angle)
+
+
+_TIME_OF_DAY = Driver("the time of day", "", _hours, ("_cosine_of_utc", "_sine_of_utc"))
+_SUN = "sun_el_deg"
+
+
+def _sun(at: Circumstances) -> Driver | None:
+    """Return the elevation of the Sun, as recorded or computed [deg], less its median here."""
+    try:
+        return _above_sun(float(np.nanmedian(_height(at))))
+    except MissingColumn:
+        return None
+
+
+def _height(at: Circumstances) -> Array:
+    return (at.numbers("sun_el") if "sun_el" in at else sun(at)[1]) / DEG
+
+
+def _above_sun(centre: float) -> Driver:
+    return Driver(_SUN, "deg", lambda at: (_height(at) - centre,), centre=centre)
+
+
+def _varies(at: Circumstances, name: str) -> bool:
+    """Tell whether a column holds numbers, known in half of the rows, of more than a few values."""
+    if name not in at or at.columns[name].dtype.kind not in "fiu":
+        return False
+    values = np.asarray(at.columns[name], float)
+    there = np.isfinite(values)
+    return bool(2 * there.sum() >= len(values)) and len(np.unique(values[there])) > FEW_VALUES
+
+
+def _may_drive(at: Circumstances, name: str) -> bool:
+    """Tell whether a column other than those known to move a telescope is a condition."""
+    if name in _NO_CONDITION | {"temperature_c", "wind_speed_m_s"} or not _varies(at, name):
+        return False
+    if _NO_NAME & set(name.split("_")):
+        return False
+    angle = angle_columns(at).get(name)
+    if angle is not None and arc(angle) >= LEAST_ARC:
+        return False  # an angle that goes round has no middle: see `rotator_circle`
+    return not _counts(at, np.asarray(at.columns[name], float))
+
+
+def _counts(at: Circumstances, values: Array) -> bool:
+    """Tell whether a column only grows or only falls with the rows or with time."""
+    orders = [np.arange(len(values))]
+    if "time" in at:
+        orders.append(np.argsort(np.asarray(at.column("time"), float), kind="stable"))
+    for order in orders:
+        steps = np.diff(values[order][np.isfinite(values[order])])
+        if np.all(steps >= 0) or np.all(steps <= 0):
+            return True
+    return False
+
+
+def _free(at: Circumstances, name: str) -> float:
+    """Return what share of a column's variance low waves of azimuth and elevation leave."""
+    values = np.asarray(at.columns[name], float)
+    there = np.isfinite(values)
+    az, el = at.az[there], at.el[there]
+    waves = [np.ones(len(az)), np.cos(az), np.sin(az), np.cos(el), np.sin(el), np.sin(2 * el)]
+    columns = np.stack(waves, axis=1)
+    left = values[there] - columns @ np.linalg.lstsq(columns, values[there], rcond=1e-9)[0]
+    # Each wave draws a share of pure noise as well, which a few rows would take for the direction.
+    spare = max(len(left) - columns.shape[1], 1) / max(len(left) - 1, 1)
+    return float(min(1.0, left.var() / spare / max(float(values[there].var()), 1e-300)))
+
+
+_AIR = Driver(
+    "temperature_c",
+    "K",
+    lambda at: (at.numbers("temperature_c") - float(np.nanmedian(at.numbers("temperature_c"))),),
+    terms=_BEYOND_TEMPERATURE,
+    follows="temperature_c",
+)
+EFFECTS = (
+    replace(driven("tilt", _AIR), sentence="a term of the mount follows a recorded condition"),
+)

@@ -1,0 +1,1 @@
+"""Noise: everything that scatters readings about a model, one estimator for every command."""

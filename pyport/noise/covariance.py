@@ -1,0 +1,201 @@
+"""The covariance of all readings, and whitening under it.
+
+Per series (one antenna, one axis): white scatter and drift. Across both axes of an antenna: what
+moves them together from pointing to pointing. Across all readings of an antenna: departures of
+sessions and of sources, which are random effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.fitting.stacking import Codes
+from pyport.noise.whitening import Noise, Series, by_pointing, factor, whiten_series
+
+#: Readings of less robust weight than this are outliers: kept in the list, left out of the rms.
+#: Student's t with four degrees of freedom gives it to 8.7 sigmas.
+OUTLIER_WEIGHT = 0.05
+#: A direction of the departures that adds less than this share to the variance is left out.
+NEGLIGIBLE = 1e-4
+
+
+@dataclass(frozen=True)
+class Departures:
+    """Random departures of sessions or sources in one term, all of one variance.
+
+    Attributes
+    ----------
+    term
+        What departs: `azimuth tilt`, `zero in elevation`, ...
+    of
+        `session` or `source`.
+    antenna
+        Whose.
+    labels
+        The session or source of each column.
+    columns
+        Offset of each reading for a departure of one [rad/rad], shape (m, q).
+    sigma
+        Standard deviation of the departures [rad].
+    """
+
+    term: str
+    of: str
+    antenna: str
+    labels: tuple[str, ...]
+    columns: Array = field(repr=False)
+    sigma: float = 0.0
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """The covariance of all m readings.
+
+    Attributes
+    ----------
+    parts, noises
+        The series, and the noise of each.
+    weights
+        Robust weights of the readings, shape (m,): one for an ordinary one, near zero for outliers.
+    precision
+        Relative precision of the readings, shape (m,): one where the scatter is usual.
+    departures
+        Random effects with a variance above zero.
+    starts
+        The likeliest drift of each series, for whoever estimates another one like it.
+    coupling
+        Correlation of both axes' scatter from pointing to pointing, by antenna.
+    """
+
+    parts: tuple[Series, ...]
+    noises: tuple[Noise, ...]
+    weights: Array
+    precision: Array
+    departures: tuple[Departures, ...] = ()
+    starts: tuple[int | None, ...] = ()
+    coupling: dict[str, float] = field(default_factory=dict)
+
+    def whiten(self, columns: Array) -> Array:
+        """Return columns of unit scatter.
+
+        Parameters
+        ----------
+        columns
+            Shape (m, K).
+
+        Returns
+        -------
+        Array
+            Shape (2 m, K): for each reading its deviation from its pointing's mean, and the
+            pointing's mean at its first reading, zero elsewhere. Sums of products over all
+            rows are what generalised least squares needs.
+        """
+        out = self._within_axes(columns)
+        for rows, directions, shrinkage in self._departing:
+            own = out[rows]
+            out[rows] = own + directions @ (shrinkage[:, None] * (directions.T @ own))
+        return out
+
+    def _within_axes(self, columns: Array) -> Array:
+        """Whiten as if no session or source departed."""
+        out = np.zeros((2 * len(columns), columns.shape[1]))
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            means, deviations = whiten_series(
+                columns[part.rows], self.weights[part.rows], self.precision[part.rows], part, noise
+            )
+            if deviations is not None:
+                out[part.rows] = deviations
+            out[len(columns) + part.first] = means
+        for x, y, correlation in self._coupled:
+            rows = len(columns) + y
+            out[rows] = (out[rows] - correlation * out[len(columns) + x]) / np.sqrt(
+                1 - correlation**2
+            )
+        return out
+
+    @cached_property
+    def _coupled(self) -> list[tuple[Codes, Codes, float]]:
+        """Return for each antenna with coupled axes the first readings of its pointings in both."""
+        return [
+            (*both_axes(self.parts, antenna), correlation)
+            for antenna, correlation in self.coupling.items()
+        ]
+
+    @cached_property
+    def _departing(self) -> list[tuple[Codes, Array, Array]]:
+        """Return for each antenna the rows, directions and shrinkage that departures ask for.
+
+        With Z the whitened columns times their standard deviations, the inverse root of
+        1 + Z Z' is 1 + U (1 / sqrt(1 + s^2) - 1) U', where Z Z' = U s^2 U'.
+        """
+        found = []
+        for antenna in dict.fromkeys(one.antenna for one in self.departures):
+            unit = self._within_axes(
+                np.concatenate(
+                    [
+                        one.columns * one.sigma
+                        for one in self.departures
+                        if one.antenna == antenna
+                    ],
+                    axis=1,
+                )
+            )
+            rows = np.flatnonzero(unit.any(axis=1))
+            power, vectors = np.linalg.eigh(unit[rows].T @ unit[rows])
+            kept = power > NEGLIGIBLE
+            directions = unit[rows] @ (vectors[:, kept] / np.sqrt(power[kept]))
+            found.append((rows, directions, 1 / np.sqrt(1 + power[kept]) - 1))
+        return found
+
+    @cached_property
+    def log_determinant(self) -> float:
+        """Return the logarithm of the covariance's determinant, that of replicates left out."""
+        total = 0.0
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            none = np.zeros((len(part.rows), 0))
+            means, variance, _ = by_pointing(
+                none, self.weights[part.rows], self.precision[part.rows], part, noise
+            )
+            total += float(np.log(factor(means, variance, part.time, noise.drifts)[0]).sum())
+        for x, _, correlation in self._coupled:
+            total += len(x) * float(np.log1p(-(correlation**2)))
+        for _, _, shrinkage in self._departing:
+            total -= 2 * float(np.log1p(shrinkage).sum())
+        return total
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Tell which readings are no outliers, shape (m,)."""
+        return self.weights >= OUTLIER_WEIGHT
+
+    @cached_property
+    def scatter(self) -> Array:
+        """Return the scatter of each reading about the true curve, sessions' own apart [rad]."""
+        floor = np.zeros(len(self.weights))
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            white = (noise.within**2 + noise.between**2) / self.precision[part.rows]
+            floor[part.rows] = np.sqrt(white + noise.drift**2)
+        return floor
+
+    @property
+    def dof(self) -> dict[str, float]:
+        """Return for each antenna from how many deviations its scatter is known."""
+        found: dict[str, float] = {}
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            found[part.antenna] = found.get(part.antenna, 0.0) + noise.dof
+        return found
+
+
+def both_axes(parts: Sequence[Series], antenna: str) -> tuple[Codes, Codes]:
+    """Return the first readings in x and in y of the pointings that have both, shape (p,) each."""
+    own = {part.is_y: part for part in parts if part.antenna == antenna}
+    if len(own) < 2:
+        return np.zeros(0, np.intp), np.zeros(0, np.intp)
+    _, x, y = np.intersect1d(own[False].number, own[True].number, return_indices=True)
+    return own[False].first[x], own[True].first[y]

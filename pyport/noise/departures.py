@@ -1,0 +1,256 @@
+"""Departures of sessions and sources: random effects, their variances by restricted likelihood.
+
+What nights do to the zeros, the tilts and the sag is noise to every other effect, and so is what
+is wrong with the catalogue's places. A session with one row borrows from the others; one with a
+hundred speaks for itself (Searle, Casella & McCulloch 1992, Variance Components, ch. 6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects import CATALOGUE
+from pyport.effects.base import MissingColumn
+from pyport.fitting.stacking import Codes, Stack, group
+from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.pointings import pointings
+from pyport.recordings.schema import Recordings
+
+#: Sessions, or sources, from which on a scatter among them can be estimated.
+FEWEST_LABELS = 3
+#: A source departs from others only if it was pointed at again: so many pointings on average.
+POINTINGS_PER_SOURCE = 2.0
+#: A variance must improve minus twice the restricted log-likelihood by this much to be kept. Of a
+#: variance that is zero half of the estimates are positive by chance; this lets through 16 %,
+#: which cost precision, not truth.
+WORTH = 1.0
+#: A column that keeps less of its squared length beside the model is drawn by it.
+DRAWN = 1e-6
+ROUNDS, CONVERGED = 30, 1e-4
+
+
+def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
+    """Return the departures that the recordings of a single antenna could show, all of zero size.
+
+    Sessions may depart in both zeros, in the tilts and in the sag; sources in the place that the
+    catalogue gives them, or, where the sky's turn at the site is not known, in both offsets.
+    """
+    if len(np.unique(recordings.label("antenna").astype(str))) > 1:
+        return ()
+    antenna = str(recordings.label("antenna")[0]) if len(recordings) else ""
+    found = [*_of_sessions(recordings, data, antenna), *_of_sources(recordings, data, antenna)]
+    return tuple(one for one in found if one.columns.any())
+
+
+def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
+    session, names = group(recordings, ("session",))
+    if len(names) < FEWEST_LABELS:
+        return []
+    labels = tuple(name for (name,) in names)
+    inside = session[data.row][:, None] == np.arange(len(names))
+    ones = np.ones(len(data))
+    tilts = data.columns(CATALOGUE["tilt"], recordings.at)
+    shapes: list[tuple[str, tuple[Array, ...]]] = [
+        ("zero in cross-elevation", (ones * ~data.is_y,)),
+        ("zero in elevation", (ones * data.is_y,)),
+        ("tilt of the azimuth axis", tuple(tilts.T)),
+        ("sag", tuple(data.columns(CATALOGUE["sag_cosine"], recordings.at).T)),
+    ]
+    return [
+        Departures(
+            term,
+            "session",
+            antenna,
+            labels * len(columns),
+            np.concatenate([inside * column[:, None] for column in columns], axis=1),
+        )
+        for term, columns in shapes
+    ]
+
+
+def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
+    source, names = group(recordings, ("source",))
+    number = pointings(recordings)
+    there = len(np.unique(number))
+    if len(names) < FEWEST_LABELS or there < POINTINGS_PER_SOURCE * len(names):
+        return []
+    pairs = np.unique(np.stack([source, number]), axis=1)[0]
+    again = np.flatnonzero(np.bincount(pairs, minlength=len(names)) > 1)
+    if len(again) < FEWEST_LABELS:
+        return []
+    inside = source[data.row][:, None] == again
+    labels = tuple(names[one][0] for one in again)
+    try:
+        from pyport.effects.astrometry import parallactic
+
+        east, north = parallactic(recordings.at)
+        turned = [data.spread(*east), data.spread(*north)]
+        if not np.isfinite(np.stack(turned)).all():
+            raise MissingColumn("latitude_deg")
+        shapes = [("place in the catalogue", turned)]
+    except MissingColumn:
+        ones = np.ones(len(data))
+        shapes = [
+            ("offset in cross-elevation", [ones * ~data.is_y]),
+            ("offset in elevation", [ones * data.is_y]),
+        ]
+    return [
+        Departures(
+            term,
+            "source",
+            antenna,
+            labels * len(columns),
+            np.concatenate([inside * column[:, None] for column in columns], axis=1),
+        )
+        for term, columns in shapes
+    ]
+
+
+@dataclass(frozen=True)
+class _Projected:
+    """What the whitened data say of all departures with the model projected out.
+
+    `products` (q, q) and `moments` (q,) are those of the departures' columns, `kind` (q,) says
+    which departures each column belongs to; `misfit` and `dof` are of the data.
+    """
+
+    products: Array
+    moments: Array
+    kind: Codes
+    misfit: float
+    dof: int
+
+    def lack(self, variances: Array) -> float:
+        """Return minus twice the restricted log-likelihood, the scale profiled out."""
+        root = np.sqrt(variances[self.kind])
+        inner = np.eye(len(root)) + root[:, None] * self.products * root
+        triangle = np.linalg.cholesky(inner)
+        along = np.linalg.solve(triangle, root * self.moments)
+        left = max(self.misfit - float(along @ along), 1e-300)
+        return 2 * float(np.log(np.diag(triangle)).sum()) + self.dof * float(np.log(left))
+
+    def step(self, variances: Array) -> tuple[Array, Array]:
+        """Return the gradient of `lack` and its expected curvature in the variances."""
+        root = np.sqrt(variances[self.kind])
+        inner = np.eye(len(root)) + root[:, None] * self.products * root
+        scaled = self.products * root
+        inverse = np.linalg.inv(inner)
+        kernel = self.products - scaled @ inverse @ scaled.T
+        seen = self.moments - scaled @ (inverse @ (root * self.moments))
+        left = self.misfit - float((root * self.moments) @ inverse @ (root * self.moments))
+        scale = max(left, 1e-300) / self.dof
+        count = len(variances)
+        power = np.bincount(self.kind, np.diag(kernel), count)
+        gradient = power - np.bincount(self.kind, seen**2, count) / scale
+        cells = self.kind[:, None] * count + self.kind
+        curvature = np.bincount(cells.ravel(), (kernel**2).ravel(), count**2)
+        return gradient, curvature.reshape(count, count)
+
+
+def estimate(
+    covariance: Covariance, value: Array, design: Array, some: Sequence[Departures]
+) -> tuple[Departures, ...]:
+    """Return the departures that are worth having, with their standard deviations.
+
+    Parameters
+    ----------
+    covariance
+        Of the readings, without any departures.
+    value, design
+        The data (m,) and the columns that are always fitted, (m, p).
+    some
+        The departures that are possible.
+    """
+    if not some:
+        return ()
+    projected = _project(covariance, value, design, some)
+    variances = _fitted(projected, len(some))
+    variances = _without_idle(projected, variances)
+    return tuple(
+        replace(one, sigma=float(np.sqrt(variance)))
+        for one, variance in zip(some, variances, strict=True)
+        if variance > 0
+    )
+
+
+def _project(
+    covariance: Covariance, value: Array, design: Array, some: Sequence[Departures]
+) -> _Projected:
+    kind = np.repeat(np.arange(len(some)), [one.columns.shape[1] for one in some])
+    columns = np.concatenate([*(one.columns for one in some), design, value[:, None]], axis=1)
+    white = replace(covariance, departures=()).whiten(columns)
+    gram = white.T @ white
+    q = len(kind)
+    model, others = np.arange(q, len(gram) - 1), np.append(np.arange(q), len(gram) - 1)
+    length = np.sqrt(np.maximum(np.diag(gram)[model], 1e-300))
+    power, vectors = np.linalg.eigh(gram[np.ix_(model, model)] / np.outer(length, length))
+    kept = power > 1e-10 * power.max(initial=0.0)
+    shared = (vectors[:, kept] / np.sqrt(power[kept])).T @ (
+        gram[np.ix_(model, others)] / length[:, None]
+    )
+    left = gram[np.ix_(others, others)] - shared.T @ shared
+    # What the model draws all of is nothing that departs.
+    drawn = np.diag(left)[:-1] < DRAWN * np.diag(gram)[:q]
+    left[:-1][drawn], left[:, :-1][:, drawn] = 0.0, 0.0
+    used = int(np.count_nonzero(np.abs(white).max(axis=1) > 0))
+    return _Projected(
+        left[:-1, :-1],
+        left[:-1, -1],
+        kind,
+        float(left[-1, -1]),
+        max(1, used - int(kept.sum())),
+    )
+
+
+def _fitted(projected: _Projected, count: int) -> Array:
+    """Return the variances of the greatest restricted likelihood, none below zero.
+
+    Fisher scoring from small variances; what would go below zero stays there.
+    """
+    power = np.bincount(projected.kind, np.diag(projected.products), count)
+    many = np.bincount(projected.kind, minlength=count)
+    variances = np.where(power > 0, many / np.maximum(power, 1e-300), 0.0)
+    lack = projected.lack(variances)
+    for _ in range(ROUNDS):
+        gradient, curvature = projected.step(variances)
+        free = (variances > 0) | ((gradient < 0) & (power > 0))
+        move = np.zeros(count)
+        if free.any():
+            inner = curvature[np.ix_(free, free)]
+            inner = inner + 1e-9 * np.diag(np.diag(inner)) + 1e-300 * np.eye(len(inner))
+            move[free] = -np.linalg.solve(inner, gradient[free])
+        share = 1.0
+        while share > 1e-3:
+            new = np.maximum(variances + share * move, 0.0)
+            better = projected.lack(new)
+            if better <= lack + 1e-12:
+                break
+            share /= 2
+        else:
+            break
+        change = lack - better
+        variances, lack = new, better
+        if change < CONVERGED:
+            break
+    return variances
+
+
+def _without_idle(projected: _Projected, variances: Array) -> Array:
+    """Set variances to zero that the data can do without, the idlest first."""
+    variances = variances.copy()
+    while (variances > 0).any():
+        lack = projected.lack(variances)
+        without = {}
+        for one in np.flatnonzero(variances > 0):
+            fewer = variances.copy()
+            fewer[one] = 0.0
+            without[int(one)] = projected.lack(fewer) - lack
+        idlest = min(without, key=lambda one: without[one])
+        if without[idlest] > WORTH:
+            break
+        variances[idlest] = 0.0
+    return variances

@@ -1,0 +1,306 @@
+"""Drift: how strong and how long, as far as one antenna's recordings tell.
+
+Every drift is a sum of Ornstein-Uhlenbeck processes: one of them, with a memory from minutes to
+three times the whole span (a random walk), or equally strong ones of all memories (1/f noise).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from pyport.angles import Array
+from pyport.fitting import robust
+from pyport.fitting.stacking import Codes
+from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
+
+#: Fewer pointings than this in one antenna and axis tell nothing of a drift.
+ENOUGH_FOR_DRIFT = 20
+#: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
+#: below 1e-5.
+BEYOND = 24.0
+#: Strengths of a drift over the span of the recordings, in units of the scatter of pointings.
+RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5, 4.5)
+#: The shortest memory is so many steps between pointings, the longest so many times their span:
+#: from there on a drift is a random walk, and a longer memory the same.
+SHORTEST_MEMORY, LONGEST_MEMORY = 2.0, 3.0
+#: Memories differ by about this factor: one between two of them is drawn by both together.
+MEMORY_STEP = 3.0
+#: What has less of the variance than this is left out.
+FAINT = 1e-4
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Drifts that are weighed against each other; the first one is none.
+
+    Attributes
+    ----------
+    ratio
+        Amplitude of each over the white scatter, shape (G,).
+    shape
+        Which of the `shapes` each has, shape (G,).
+    shapes
+        Amplitudes and memories [s] of the processes that a drift consists of.
+    """
+
+    ratio: Array
+    shape: Codes
+    shapes: tuple[tuple[tuple[float, float], ...], ...]
+
+    def __len__(self) -> int:
+        """Return G."""
+        return len(self.ratio)
+
+    def drifts(self, cell: int) -> list[tuple[float, float]]:
+        """Return amplitude and memory [s] of the processes of one drift, for unit scatter."""
+        ratio = float(self.ratio[cell])
+        if ratio == 0:
+            return []
+        return [(ratio * amplitude, memory) for amplitude, memory in self.shapes[self.shape[cell]]]
+
+
+def grid_of(parts: Sequence[Series]) -> Grid:
+    """Return the drifts that the series of one case could show."""
+    times = [part.time for part in parts if part.time is not None and len(part.time) > 1]
+    gaps = [gap[gap > 0] for gap in map(np.diff, times)]
+    usual = min((float(np.median(gap)) for gap in gaps if len(gap)), default=1.0)
+    span = max((float(np.ptp(time)) for time in times), default=1.0)
+    shortest = SHORTEST_MEMORY * max(usual, 1e-3)
+    longest = max(LONGEST_MEMORY * span, 2 * shortest)
+    count = 1 + int(np.ceil(np.log(longest / shortest) / np.log(MEMORY_STEP)))
+    memories = [float(one) for one in np.geomspace(shortest, longest, count)]
+    # What outlasts the recordings shows by what it changes within them.
+    strength = [max(1.0, float(np.sqrt(one / max(span, shortest)))) for one in memories]
+    single = [((amplitude, memory),) for amplitude, memory in zip(strength, memories, strict=True)]
+    flicker = tuple((float(1 / np.sqrt(count)), memory) for memory in memories)
+    shapes = (*single, flicker)
+    return Grid(
+        np.array([0.0, *(ratio for _ in shapes for ratio in RATIOS)]),
+        np.array([0, *(n for n in range(len(shapes)) for _ in RATIOS)]),
+        shapes,
+    )
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What the readings of one series say of its noise.
+
+    Attributes
+    ----------
+    within, of_mean
+        Scatter within pointings, and the variance that it leaves to their means.
+    scale
+        For every noise of the grid the scatter that it would have, shape (G,).
+    chance
+        How likely each is by this series alone, shape (G,).
+    grid
+        The drifts.
+    """
+
+    within: float
+    of_mean: float
+    scale: Array
+    chance: Array
+    grid: Grid
+    dof: float
+    how: str
+
+    @property
+    def best(self) -> int:
+        """Return the likeliest drift that is one."""
+        return 1 + int(np.argmax(self.chance[1:]))
+
+    def noise(self, chance: Array, floor: float) -> Noise:
+        """Return the noise averaged over the grid.
+
+        Few memories of a slow drift fit into a campaign, so its strength is known badly, and a
+        search that took the best fit for the truth would find steps in what it underrates. The
+        covariance is averaged over strengths and memories instead, each as likely as the
+        recordings make it.
+        """
+        power = chance * self.scale**2
+        variance: dict[float, float] = {}
+        for cell in np.flatnonzero(power > 0):
+            for amplitude, memory in self.grid.drifts(int(cell)):
+                variance[memory] = variance.get(memory, 0.0) + float(power[cell]) * amplitude**2
+        least = max(0.05 * floor, 1e-14)
+        between = float(np.sqrt(max(float(power.sum()) - self.of_mean, least**2)))
+        drifts = tuple(
+            (float(np.sqrt(one)), memory)
+            for memory, one in sorted(variance.items())
+            if one > FAINT * power.sum()
+        )
+        return Noise(self.within, between, drifts, self.dof, self.how)
+
+
+def draft(
+    value: Array,
+    columns: Array,
+    departing: Array,
+    weight: Array,
+    precision: Array,
+    residual: Array,
+    part: Series,
+    grid: Grid,
+    floor: float,
+    start: int | None = None,
+) -> Draft:
+    """Weigh every noise of a grid by its restricted likelihood.
+
+    Parameters
+    ----------
+    value, columns
+        The data of the series' readings (n,), and columns (n, p) that are taken out of them.
+    departing
+        What departures of sessions and sources of one standard deviation do, in units of the
+        scatter, shape (n, q).
+    weight, precision, residual
+        Robust weights, relative precision and residuals of the readings, shape (n,).
+    part, grid, floor
+        The series, the drifts, and the scatter that rounding makes [rad].
+    start
+        The drift that the search starts from; None for one in the middle.
+    """
+    count = np.bincount(part.pointing)
+    within = _within(residual, weight, part, count, floor)
+    data = np.concatenate([departing, columns, value[:, None]], axis=1)
+    means, variance, _ = by_pointing(data, weight, precision, part, Noise(0.0, 1.0))
+    kept = variance < FAR
+    likelihood = _Likelihood(
+        np.ascontiguousarray(means[kept]),
+        variance[kept],
+        None if part.time is None else part.time[kept],
+        departing.shape[1],
+    )
+    if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
+        lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
+        lack[0], scale[0] = likelihood.at([])
+    else:
+        lack, scale = _weighed(likelihood, grid, start)
+    # No drift is as likely beforehand as all drifts together.
+    chance = _prior(len(grid)) * np.exp(-(lack - lack.min()) / 2)
+    return Draft(
+        within,
+        # The scatter of a pointing's mean holds what is left of the scatter within it.
+        within**2 / float(np.mean(count)),
+        scale,
+        chance / chance.sum(),
+        grid,
+        float(likelihood.dof),
+        "replicates" if count.max() > 1 else "reml",
+    )
+
+
+def _prior(size: int) -> Array:
+    prior = np.full(size, 1 / max(size - 1, 1))
+    prior[0] = 1.0
+    return prior
+
+
+def _weighed(likelihood: _Likelihood, grid: Grid, start: int | None) -> tuple[Array, Array]:
+    """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
+
+    Memories are gone through upward and downward from where the search starts, and for
+    each the strengths from where the last one's likeliest was; what is out of
+    the question and further off than the one before is not gone beyond: the
+    lack of all that lies there is infinite.
+    """
+    lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
+    lack[0], scale[0] = likelihood.at([])
+    shapes = len(grid.shapes)
+    cells = [1 + n * len(RATIOS) + np.arange(len(RATIOS)) for n in range(shapes)]
+
+    def along(own: Codes, start: int) -> int:
+        """Try the strengths of one shape from one of them on; return the likeliest."""
+        lack[own[start]], scale[own[start]] = likelihood.at(grid.drifts(int(own[start])))
+        for way in (own[start:], own[start::-1]):
+            for last, one in itertools.pairwise(way):
+                lack[one], scale[one] = likelihood.at(grid.drifts(int(one)))
+                if lack[one] > max(lack[last], lack.min() + BEYOND):
+                    break
+        return int(np.argmin(lack[own]))
+
+    middle, strength = (shapes - 1) // 2, len(RATIOS) // 2
+    if start is not None:
+        middle, strength = min((start - 1) // len(RATIOS), shapes - 2), (start - 1) % len(RATIOS)
+    first = along(cells[middle], strength)
+    for way in (range(middle, shapes - 1), range(middle, -1, -1)):
+        start = first
+        for last, one in itertools.pairwise(way):
+            start = along(cells[one], start)
+            if lack[cells[one]].min() > max(lack[cells[last]].min(), lack.min() + BEYOND):
+                break
+    along(cells[-1], first)
+    return lack, scale
+
+
+def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
+    """Return how likely each noise of a series is, its antenna's other axis heard too.
+
+    What shakes one axis often shakes the other alike: as likely as not the
+    other axis has the same strength and memory.
+    """
+    own = drafts[one].chance
+    others = [
+        draft.chance
+        for draft, part in zip(drafts, parts, strict=True)
+        if part.antenna == parts[one].antenna
+        and part.is_y != parts[one].is_y
+        and len(draft.chance) == len(own)
+    ]
+    if not others or len(own) == 1:
+        return own
+    prior = _prior(len(own))
+    chance = own * (1 + others[0] / (prior / prior.sum()))
+    return np.asarray(chance / chance.sum())
+
+
+@dataclass(frozen=True)
+class _Likelihood:
+    """The restricted likelihood of a white part and a drift, the scale profiled out.
+
+    `means` holds the columns of the departures, the design and, last, the data, shape
+    (n, q + p + 1); `variance` is relative; `departing` is q.
+    """
+
+    means: Array
+    variance: Array
+    time: Array | None
+    departing: int
+
+    @property
+    def dof(self) -> int:
+        """Return the deviations that tell of the noise."""
+        return max(1, len(self.variance) - self.means.shape[1] + self.departing + 1)
+
+    def at(self, drifts: Sequence[tuple[float, float]]) -> tuple[float, float]:
+        """Return minus twice the log-likelihood and the scale, for drifts of unit scatter."""
+        d, white = factor(self.means, self.variance, self.time, drifts)
+        gram = white.T @ white
+        gram[np.arange(self.departing), np.arange(self.departing)] += 1.0
+        fixed = np.arange(self.departing, len(gram) - 1)
+        gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
+        triangle = np.linalg.cholesky(gram[:-1, :-1])
+        projected = solve_triangular(triangle, gram[:-1, -1], lower=True, check_finite=False)
+        misfit = max(float(gram[-1, -1] - projected @ projected), 1e-300)
+        logs = float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
+        return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
+
+
+def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
+    """Return the scatter of readings about their pointing's mean; zero where each stands alone."""
+    spare = (count - 1)[count > 1].sum()
+    if spare < 3:
+        return 0.0
+    total = np.maximum(np.bincount(part.pointing, weight), 1e-12)
+    mean = np.bincount(part.pointing, weight * residual) / total
+    deviation = residual - mean[part.pointing]
+    several = count[part.pointing] > 1
+    share = np.sqrt(several.sum() / spare)
+    scatter = robust.scale(deviation[several & (weight > 0.5)]) * float(share)
+    return max(scatter, floor / 2, 1e-12)

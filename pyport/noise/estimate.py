@@ -1,0 +1,407 @@
+"""The estimate of the covariance: scatter, tails, drift, sessions and sources, in turns.
+
+Every command that fits anything fits it under this covariance. A search also takes out of the
+noise what its candidates could explain; a final fit does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.fitting import robust
+from pyport.fitting.pivoting import most_different
+from pyport.fitting.stacking import Stack
+from pyport.noise import departures, scatter
+from pyport.noise.covariance import Covariance, Departures, both_axes
+from pyport.noise.drift import beside, draft, grid_of
+from pyport.noise.whitening import OUTLIER, Noise, Series, series
+from pyport.recordings.schema import Recordings
+
+#: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them, in the
+#: first round; then the tails are estimated.
+TUKEY = 6.0
+#: No reading has less weight than this: its deviation can still be told from its whitened one.
+LEAST = 2 * OUTLIER
+#: Directions of the departures that add less than this to the variance of unit scatter do not
+#: matter beside a drift.
+FAINT = 0.03
+#: Turns in which departures, drift and scatter are estimated beside each other.
+TURNS = 2
+#: Pointings for each shape that may be taken out before the noise is read off.
+POINTINGS_PER_SHAPE = 4
+#: No more shapes than this: the most different ones draw what the others can.
+MOST_SHAPES = 30
+#: A shape that keeps less of its length beside those taken out is none of its own.
+DIFFERENT = 0.05
+#: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
+SLOW = 0.9
+#: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
+MOST_SLOW = 8
+#: The array's usual noise counts as this many deviations where an antenna has few of its own.
+PRIOR_DOF = 6.0
+#: Antennas from which on there is a usual noise.
+ENOUGH_ANTENNAS = 5
+#: Pointings of a series from which on tails and scatter are estimated.
+FEWEST = 8
+#: Pointings in both axes from which on their correlation is estimated, and how many standard
+#: errors it must be from zero.
+ENOUGH_FOR_COUPLING, COUPLED = 30, 3.0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What the estimate of a covariance needs of the recordings, whatever is fitted.
+
+    Attributes
+    ----------
+    parts
+        The series.
+    departures
+        The departures that sessions and sources could show.
+    drivers
+        What the scatter may follow, for each reading: shape (m, k) each.
+    recorded
+        Recorded variance of each reading over its axis's median, (m,), None without any.
+    """
+
+    parts: tuple[Series, ...]
+    departures: tuple[Departures, ...]
+    drivers: tuple[scatter.Driver, ...]
+    recorded: Array | None
+
+
+def frame(recordings: Recordings, data: Stack) -> Frame:
+    """Return the frame of some recordings."""
+    return Frame(
+        tuple(series(recordings, data)),
+        departures.possible(recordings, data),
+        tuple(replace(one, columns=one.columns[data.row]) for one in scatter.drivers(recordings)),
+        scatter.recorded(recordings, data),
+    )
+
+
+def estimate(
+    value: Array,
+    design: Array,
+    given: Frame,
+    shapes: Sequence[Array] | None = None,
+    like: Covariance | None = None,
+) -> Covariance:
+    """Estimate the covariance of readings about a model.
+
+    Parameters
+    ----------
+    value
+        The data [rad], shape (m,).
+    design
+        Columns that are always fitted, shape (m, p); those of other antennas may be zero in a
+        series.
+    given
+        The frame of the recordings.
+    shapes
+        For each series the columns of what might be found in it, in the order of its rows: the
+        noise must not contain what they explain. None for a final fit.
+    like
+        A covariance whose weights, precision, tails and coupling hold: only how much there is
+        of scatter, drift and departures is estimated, so that likelihoods can be compared.
+    """
+    parts = given.parts
+    floors = _floors(value, parts)
+    first = _first(value, design, given, shapes)
+    residual, columns = first.residual, first.columns
+    if like is None:
+        covariance = _white(parts, first.weights, residual, floors)
+        if given.recorded is not None:
+            covariance = _by_recorded(covariance, residual, given.recorded)
+    else:
+        covariance = like
+    # Noise beside everything that could be found is noise beside the model and those columns.
+    wide = design if shapes is None else _joint(design, columns, parts)
+    grid = grid_of(parts)
+    starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
+    for _ in range(TURNS if like is None else 1):
+        if like is None:
+            found = departures.estimate(covariance, value, wide, given.departures)
+            covariance = replace(covariance, departures=found)
+        drafts = []
+        for n, part in enumerate(parts):
+            own = (
+                one[part.rows] for one in (covariance.weights, covariance.precision, residual)
+            )
+            moved = _departing(covariance, part, n)
+            drafts.append(
+                draft(
+                    value[part.rows],
+                    columns[n],
+                    moved,
+                    *own,
+                    part,
+                    grid,
+                    floors[part.is_y],
+                    starts[n],
+                )
+            )
+        starts = [one.best for one in drafts]
+        noises = [
+            one.noise(beside(drafts, parts, n), floors[parts[n].is_y])
+            for n, one in enumerate(drafts)
+        ]
+        covariance = replace(
+            covariance, noises=tuple(_moderated(noises, parts)), starts=tuple(starts)
+        )
+        if like is None:
+            covariance = _scattered(covariance, value, wide, given, floors)
+        else:
+            covariance = _with_tails(covariance, like)
+    found = departures.estimate(covariance, value, wide, given.departures)
+    return replace(covariance, departures=found)
+
+
+@dataclass(frozen=True)
+class _First:
+    """A first look: robust weights and residuals of the readings (m,), columns of each series."""
+
+    weights: Array
+    residual: Array
+    columns: list[Array]
+
+
+def _first(
+    value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None
+) -> _First:
+    floors = _floors(value, given.parts)
+    weights, residual = np.ones(len(value)), np.zeros(len(value))
+    columns = []
+    for n, part in enumerate(given.parts):
+        own = design[part.rows]
+        if shapes is None:
+            own = _orthonormal(own[:, own.any(axis=0)])
+        else:
+            own = _rich(own, shapes[n], int(part.pointing.max()) + 1)
+        columns.append(own)
+        weights[part.rows], residual[part.rows], _ = robust.weights(
+            own, value[part.rows], TUKEY, floors[part.is_y]
+        )
+    return _First(np.maximum(weights, LEAST), residual, columns)
+
+
+def _white(
+    parts: Sequence[Series], weights: Array, residual: Array, floors: dict[bool, float]
+) -> Covariance:
+    """Return the covariance of scatter alone, as robust residuals show it."""
+    noises = []
+    for part in parts:
+        own, weight = residual[part.rows], weights[part.rows]
+        size = float(np.sqrt((weight * own**2).sum() / max(float(weight.sum()), 1.0)))
+        noises.append(Noise(0.0, max(size, floors[part.is_y], 1e-14), dof=float(len(own))))
+    return Covariance(tuple(parts), tuple(noises), weights, np.ones(len(weights)))
+
+
+def _by_recorded(covariance: Covariance, residual: Array, variance: Array) -> Covariance:
+    """Weight readings by their recorded errors, as far as these tell the scatter."""
+    precision = np.ones(len(variance))
+    for part in covariance.parts:
+        rows = part.rows[covariance.weights[part.rows] > 0.5]
+        if len(rows) > 2:
+            added = scatter.added_term(residual[rows], variance[rows])
+            total = variance[part.rows] + added
+            precision[part.rows] = np.exp(np.mean(np.log(total))) / total
+    return replace(covariance, precision=precision)
+
+
+def _joint(design: Array, columns: Sequence[Array], parts: Sequence[Series]) -> Array:
+    """Return the design and the columns of each series side by side, zero elsewhere."""
+    wide = [design]
+    for part, own in zip(parts, columns, strict=True):
+        placed = np.zeros((len(design), own.shape[1]))
+        placed[part.rows] = own
+        wide.append(placed)
+    return np.concatenate(wide, axis=1)
+
+
+def directions(design: Array, given: Frame, shapes: Sequence[Array]) -> Array:
+    """Return what shapes add to a design in each series, shape (m, k)."""
+    columns = [
+        _rich(design[part.rows], own, int(part.pointing.max()) + 1)
+        for part, own in zip(given.parts, shapes, strict=True)
+    ]
+    return _joint(design[:, :0], columns, given.parts)
+
+
+def _departing(covariance: Covariance, part: Series, n: int) -> Array:
+    """Return what departures do to a series, in units of its scatter and deviations, (n, q)."""
+    own = [
+        one.columns[part.rows] * one.sigma
+        for one in covariance.departures
+        if one.antenna == part.antenna
+    ]
+    if not own:
+        return np.zeros((len(part.rows), 0))
+    columns = np.concatenate(own, axis=1)
+    noise = covariance.noises[n]
+    columns = columns[:, columns.any(axis=0)] / np.hypot(noise.within, noise.between)
+    power, vectors = np.linalg.eigh(columns.T @ columns)
+    return columns @ vectors[:, power > FAINT]
+
+
+def _scattered(
+    covariance: Covariance, value: Array, design: Array, given: Frame, floors: dict[bool, float]
+) -> Covariance:
+    """Estimate tails, the variance function and the axes' coupling from whitened residuals."""
+    m = len(value)
+    alone = replace(covariance, coupling={})
+    left = _residual(alone.whiten(np.concatenate([design, value[:, None]], axis=1)))[m:]
+    weights, precision = covariance.weights.copy(), covariance.precision.copy()
+    noises = []
+    for part, noise in zip(covariance.parts, covariance.noises, strict=True):
+        rows = part.first
+        if part.readings.max() > 1 or len(rows) < FEWEST:
+            noises.append(noise)
+            continue
+        # Deviations as they would be with full weight.
+        deviation = left[rows] / np.sqrt(weights[rows])
+        shape, size = scatter.tails(deviation)
+        log_variance, _ = scatter.variance_function(
+            deviation / size,
+            shape.weights(deviation / size),
+            [one.columns[rows] for one in given.drivers],
+        )
+        deviation = deviation * np.exp(-log_variance / 2)
+        shape, size = scatter.tails(deviation)
+        unit = deviation / size
+        weight = shape.weights(unit)
+        was = float((left[rows] ** 2).mean())
+        more = float(np.sqrt(size**2 * scatter.spread(shape, unit) / max(was, 1e-300)))
+        usual = size**2 * float((weight * unit**2).mean())
+        tail = float(np.sqrt(scatter.spread(shape, unit) * size**2 / max(usual, 1e-300)))
+        between = max(noise.between * more, floors[part.is_y])
+        weights[rows] = np.maximum(weight, LEAST)
+        precision[rows] *= np.exp(-log_variance)
+        noises.append(replace(noise, between=between, tail=tail))
+    new = replace(alone, noises=tuple(noises), weights=weights, precision=precision)
+    return replace(new, coupling=_coupling(new.parts, left))
+
+
+def _with_tails(covariance: Covariance, like: Covariance) -> Covariance:
+    """Widen the scatter of each series by what the tails of another covariance ask for."""
+    noises = tuple(
+        replace(one, between=one.between * other.tail, tail=other.tail)
+        for one, other in zip(covariance.noises, like.noises, strict=True)
+    )
+    return replace(covariance, noises=noises)
+
+
+def _coupling(parts: Sequence[Series], left: Array) -> dict[str, float]:
+    """Return the correlation of both axes' scatter by antenna, where it is certain.
+
+    `left` (m,) holds whitened residuals; what lies beyond three sigmas counts as three.
+    """
+    found = {}
+    for antenna in dict.fromkeys(part.antenna for part in parts):
+        x, y = both_axes(parts, antenna)
+        if len(x) < ENOUGH_FOR_COUPLING:
+            continue
+        one, other = (np.clip(left[rows] / max(_rms(left[rows]), 1e-300), -3, 3) for rows in (x, y))
+        correlation = float((one * other).mean() / np.sqrt((one**2).mean() * (other**2).mean()))
+        if abs(correlation) * np.sqrt(len(x)) > COUPLED:
+            found[antenna] = float(np.clip(correlation, -0.95, 0.95))
+    return found
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _residual(white: Array) -> Array:
+    """Return what least squares leaves of the last column beside all others, shape (n,)."""
+    design, data = white[:, :-1], white[:, -1]
+    basis = _orthonormal(design[:, design.any(axis=0)])
+    return np.asarray(data - basis @ (basis.T @ data))
+
+
+def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
+    """Return a covariance with the robust weights of readings (m,) beside a model's columns (m, p).
+
+    For data whose noise is known and whose outliers are looked for anew.
+    """
+    weights = covariance.weights.copy()
+    floors = _floors(value, covariance.parts)
+    for part in covariance.parts:
+        own = model[part.rows]
+        weights[part.rows] = robust.weights(
+            _orthonormal(own[:, own.any(axis=0)]), value[part.rows], TUKEY, floors[part.is_y]
+        )[0]
+    return replace(covariance, weights=weights)
+
+
+def _floors(value: Array, parts: Sequence[Series]) -> dict[bool, float]:
+    """Return the scatter that rounding makes in either axis [rad]."""
+    of_axis = np.zeros(len(value), bool)
+    for part in parts:
+        of_axis[part.rows] = part.is_y
+    return {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
+
+
+def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
+    """Draw the noise of antennas with few recordings toward what is usual in the array.
+
+    A scale from few deviations is a rough one, and one that comes out small by
+    chance makes its antenna outvote all others. The variances are averaged
+    with the array's median, which counts as `PRIOR_DOF` deviations (Smyth 2004).
+    """
+    found = list(noises)
+    for is_y in (False, True):
+        own = [n for n, part in enumerate(parts) if part.is_y == is_y]
+        if len(own) < ENOUGH_ANTENNAS:
+            continue
+        usual = float(np.median([noises[n].floor for n in own]))
+        for n in own:
+            noise = noises[n]
+            shrunk = (noise.dof * noise.floor**2 + PRIOR_DOF * usual**2) / (noise.dof + PRIOR_DOF)
+            if noise.floor > usual or noise.floor == 0:
+                continue
+            more = float(np.sqrt(shrunk)) / noise.floor
+            found[n] = replace(
+                noise,
+                within=noise.within * more,
+                between=noise.between * more,
+                drifts=tuple((amplitude * more, time) for amplitude, time in noise.drifts),
+                dof=noise.dof + PRIOR_DOF,
+            )
+    return found
+
+
+def _rich(base: Array, shapes: Array, pointings: int) -> Array:
+    """Return the base and the main directions of what the candidates could add to it.
+
+    The directions come from the geometry alone, never from the data, so that
+    the noise is not whittled down by the search. The result is orthonormal.
+    """
+    base = base[:, np.any(base != 0, axis=0)]
+    orthonormal = _orthonormal(base)
+    room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
+    new = shapes - orthonormal @ (orthonormal.T @ shapes)
+    left = np.linalg.norm(new, axis=0)
+    kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)
+    if room == 0 or not kept.any():
+        return orthonormal
+    new = new[:, kept] / left[kept]
+    room = min(room, MOST_SHAPES)
+    slow = np.einsum("nk,nk->k", new[1:], new[:-1]) > SLOW
+    first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
+    rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
+    second = most_different(rest, room - first.shape[1], DIFFERENT)
+    return np.concatenate([orthonormal, first, second], axis=1)
+
+
+def _orthonormal(columns: Array) -> Array:
+    """Return orthonormal directions that span the columns."""
+    if columns.shape[1] == 0:
+        return columns
+    length = np.linalg.norm(columns, axis=0)
+    directions, strength, _ = np.linalg.svd(columns / length, full_matrices=False)
+    return np.asarray(directions[:, strength > 1e-9 * strength[0]])
