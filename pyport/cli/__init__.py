@@ -14,6 +14,7 @@ from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
+    "apply": "Apply a model: offsets for targets, where to drive, and back to the sky.",
     "array": "Take the GMRT's recordings apart as those of one array; compare with a survey.",
     "completion": "Print what a shell needs to complete commands, options and names.",
     "convert": "Convert recordings and pointing models between programs' formats.",

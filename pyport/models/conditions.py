@@ -98,7 +98,7 @@ def _numbers(key: str, value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - wha
     if has_unit(value) and str(value.unit):
         raise BadInput(f"{key} is in {value.unit}, expected a bare number")
     try:
-        return np.asarray(value, float)
+        return np.asarray(value).astype(float)
     except (TypeError, ValueError):
         raise BadInput(f"{key} is {value!r:.60}, expected a number") from None
 

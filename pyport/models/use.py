@@ -149,6 +149,21 @@ class PointingModel:
         there = directions(where, conditions, self.model.site, self._others)
         return formed(there, *self._solved(there))
 
+    def at(self, there: Circumstances) -> tuple[Array, Array]:
+        """Return the offsets across and along elevation of n pointings [rad], shape (n,)."""
+        site = there.site or self.model.site
+        return self._offsets(there.az, there.el, dict(there.columns), site)
+
+    def inverse_at(self, there: Circumstances) -> tuple[Array, Array]:
+        """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
+        site = there.site or self.model.site
+        return self._solved(Pointing(there.az, there.el, there.az.shape, dict(there.columns), site))
+
+    def columns_needed(self) -> list[str]:
+        """Return the columns that the model follows, as they are called inside the program."""
+        inside = {told: own for own, told in SPELLED.items()}
+        return [inside.get(name, name) for name in self.needs()]
+
     def save(
         self,
         path: str | Path,

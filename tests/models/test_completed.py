@@ -234,7 +234,7 @@ def test_auxtels_published_rms_is_told():
 
     assert done.rms["sky"].to_value("arcsec") == pytest.approx(3.1416, abs=5e-4)
     for name, value in published.items():
-        assert done.coefficients[name].value == pytest.approx(value, abs=0.03)
+        assert done.coefficients[name].value == pytest.approx(value, abs=0.05)
     file = sample("auxtel/at_20220406_ia_ie_an_aw_tx10_ca.mod")
     facts = {one[0]: one for one in api.fit(night, file, weights="equal").drawn[1].facts}
     assert facts["sky rms"][1] == "3.1412"
