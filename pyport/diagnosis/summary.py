@@ -46,8 +46,9 @@ def summary(diagnosis: Diagnosis) -> str:
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
     lines += _improvement(diagnosis)
-    if (done := completed(diagnosis).completed) is not None:
-        lines += corrections.lines(done)
+    done = completed(diagnosis)
+    if done.completed is not None:
+        lines += corrections.lines(done.completed, done.terms)
     for sentence in warnings(diagnosis):
         lines += _wrapped(f"Warning: {sentence}.")
     return "\n".join(lines)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects import Circumstances, Effect
+from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.fitting.models import Model
@@ -112,7 +113,8 @@ def write_model(
         entries = _in_vocabulary(one, vocabulary)
         found += entries
         if not entries:
-            lost.append(one.name)
+            lost.append(one.called)
+    lost = list(dict.fromkeys(lost))
     if lost and rest_as is None and not leave_out:
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
         wrong = f"{vocabulary} has no name for {', '.join(lost)}"
@@ -136,6 +138,11 @@ class _Told:
     value: float
     sigma: float | None
     fixed: bool
+
+    @property
+    def called(self) -> str:
+        """Return the name for a reader: a field without a name has one for all its numbers."""
+        return f"the field {self.effect.variant}" if self.effect.id == UNKNOWN else self.name
 
     def entry(self, name: str, unit: str, times: float = 1.0) -> Entry:
         """Return it under a name that stands for `times` of it."""

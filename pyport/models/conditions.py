@@ -47,6 +47,12 @@ NAMES = frozenset({*_QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location
 Columns = dict[str, NDArray[Any]]
 
 
+def known(name: str) -> bool:
+    """Tell whether a condition is called so."""
+    angle = angle_of(name)
+    return name in NAMES or (angle is not None and angle[0] in _QUANTITIES)
+
+
 def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns:
     """Return what was given by name as columns of the program, scalars of shape ().
 

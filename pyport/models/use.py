@@ -214,7 +214,8 @@ class PointingModel:
         """Return the coefficients as a table."""
         completed = self.model.completed
         told = [f"{self.name}: {', '.join(one.effect.id for one in self.model.terms)}"]
-        return "\n".join([*told, *(words.lines(completed) if completed else [])])
+        more = words.lines(completed, self.model.terms) if completed else []
+        return "\n".join([*told, *more])
 
     @cached_property
     def _labels(self) -> tuple[str, ...]:

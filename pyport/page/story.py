@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pyport.effects.fields import UNKNOWN
 from pyport.fitting.models import Model
 from pyport.models.words import has_before
 
@@ -68,6 +69,7 @@ def rows_of(model: Model) -> tuple[Row, ...]:
             one.before if told else None,
         )
         for one in values
+        if one.effect != UNKNOWN
     )
 
 
