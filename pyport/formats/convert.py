@@ -89,9 +89,11 @@ def convert(
     raw = read_raw(path, given)
     recordings = interpret(raw)  # what no reading could use is refused before it is spread
     if given.where:
-        raw = set_aside(
-            raw, {one.line: one.reason for one in where(recordings, given.where).set_aside}
-        )
+        kept = where(recordings, given.where)
+        if not len(kept):
+            said = f"holds for none of the {len(recordings)} recordings"
+            raise BadInput(f"--where {given.where!r} {said}", path)
+        raw = set_aside(raw, {one.line: one.reason for one in kept.set_aside})
     if model:
         err.write(err.fitted(raw, models.read(model)), target)
         return Done("recordings", len(raw.line), "fs-err", ())
