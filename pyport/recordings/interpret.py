@@ -35,6 +35,9 @@ LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 100
 #: (a zenith distance, an azimuth in the wrong column) is not.
 PLUNGE = "highest_el_deg"
 LARGEST_OFFSET_DEG = 180
+#: On the sky no telescope that found its source is further off; an azimuth in place of an offset,
+#: or a record of another format, is. A file whose encoders have no zero says so by the key.
+LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
 #: Angles that are offsets, of which a file has one or more.
 OFFSETS = frozenset({"d_az", "d_xel", "d_el", "d_zd"})
@@ -55,6 +58,7 @@ def interpret(raw: Raw) -> Recordings:
     angles = angles_of(raw)
     at = _circumstances(raw, angles)
     x, y = offsets_of(raw, angles, at.el)
+    _refuse_far_off(raw, x, y)
     blank = np.full(len(raw.line), np.nan)
     everything = Recordings(
         at=at,
@@ -69,6 +73,16 @@ def interpret(raw: Raw) -> Recordings:
         meta=raw.meta,
     )
     return _quarantine(everything, raw)
+
+
+def _refuse_far_off(raw: Raw, x: Array, y: Array) -> None:
+    """Refuse offsets larger on the sky than any telescope's, unless the header allows them."""
+    largest = _key(raw, FAR_OFF, LARGEST_OFFSET_DEG) or LARGEST_ON_SKY_DEG
+    size = np.hypot(np.nan_to_num(x), np.nan_to_num(y)) / DEG
+    if np.any(far := size > largest):
+        row = int(np.argmax(far))
+        wrong = f"offset of {size[row]:.4g} deg on the sky, expected less than {largest:g} deg"
+        raise raw.error(f"{wrong}, or a line '# {FAR_OFF}: {np.ceil(size[row]):g}'", row)
 
 
 def targets(raw: Raw) -> Circumstances:

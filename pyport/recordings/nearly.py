@@ -8,7 +8,15 @@ from pyport.errors import BadInput
 
 #: Header keys of the contract.
 KEYS = frozenset(
-    {"latitude_deg", "longitude_deg", "height_m", "azimuth_zero", "telescope", "highest_el_deg"}
+    {
+        "latitude_deg",
+        "longitude_deg",
+        "height_m",
+        "azimuth_zero",
+        "telescope",
+        "highest_el_deg",
+        "largest_offset_deg",
+    }
 )
 #: What other programs call them.
 _KEY = {
