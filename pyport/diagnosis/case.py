@@ -315,7 +315,7 @@ def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> 
 
 def temporal(effect: Effect) -> bool:
     """Tell whether an effect changes with time alone: the noise may do what it does."""
-    return effect.id.startswith("epoch") or effect.id == "drift"
+    return bool(effect.changes_with)
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:

@@ -211,8 +211,8 @@ class Effect:
         The recorded condition that the effect follows, as `Circumstances` names its column, or
         `THE_HOUR` for what goes with the time of the day or with time itself.
     changes_with
-        "session" for a change from one session or epoch to another, "" for what does not
-        depend on when it was recorded.
+        "session" for a change from one session or epoch to another, "time" for a slow one, "" for
+        what does not depend on when it was recorded.
     """
 
     id: str

@@ -161,6 +161,7 @@ def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
         formula=("a polynomial in time", "another polynomial in time"),
         parameter=order,
         driver=THE_HOUR,
+        changes_with="time",
     )
 
 

@@ -196,9 +196,9 @@ def by_pointing(
     within = np.where(noise.within > 0, noise.within, 1.0)
     own = np.maximum(weights * precision, 1e-12) / within**2
     total = np.bincount(part.pointing, own)
-    means = np.stack(
-        [np.bincount(part.pointing, own * column) / total for column in columns.T], axis=1
-    )
+    means = np.empty((len(count), columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        means[:, k] = np.bincount(part.pointing, own * column) / total
     deviations = np.zeros_like(columns)
     if noise.within > 0 and count.max() > 1:
         deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]
