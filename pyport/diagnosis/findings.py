@@ -60,7 +60,8 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
     heldout = held_out(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
     few = len(called.members) <= identify.MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
-    verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
+    one = len(called.members) == 1 and not called.others
+    verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
         axes(setup, seen),
         moved_antennas(scene, curve),
@@ -81,7 +82,7 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),
-        decide_by=identify.decide_by(called.members) if named else words.WATCH,
+        decide_by=identify.decide_by(called.members, called.others) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
