@@ -241,9 +241,12 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 
 
 @stage("whitening")
-def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
-    """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
-    covariance = noise(setup, chosen)
+def weigh(setup: Setup, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> Weighed:
+    """Fit the noise that is left beside the model and some effects, and weigh everything by it.
+
+    See `noise` for `searching`.
+    """
+    covariance = noise(setup, chosen, searching=searching)
     return _weighed(setup, chosen, covariance, covariance.whiten(setup.data))
 
 

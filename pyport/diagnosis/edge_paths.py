@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, weigh_alike
 from pyport.diagnosis.edges import Sky, sky_of
-from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.view import FEWEST
 from pyport.effects.structure import FreeEdge, jump_above
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
+from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.stages import stage
 
 if TYPE_CHECKING:

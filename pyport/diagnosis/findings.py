@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 
 import numpy as np
 
 from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
-from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where
 from pyport.diagnosis.honest import honest
@@ -36,14 +34,14 @@ def collect(scene: Scene) -> list[Finding]:
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n)
         if parts is None:
-            told = [_single(scene, first + n, step, earlier)]
+            told = [_single(scene, first + n, step)]
         else:
             told = of_array(scene, first + n, step, earlier, parts)
         found += honest(scene, first + n, step, told)
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 
-def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) -> Finding:
+def _single(scene: Scene, choice: int, step: Step) -> Finding:
     """Return a finding whose coefficients stand as they were fitted."""
     setup, chosen = scene.setup, scene.joint.choices[choice]
     curve = contribution(setup, scene.joint, choice)
@@ -57,7 +55,9 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         for p in parameters
         if p.expected is not None
     ]
-    heldout = held_out(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
+    whole = scene.outcome.chosen
+    others = tuple(one for one in whole if one is not chosen)
+    heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
     few = len(called.members) <= identify.MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
     one = len(called.members) == 1 and not called.others

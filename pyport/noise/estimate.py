@@ -129,9 +129,7 @@ def estimate(
             covariance = replace(covariance, departures=found)
         drafts = []
         for n, part in enumerate(parts):
-            own = (
-                one[part.rows] for one in (covariance.weights, covariance.precision, residual)
-            )
+            own = (one[part.rows] for one in (covariance.weights, covariance.precision, residual))
             moved = _departing(covariance, part, n)
             drafts.append(
                 draft(
@@ -170,9 +168,7 @@ class _First:
     columns: list[Array]
 
 
-def _first(
-    value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None
-) -> _First:
+def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None) -> _First:
     floors = _floors(value, given.parts)
     weights, residual = np.ones(len(value)), np.zeros(len(value))
     columns = []

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import Array
-from pyport.noise.pointings import pointings
 from pyport.fitting.stacking import Codes, Stack, group
+from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
@@ -131,9 +131,7 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
             timed = bool(np.isfinite(time[of_row]).all())
             first = time[of_row] if timed else sessions[of_row]
             rows = rows[np.lexsort((pointing[of_row], sessions[of_row], first))]
-            found.append(
-                _ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y)
-            )
+            found.append(_ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y))
     return found
 
 
