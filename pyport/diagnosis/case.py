@@ -25,6 +25,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
+from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 
@@ -195,6 +196,7 @@ def prepare(
     seed
         Of the draws of noise.
     """
+    recordings = with_nights(recordings)
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)

@@ -108,7 +108,7 @@ def _curves(setup: Setup, az: Array, el: Array) -> Iterator[Field]:
         centres = np.arange(el.min(), el.max() + width, width)
         yield _curve("el_deg", _bumps(el, centres, width), el / DEG)
     for name, values in numbers(setup.recordings).items():
-        if name in ("az_deg", "el_deg", "time"):
+        if name in ("az_deg", "el_deg", "time", "order"):
             continue
         rank = np.searchsorted(np.sort(values), values) / len(values)
         centres = np.linspace(0, 1, ALONG_COLUMN)

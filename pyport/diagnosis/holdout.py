@@ -45,9 +45,7 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
     sessions = setup.session
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
-    epochs = any(
-        one.candidate.effect.changes_with == "session" or one.candidate.of_time for one in choices
-    )
+    epochs = any(one.candidate.effect.is_change or one.candidate.of_time for one in choices)
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
         count = len(np.unique(sessions))
         if count <= MOST_FOLDS:

@@ -211,8 +211,9 @@ class Effect:
         The recorded condition that the effect follows, as `Circumstances` names its column, or
         `THE_HOUR` for what goes with the time of the day or with time itself.
     changes_with
-        "session" for a change from one session or epoch to another, "time" for a slow one, "" for
-        what does not depend on when it was recorded.
+        "session" for a change from one session or epoch to another, "order" for one between rows
+        whose times are not known, "time" for a slow one, "" for what does not depend on when it
+        was recorded.
     """
 
     id: str
@@ -230,6 +231,11 @@ class Effect:
     edge: Callable[[Array], Array] | None = None
     driver: str | None = None
     changes_with: str = ""
+
+    @property
+    def is_change(self) -> bool:
+        """Tell whether it is a change from one state of the telescope to another."""
+        return self.changes_with in ("session", "order")
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

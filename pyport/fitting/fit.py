@@ -15,6 +15,7 @@ from pyport.fitting.stacking import Stack, group, stack, term_columns
 from pyport.fitting.two_axes import Difference, from_products
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, frame
+from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -86,6 +87,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     BadInput
         There are fewer measured offsets than coefficients.
     """
+    recordings = with_nights(recordings)
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)

@@ -124,9 +124,8 @@ def estimate(
     grid = grid_of(parts)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS if like is None else 1):
-        if like is None:
-            found = departures.estimate(covariance, value, wide, given.departures)
-            covariance = replace(covariance, departures=found)
+        found = departures.estimate(covariance, value, wide, given.departures)
+        covariance = replace(covariance, departures=found)
         drafts = []
         for n, part in enumerate(parts):
             own = (one[part.rows] for one in (covariance.weights, covariance.precision, residual))

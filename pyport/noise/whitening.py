@@ -36,7 +36,8 @@ class Series:
         For each the number of its pointing within the series; readings of one
         pointing share it, shape (m,).
     time
-        Time of each pointing [s since the first]; None where any is unknown.
+        Time of each pointing [s since the first], or its place in the order of the rows where no
+        times are recorded; None where any is unknown.
     number
         The number of each pointing among all pointings of the recordings.
     antenna, is_y
@@ -118,8 +119,10 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
     antennas, names = group(recordings, ("antenna",))
     sessions, _ = group(recordings, ("session",))
     time = np.full(len(recordings), np.nan)
-    if "time" in recordings.at:
-        time = np.asarray(recordings.at.column("time"), float)
+    for clock in ("time", "order"):
+        if clock in recordings.at:
+            time = np.asarray(recordings.at.column(clock), float)
+            break
     pointing = pointings(recordings)
     found = []
     for antenna, name in enumerate(names):
