@@ -62,3 +62,10 @@ def version() -> str:
         text.update(str(file.relative_to(root)).encode())
         text.update(file.read_bytes())
     return text.hexdigest()[:16]
+
+
+def shipped(name: str) -> Path:
+    """Return the file of recordings that come with the program."""
+    import pyport
+
+    return Path(pyport.__file__).parent / "recordings" / "gmrt" / "data" / f"{name}.csv"
