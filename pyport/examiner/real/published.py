@@ -54,7 +54,7 @@ def _step(recordings: Recordings, report: Report, _: Report, fact: Fact) -> Outc
     for one in steps:
         late_h = (_utc(one["where"]["since"]) - _utc(fact["when"])) / np.timedelta64(1, "h")
         both = {"xel", "el"} <= set(one["where"]["axes"])
-        near = abs(late_h) <= fact["within_h"] and both
+        near = bool(abs(late_h) <= fact["within_h"]) and both
         sizes = ", ".join(f"{p['name'].partition('[')[0]} {_shown(p)}" for p in one["parameters"])
         told.append(f"{one['effect']} {late_h:+.1f} h from it: {sizes}")
     return "; ".join(told[::-1] if steps else ["no step", *told]), len(steps) == 1 and near

@@ -67,8 +67,11 @@ def read(file: Path, subsets: int) -> dict[str, Row]:
 
 
 def _row_of(told: dict[str, Any]) -> Row:
-    lists = {key: tuple(one) if isinstance(one, list) else one for key, one in told.items()}
-    return Row(**lists | {"checks": tuple(Check(**one) for one in told["checks"])})
+    lists: dict[str, Any] = {
+        key: tuple(one) if isinstance(one, list) else one for key, one in told.items()
+    }
+    lists["checks"] = tuple(Check(**one) for one in told["checks"])
+    return Row(**lists)
 
 
 def _each(
