@@ -381,3 +381,21 @@ def test_the_table_says_which_targets_are_missed():
     assert "20/20" in text
     assert "claimed in white: clock 20" in text
     assert "claims" in text.splitlines()[-1]
+
+
+def test_the_command_prints_a_line_a_kind_and_goes_on(tmp_path):
+    """A kind that there is not is refused; a second run reads what the first one found."""
+    from click.testing import CliRunner
+
+    from pyport.cli.dev import command
+    from pyport.errors import BadInput
+
+    words = ["nulls", "--cases", "1", "--kinds", "white", "--by", "rows", "--out", str(tmp_path)]
+    first, again = (CliRunner().invoke(command, words) for _ in range(2))
+
+    assert first.exit_code == 0
+    assert first.output == again.output
+    assert "rows 60" in first.output
+    assert len((tmp_path / "nulls.jsonl").read_text().splitlines()) == 2
+    wrong = CliRunner().invoke(command, ["nulls", "--kinds", "pink"])
+    assert isinstance(wrong.exception, BadInput)

@@ -21,6 +21,8 @@ SPLITS, FINDING_SPLITS = 20, 5
 FEWEST_NIGHTS, BLOCKS = 4, 5
 #: Rows of a random subset.
 FEW = (15, 40)
+#: Readings for each coefficient below which nothing is left out: what remains fits itself.
+LEAST_READINGS = 3
 #: Share of resampled data in which a name must come back.
 STABLE = 0.8
 
@@ -88,8 +90,9 @@ def measure(recordings: Recordings, subsets: int, seed: int = 0) -> Row:
     table = recordings.file or recordings.table
     fit = program.fitted(table, _header(recordings), recordings.model)
     report = program.diagnosed(table, _header(recordings), recordings.model)
-    if recordings.file is not None and isinstance(fit, program.Refused):
-        notes.append(f"the file as published is refused: {fit.why}")
+    refused = [one.why for one in (fit, report) if isinstance(one, program.Refused)]
+    if recordings.file is not None and refused:
+        notes.append(f"the file as published is refused: {refused[0]}")
         table = recordings.table
         fit = program.fitted(table, recordings.header, recordings.model)
         report = program.diagnosed(table, recordings.header, recordings.model)
@@ -99,7 +102,7 @@ def measure(recordings: Recordings, subsets: int, seed: int = 0) -> Row:
     if (used := report["input"]["used"]) != len(recordings):
         notes.append(f"{used} of {len(recordings)} rows used")
     found |= _in_fit(recordings, fit)
-    found |= _across(recordings, rng)
+    found |= _across(recordings)
     found["below_rounding"] = below_rounding(recordings, fit)
     found |= of_findings(report)
     if nights >= FEWEST_NIGHTS and recordings.hour_angle is None:
@@ -147,14 +150,14 @@ def folds(recordings: Recordings) -> tuple[str, list[NDArray[np.bool_]]]:
     return "blocks", [block == n for n in range(BLOCKS)]
 
 
-def _across(recordings: Recordings, _: np.random.Generator) -> dict[str, Any]:
+def _across(recordings: Recordings) -> dict[str, Any]:
     """Return scatter of what was left out of the fits."""
-    # A night has coefficients of its own in the wave: of each, blocks of time are left out.
+    readings = int(np.isfinite(recordings.offsets()).sum())
+    if readings < LEAST_READINGS * len(recordings.names):
+        return {"scheme": "none"}
     scheme, left_out = folds(recordings)
     shape = recordings.offsets().shape
     ours, theirs = np.full(shape, np.nan), np.full(shape, np.nan)
-    if recordings.hour_angle is not None and scheme == "nights":
-        return {"scheme": "none"}
     for out in left_out:
         rest, held = recordings.take(np.flatnonzero(~out)), recordings.take(np.flatnonzero(out))
         if 2 * len(rest) < len(recordings.names):

@@ -235,14 +235,21 @@ def _sky_rms(recordings: Recordings, _: Report, __: Report, fact: Fact) -> Outco
     return f"{before:.2f} to {after:.2f} arcsec", right
 
 
-def _read(recordings: Recordings, _: Report, fit: Report, __: Fact) -> Outcome:
+def _read(recordings: Recordings, _: Report, __: Report, ___: Fact) -> Outcome:
     """Compare the fit of the published file with that of the examiner's reading of it."""
-    other = program.fitted(recordings.table, recordings.header, recordings.model)
-    if recordings.file is None or isinstance(other, program.Refused):
+    if recordings.file is None:
         return "cannot be compared", False
-    own, theirs = (recordings.columns() @ _values(recordings.names, one) for one in (other, fit))
-    largest = float(np.max(np.abs(own)))
-    apart = float(np.max(np.abs(own - theirs)))
+    theirs = program.fitted(recordings.file, model=recordings.model)
+    ours = program.fitted(recordings.table, recordings.header, recordings.model)
+    for one in (theirs, ours):
+        if isinstance(one, program.Refused):
+            return f"refused: {one.why}", False
+    first, second = (
+        recordings.columns() @ _values(recordings.names, one)
+        for one in (theirs, ours)
+        if isinstance(one, dict)
+    )
+    largest, apart = float(np.max(np.abs(second))), float(np.max(np.abs(first - second)))
     told = f"fitted offsets up to {largest:.0f} arcsec; the file as read differs by {apart:.1f}"
     return told, apart < 0.01 * largest
 
