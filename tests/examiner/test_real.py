@@ -10,7 +10,7 @@ import pytest
 
 import pyport
 from pyport.examiner import terms
-from pyport.examiner.real import huber, measures, published, run, sets, table
+from pyport.examiner.real import huber, measures, published, readers, run, sets, table
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 RNG = np.random.default_rng(0)
@@ -273,7 +273,7 @@ def test_the_table_of_facts_is_whole():
 
     assert len(set(names)) == len(names)
     for one in entries:
-        assert one["format"] in {*sets.READERS, "simulated"}
+        assert one["format"] in {*readers.READERS, "simulated"}
         assert one["source"]
         assert all(fact["kind"] in published.KINDS for fact in one.get("fact", ()))
 
