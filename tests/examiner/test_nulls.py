@@ -383,6 +383,19 @@ def test_the_table_says_which_targets_are_missed():
     assert "claims" in text.splitlines()[-1]
 
 
+def test_no_answer_in_time_is_none(monkeypatch):
+    """A diagnosis that goes on is stopped; another one afterwards is not."""
+    import time
+
+    monkeypatch.setattr(pyport, "diagnose", lambda *_, **__: time.sleep(60))
+    begun = time.monotonic()
+    found = program.diagnosed({}, patience_s=0.2)
+
+    assert isinstance(found, program.Refused)
+    assert "no answer" in found.why
+    assert time.monotonic() - begun < 10
+
+
 def test_the_command_prints_a_line_a_kind_and_goes_on(tmp_path):
     """A kind that there is not is refused; a second run reads what the first one found."""
     from click.testing import CliRunner

@@ -21,6 +21,8 @@ SPLITS, FINDING_SPLITS = 20, 5
 FEWEST_NIGHTS, BLOCKS = 4, 5
 #: Rows of a random subset.
 FEW = (15, 40)
+#: Patience with so few rows [s]; they take half a second.
+FEW_PATIENCE_S = 60.0
 #: Readings for each coefficient below which nothing is left out: what remains fits itself.
 LEAST_READINGS = 3
 #: Share of resampled data in which a name must come back.
@@ -53,7 +55,7 @@ class Row:
     checks
         What was published, what came out, and whether it did.
     few, few_worse, few_refused
-        Random subsets of few rows, those whose total is worse, those that were refused.
+        Random subsets of few rows, those whose total is worse, those without an answer.
     notes
         What else is to be known.
     """
@@ -287,7 +289,7 @@ def few(recordings: Recordings, rng: np.random.Generator, subsets: int) -> dict[
         most = min(FEW[1], len(recordings))
         rows = rng.choice(len(recordings), rng.integers(FEW[0], most + 1), replace=False)
         some = recordings.take(np.sort(rows))
-        report = program.diagnosed(some.table, some.header, some.model)
+        report = program.diagnosed(some.table, some.header, some.model, FEW_PATIENCE_S)
         if isinstance(report, program.Refused):
             refused += 1
         else:

@@ -49,6 +49,7 @@ def failures(row: Row) -> list[str]:
         (_apart(row.agreement), f"halves agree in {COLUMNS['halves agree'](row)} names"),
         (row.below_rounding > 0, f"{row.below_rounding} sigmas below the rounding"),
         (row.few_worse > 0, f"{row.few_worse} of {row.few} subsets predict worse"),
+        (row.few_refused > 0, f"{row.few_refused} of {row.few} subsets have no answer"),
         (math.isnan(row.in_fit), "not examined"),
     ]
     missed = [words for wrong, words in found if wrong]
