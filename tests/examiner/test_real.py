@@ -101,6 +101,7 @@ def test_a_ratio_is_by_axis_and_ignores_what_is_not_measured():
     assert huber.ratio(ours, theirs) == pytest.approx(math.sqrt(2.5))
     assert huber.ratio(blank, theirs) == pytest.approx(math.sqrt(2.5))
     assert huber.ratio(theirs, theirs) == 1
+    assert huber.ratio(ours * [1, np.nan], theirs * [1, np.nan]) == pytest.approx(2)
     assert huber.clipped(100 * theirs, theirs) < 5
 
 

@@ -69,7 +69,9 @@ def residuals(recordings: Recordings, coefficients: Coefficients) -> Array:
 
 def ratio(ours: Array, theirs: Array) -> float:
     """Return by how much residuals (n, 2) exceed others: rms, each axis over the others' rms."""
-    return float(np.sqrt(np.nanmean((ours / np.sqrt(np.nanmean(theirs**2, axis=0))) ** 2)))
+    measured = np.isfinite(theirs).any(axis=0)
+    scale = np.sqrt(np.nanmean(theirs[:, measured] ** 2, axis=0))
+    return float(np.sqrt(np.nanmean((ours[:, measured] / scale) ** 2)))
 
 
 def clipped(ours: Array, theirs: Array) -> float:
