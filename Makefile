@@ -106,7 +106,8 @@ nulls: $(BIN)/pyport
 
 # Public recordings of other telescopes, and those shipped, beside what was published of them.
 real: $(BIN)/pyport
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev real --data $(DATA) --markdown docs/real.md
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev real --data $(DATA) --jobs 2 --out $(OUT)/real \
+	  --markdown docs/real.md
 
 # Every reader against spoilt files for SECONDS; every writer against KILLS kills.
 SECONDS ?= 600

@@ -25,6 +25,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
+from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 
@@ -195,6 +196,7 @@ def prepare(
     seed
         Of the draws of noise.
     """
+    recordings = with_nights(recordings)
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)
@@ -241,9 +243,12 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 
 
 @stage("whitening")
-def weigh(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
-    """Fit the noise that is left beside the model and some effects, and weigh everything by it."""
-    covariance = noise(setup, chosen)
+def weigh(setup: Setup, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> Weighed:
+    """Fit the noise that is left beside the model and some effects, and weigh everything by it.
+
+    See `noise` for `searching`.
+    """
+    covariance = noise(setup, chosen, searching=searching)
     return _weighed(setup, chosen, covariance, covariance.whiten(setup.data))
 
 
@@ -315,7 +320,7 @@ def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> 
 
 def temporal(effect: Effect) -> bool:
     """Tell whether an effect changes with time alone: the noise may do what it does."""
-    return effect.id.startswith("epoch") or effect.id == "drift"
+    return bool(effect.changes_with)
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:

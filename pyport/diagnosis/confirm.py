@@ -55,6 +55,17 @@ def confirmed(
     return _lack(without, model, own[:, :0], value)[0] - lack + gained - price
 
 
+def _improbable(covariance: Covariance) -> float:
+    """Return minus twice the log of the prior of the departures' standard deviations.
+
+    Half-Cauchy, as wide as the scatter from pointing to pointing (Gelman 2006, Bayesian
+    Analysis 1, 515): of four nights three of which agree one has changed, rather than that all
+    nights scatter by what it changed.
+    """
+    usual = float(np.mean([one.between**2 + one.within**2 for one in covariance.noises]))
+    return sum(2 * float(np.log1p(one.sigma**2 / usual)) for one in covariance.departures)
+
+
 def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tuple[float, float]:
     """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence."""
     white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
@@ -67,7 +78,12 @@ def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tup
     basis = basis[:, kept]
     rest = white[:, p:] - basis @ (basis.T @ white[:, p:])
     left = rest[:, -1]
-    lack = covariance.log_determinant + 2 * float(np.log(strength[kept]).sum()) + float(left @ left)
+    lack = (
+        covariance.log_determinant
+        + _improbable(covariance)
+        + 2 * float(np.log(strength[kept]).sum())
+        + float(left @ left)
+    )
     lack += 2 * float(np.log(length[length > 0]).sum())
     if own.shape[1] == 0:
         return lack, 0.0

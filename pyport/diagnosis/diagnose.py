@@ -12,11 +12,11 @@ from pyport.diagnosis import findings as reading
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Setup, Weighed, prepare
+from pyport.diagnosis.case import Setup, Weighed, prepare, weigh
 from pyport.diagnosis.edge_paths import averaged
 from pyport.diagnosis.finding import Finding, HeldOut
-from pyport.diagnosis.joint import rms
 from pyport.diagnosis.search import search
+from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.two_axes import Disagreement, disagreements
@@ -57,7 +57,9 @@ class Diagnosis:
     heldout
         Predictions of unseen readings by both fits.
     unseen
-        Residuals behind `heldout`, before and after [rad], shape (m,) each.
+        Residuals behind `heldout`.
+    dropped
+        Effects that the search found and that do not predict unseen data.
     steps
         The turns of the search, each with everything that was tried in it.
     two_axes
@@ -75,7 +77,8 @@ class Diagnosis:
     share: Array
     wild: tuple[str, ...]
     heldout: HeldOut
-    unseen: tuple[Array, Array]
+    unseen: Unseen
+    dropped: tuple[Dropped, ...] = ()
     steps: tuple[Step, ...] = ()
     two_axes: tuple[Disagreement, ...] = ()
 
@@ -122,18 +125,15 @@ def diagnose(
     """
     setup = prepare(recordings, model, refit, seed)
     _enough(setup)
-    outcome = averaged(search(setup, tell))
+    outcome, dropped = settled(averaged(search(setup, tell)))
     setup, weighed = outcome.setup, outcome.weighed
-    before = joint.fit(setup, weighed, ())
+    alone = weigh(setup, (), searching=False)
+    before = joint.fit(setup, alone, ())
     after = joint.fit(setup, weighed, outcome.chosen)
     scene = scenes.scene(setup, outcome, after, seed)
     tell("holding data out")
     partition = holdout.folds(setup, outcome.chosen, seed)
-    unseen = (
-        holdout.residuals(setup, weighed, (), partition),
-        holdout.residuals(setup, weighed, outcome.chosen, partition),
-    )
-    both = scene.counted & np.isfinite(unseen[0]) & np.isfinite(unseen[1])
+    held = unseen(setup, (alone, weighed), (), outcome.chosen, partition)
     return Diagnosis(
         setup=setup,
         weighed=weighed,
@@ -145,13 +145,9 @@ def diagnose(
         after=after,
         share=scene.share,
         wild=tuple(scenes.wild_antennas(setup, scene.floor)),
-        heldout=HeldOut(
-            partition.scheme,
-            rms(unseen[0][both], scene.share[both]),
-            rms(unseen[1][both], scene.share[both]),
-            rms(scene.floor[both], scene.share[both]),
-        ),
-        unseen=unseen,
+        heldout=held.compared(np.ones(len(setup.residual), bool), weighed.covariance.floor),
+        unseen=held,
+        dropped=dropped,
         steps=outcome.steps,
         two_axes=disagreements(setup, weighed, outcome.chosen),
     )

@@ -11,10 +11,10 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.noise.common_mode import Excess
 from pyport.fitting.gram import Gram, Part, index, inverse_of
 from pyport.fitting.slabs import Slab, slabs, without
 from pyport.fitting.stacking import Codes
+from pyport.noise.common_mode import Excess
 from pyport.stages import stage
 
 #: Prior variances that are tried, over the variance with which the best direction is known.

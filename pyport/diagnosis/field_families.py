@@ -115,7 +115,7 @@ def _curves(setup: Setup) -> Iterator[Field]:
         along = "el_deg", el / DEG
         yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres)
     for name, values in numbers(setup.recordings).items():
-        if name not in ("az_deg", "el_deg", "time"):
+        if name not in ("az_deg", "el_deg", "time", "order"):
             ordered = np.sort(values).tolist()
             along = name, values[row]
             yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)

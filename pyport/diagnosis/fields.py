@@ -77,7 +77,7 @@ class Ground:
 
     def products(self, columns: Array) -> tuple[Array, Array]:
         """Return the information on columns (m, K) beside the model, and their moments."""
-        setup, weighed = self.setup, self.weighed
+        weighed = self.weighed
         seen = self._without(weighed.covariance.whiten(columns))
         excess = weighed.evidence.common.factor
         return seen.T @ seen / excess, seen.T @ self.left / excess
@@ -87,7 +87,7 @@ class Ground:
         """Return the same for columns (m, K) that act on each axis apart: on x first, then on y."""
         from scipy.linalg import block_diag
 
-        setup, weighed = self.setup, self.weighed
+        weighed = self.weighed
         white = weighed.covariance.whiten(columns)
         of_axis = [white[rows] for rows in self.rows]
         own = [one.T @ one for one in of_axis]

@@ -44,12 +44,27 @@ class Where:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Rms of predictions of readings that the fit had not seen [rad]."""
+    """Plain rms of predictions of readings that the fit had not seen [rad].
+
+    `noise_floor` is the scatter from pointing to pointing, which no model removes; `gross` counts
+    the readings that were not predicted or that both predictions miss by far.
+    """
 
     scheme: str
     before: float
     after: float
     noise_floor: float
+    gross: int = 0
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as the report spells it."""
+        return {
+            "scheme": self.scheme,
+            "rms_before_arcsec": self.before / ARCSEC,
+            "rms_after_arcsec": self.after / ARCSEC,
+            "noise_floor_arcsec": self.noise_floor / ARCSEC,
+            "not_counted": self.gross,
+        }
 
 
 @dataclass(frozen=True)
@@ -114,14 +129,7 @@ class Finding:
             "evidence": vars(self.evidence),
             "visible_rms_arcsec": self.visible_rms / ARCSEC,
             "true_rms_arcsec": self.true_rms / ARCSEC,
-            "heldout": None
-            if self.heldout is None
-            else {
-                "scheme": self.heldout.scheme,
-                "rms_before_arcsec": self.heldout.before / ARCSEC,
-                "rms_after_arcsec": self.heldout.after / ARCSEC,
-                "noise_floor_arcsec": self.heldout.noise_floor / ARCSEC,
-            },
+            "heldout": None if self.heldout is None else self.heldout.as_json(),
             "looks_like": self.looks_like,
             "decide_by": self.decide_by,
             "checks": list(self.checks),

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
-from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where
 from pyport.diagnosis.honest import honest
@@ -37,7 +35,7 @@ def collect(scene: Scene) -> list[Finding]:
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n)
         if parts is None:
-            told = [_single(scene, first + n, step, earlier)]
+            told = [_single(scene, first + n, step)]
         else:
             told = of_array(scene, first + n, step, earlier, parts)
         told = honest(scene, first + n, step, told)
@@ -45,7 +43,7 @@ def collect(scene: Scene) -> list[Finding]:
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 
-def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) -> Finding:
+def _single(scene: Scene, choice: int, step: Step) -> Finding:
     """Return a finding whose coefficients stand as they were fitted."""
     setup, chosen = scene.setup, scene.joint.choices[choice]
     curve = contribution(setup, scene.joint, choice)
@@ -59,10 +57,13 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         for p in parameters
         if p.expected is not None
     ]
-    heldout = held_out(scene, earlier, (*earlier, chosen), np.abs(curve) > 0)
+    whole = scene.outcome.chosen
+    others = tuple(one for one in whole if one is not chosen)
+    heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
     few = len(called.members) <= identify.MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
-    verdict = ("named" if len(called.members) == 1 else "ambiguous") if named else "unknown"
+    one = len(called.members) == 1 and not called.others
+    verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
         axes(setup, seen),
         moved_antennas(scene, curve),
@@ -83,7 +84,7 @@ def _single(scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen]) ->
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),
-        decide_by=identify.decide_by(called.members) if named else words.WATCH,
+        decide_by=identify.decide_by(called.members, called.others) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
         curve=seen,
     )

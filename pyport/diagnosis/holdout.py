@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.fitting.gram import Gram, Solution
+from pyport.fitting.gram import Gram, Part, Solution
 from pyport.fitting.stacking import Codes
 from pyport.stages import stage
 
@@ -45,9 +45,7 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
     sessions = setup.session
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
-    epochs = any(
-        one.candidate.effect.changes_with == "session" or one.candidate.of_time for one in choices
-    )
+    epochs = any(one.candidate.effect.is_change or one.candidate.of_time for one in choices)
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
         count = len(np.unique(sessions))
         if count <= MOST_FOLDS:
@@ -84,13 +82,35 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     """
     expanded = setup.expanded((*setup.base, *chosen))
     left = np.full(len(setup.residual), np.nan)
-    white, choices = _whitened(setup, weighed, chosen)
-    for one, solution, _ in _without_each(setup, white, choices, partition):
+    for one, solution in _solutions(setup, weighed, chosen, partition):
         rows = np.flatnonzero(partition.fold == one)
         unknown = _left_open(solution, expanded[rows])
         predicted = expanded[rows] @ solution.values
         left[rows] = np.where(unknown, np.nan, setup.residual[rows] - predicted)
     return left
+
+
+def _solutions(
+    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
+) -> Iterator[tuple[int, Solution]]:
+    """Yield each fold and the solution without it.
+
+    The readings of an array hang together too little for it to matter that those left out were
+    there when the others were whitened: a fold is taken off the products of the whole.
+    """
+    if len(np.unique(setup.blocks.antenna)) > 1:
+        white, choices = _whitened(setup, weighed, chosen)
+        for one, solution, _ in _without_each(setup, white, choices, partition):
+            yield one, solution
+        return
+    columns = setup.expanded((*setup.base, *chosen))
+    data = np.concatenate([columns, setup.residual[:, None]], axis=1)
+    everything = Part(np.arange(columns.shape[1]), np.zeros(1, np.intp))
+    for one in np.unique(partition.fold):
+        weights = np.where(partition.fold == one, 0.0, weighed.weights)
+        white = replace(weighed.covariance, weights=weights).whiten(data)
+        gram = Gram((white.T @ white)[None])
+        yield int(one), gram.solve([everything])
 
 
 @stage("holding data out")

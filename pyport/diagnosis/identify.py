@@ -46,10 +46,13 @@ class Name:
         Ids that the data cannot tell apart, the winner first.
     runner_up
         The best effect outside the class, None where there is none.
+    others
+        Members of the winner's family that follow another condition and are not excluded.
     """
 
     members: tuple[str, ...]
     runner_up: Trial | None
+    others: tuple[str, ...] = ()
 
 
 def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
@@ -61,9 +64,12 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
         key=lambda t: -round(t.evidence, TIE),
     )
     outside: list[Trial] = []
+    others: list[str] = []
     for rival in rivals:
         effect = rival.candidate.effect.id
         if effect in members:
+            if _follows_another(winner, rival):
+                others.append(rival.candidate.effect.variant)
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
@@ -83,7 +89,14 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
         else:
             outside.append(rival)
     outside = [rival for rival in outside if rival.candidate.effect.id not in members]
-    return Name(tuple(members), outside[0] if outside else None)
+    return Name(tuple(members), outside[0] if outside else None, tuple(dict.fromkeys(others)))
+
+
+def _follows_another(winner: Trial, rival: Trial) -> bool:
+    """Tell whether a rival of the winner's family has another driver and is not excluded."""
+    one, other = winner.candidate.effect, rival.candidate.effect
+    close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, WORTHLESS)
+    return close and one.id == other.id and one.driver != other.driver
 
 
 def _only_adds_to(beside: Beside, one: Trial, rival: Trial) -> bool:
@@ -142,8 +155,11 @@ def agrees(value: float, sigma: float, expected: float) -> bool:
     return abs(value - expected) <= KNOWN_SIGMAS * sigma + KNOWN_SHARE * expected
 
 
-def decide_by(members: Sequence[str]) -> str | None:
-    """Name the observation that would tell the members of a class apart."""
+def decide_by(members: Sequence[str], others: Sequence[str] = ()) -> str | None:
+    """Name the observation that distinguishes the members of a class, and what drives them."""
+    if others:
+        apart = f"{', or '.join(others)}, as well: observe while those conditions go apart"
+        return "; ".join(filter(None, (decide_by(members), apart)))
     if len(members) < 2:
         return None
     found = degeneracies.decisions(members)

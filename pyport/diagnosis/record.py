@@ -69,13 +69,9 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "fit": {
             "before": _rms(diagnosis, diagnosis.before),
             "after": _rms(diagnosis, diagnosis.after),
-            "heldout": {
-                "scheme": diagnosis.heldout.scheme,
-                "rms_before_arcsec": diagnosis.heldout.before / ARCSEC,
-                "rms_after_arcsec": diagnosis.heldout.after / ARCSEC,
-                "noise_floor_arcsec": diagnosis.heldout.noise_floor / ARCSEC,
-            },
+            "heldout": diagnosis.heldout.as_json(),
         },
+        "dropped": [vars(one) for one in diagnosis.dropped],
         "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
@@ -155,7 +151,7 @@ def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     found = []
     for name in np.unique(of_row):
         rows = (of_row == name) & diagnosis.weighed.used
-        both = rows & np.isfinite(diagnosis.unseen[0]) & np.isfinite(diagnosis.unseen[1])
+        both = (of_row == name) & diagnosis.unseen.counted
         found.append(
             {
                 "antenna": str(name),
@@ -163,8 +159,8 @@ def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
                 "drowns_in_noise": str(name) in diagnosis.wild,
                 "rms_before_arcsec": rms(before[rows]) / ARCSEC,
                 "rms_after_arcsec": rms(after[rows]) / ARCSEC,
-                "heldout_before_arcsec": rms(diagnosis.unseen[0][both]) / ARCSEC,
-                "heldout_after_arcsec": rms(diagnosis.unseen[1][both]) / ARCSEC,
+                "heldout_before_arcsec": rms(diagnosis.unseen.before[both]) / ARCSEC,
+                "heldout_after_arcsec": rms(diagnosis.unseen.after[both]) / ARCSEC,
             }
         )
     return found
@@ -225,7 +221,12 @@ def _write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a te
     def shown(values: Array, digits: int) -> list[str]:
         return [f"{one:.{digits}f}" if math.isfinite(one) else "" for one in values.tolist()]
 
-    offsets = (diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after), *diagnosis.unseen)
+    offsets = (
+        diagnosis.left(diagnosis.before),
+        diagnosis.left(diagnosis.after),
+        diagnosis.unseen.before,
+        diagnosis.unseen.after,
+    )
     columns = [
         setup.recordings.line[of].tolist(),
         np.where(setup.stack.is_y[order], "el", "xel").tolist(),

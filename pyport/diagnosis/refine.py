@@ -13,7 +13,7 @@ from pyport.diagnosis.edges import edges_of
 from pyport.diagnosis.evidence import Trial
 from pyport.diagnosis.view import FEWEST, View, plain_view
 from pyport.effects import CATALOGUE, Effect
-from pyport.effects.epochs import epoch_step
+from pyport.effects.epochs import clock, epoch_step
 from pyport.stages import stage
 
 #: The best moment of each of so many stretches of time is weighed with the drift.
@@ -39,7 +39,7 @@ def refine(
     effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
     if winner.scope != "all":
         return setup, plain, 1.0, 0.0
-    step = effect.changes_with == "session" and effect.parameter is not None
+    step = effect.is_change and effect.parameter is not None
     if not step and not (effect.id == "subreflector_jump" and effect.edge is not None):
         return setup, plain, 1.0, 0.0
     view = plain_view(setup, weighed, chosen)
@@ -88,10 +88,9 @@ def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
     """Return steps at the moments between two recordings that fit best, one in each stretch."""
     at = setup.recordings.at
     # With every row after the step its columns are those of the effect everywhere.
-    always = epoch_step(0.0, CATALOGUE[effect.id])
-    long_ago = replace(at, columns={**at.columns, "time": np.ones(len(at))})
-    columns = setup.stack.columns(always, long_ago)[view.rows] * view.root[:, None]
-    time = at.numbers("time")[setup.stack.row][view.rows]
+    always = epoch_step(-1e15, CATALOGUE[effect.id], of_order=True)
+    columns = setup.stack.columns(always, at)[view.rows] * view.root[:, None]
+    time = clock(at)[setup.stack.row][view.rows]
     order = np.argsort(time, kind="stable")
     time, columns = time[order], columns[order]
     since = _from_the_end(columns[:, :, None] * columns[:, None, :])
@@ -106,7 +105,11 @@ def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
     gains = (values * seen[there]).sum(axis=1)
     stretches = np.array_split(np.arange(len(there)), min(STRETCHES, len(there)))
     best = [int(there[one[np.argmax(gains[one])]]) for one in stretches]
-    return [epoch_step(float(time[n - 1] + time[n]) / 2, CATALOGUE[effect.id]) for n in best]
+    of_order = effect.changes_with == "order"
+    return [
+        epoch_step(float(time[n - 1] + time[n]) / 2, CATALOGUE[effect.id], of_order=of_order)
+        for n in best
+    ]
 
 
 def _from_the_end(values: Array) -> Array:

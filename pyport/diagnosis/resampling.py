@@ -161,7 +161,7 @@ def _units(setup: Setup, own: Chosen) -> tuple[str, Codes]:
     """Return what is drawn together, and the number of the unit of each reading, shape (m,)."""
     sessions = setup.session
     effect = own.candidate.effect
-    of_session = "session" in own.scope or effect.changes_with == "session" or own.candidate.of_time
+    of_session = "session" in own.scope or effect.is_change or own.candidate.of_time
     if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not of_session:
         return "sessions", sessions
     at = setup.recordings.at

@@ -14,6 +14,7 @@ from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.joint import Joint, rms, sigmas
+from pyport.diagnosis.settle import unseen
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
 
@@ -139,14 +140,8 @@ def held_out(
     rows: NDArray[np.bool_],
 ) -> HeldOut:
     """Compare predictions of unseen readings with and without an effect."""
-    partition = holdout.folds(scene.setup, after, scene.seed)
-    first = holdout.residuals(scene.setup, scene.weighed, before, partition)
-    second = holdout.residuals(scene.setup, scene.weighed, after, partition)
-    both = rows & scene.counted & np.isfinite(first) & np.isfinite(second)
-    share = scene.share[both]
-    return HeldOut(
-        partition.scheme,
-        rms(first[both], share),
-        rms(second[both], share),
-        rms(scene.floor[both], share),
-    )
+    setup, weighed = scene.setup, scene.weighed
+    new = [one for one in after if not any(one is old for old in before)]
+    partition = holdout.folds(setup, new, scene.seed)
+    found = unseen(setup, (weighed, weighed), tuple(before), tuple(after), partition)
+    return found.compared(rows, weighed.covariance.floor)

@@ -121,7 +121,14 @@ def _walk(
             least = IMPERFECTION * strongest
             mismatch = p_value <= FAMILY_ERROR
             winner = winner_of(
-                setup, weighed, chosen, trials, least, banned=banned, mismatch=mismatch, strict=strict
+                setup,
+                weighed,
+                chosen,
+                trials,
+                least,
+                banned=banned,
+                mismatch=mismatch,
+                strict=strict,
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
@@ -161,7 +168,13 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         )
         trials = tuple(trials_of(now.setup, beside))
         better = winner_of(
-            now.setup, now.weighed, others, trials, own.evidence + EXCHANGED_FOR, banned=banned, changes=False
+            now.setup,
+            now.weighed,
+            others,
+            trials,
+            own.evidence + EXCHANGED_FOR,
+            banned=banned,
+            changes=False,
         )
         if better is None or better.trial.candidate.effect.id == one.candidate.effect.id:
             continue

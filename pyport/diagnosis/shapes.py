@@ -62,7 +62,7 @@ def numbers(recordings: Recordings) -> dict[str, Array]:
     found: dict[str, Array] = {}
     passed_over = recordings.meta.get("bookkeeping", "").split()
     for name, column in {"az_deg": at.az, "el_deg": at.el, **at.columns}.items():
-        if name in passed_over or column.dtype.kind not in "fiu":
+        if name in (*passed_over, "order") or column.dtype.kind not in "fiu":
             continue
         values = np.asarray(column, float)
         if np.isfinite(values).all() and len(np.unique(values)) > ORDER + 1:

@@ -141,10 +141,7 @@ class _Ground:
         """Compare both axes in each half, and both halves in each axis."""
         own, y = self.setup.expanded([one]), self.setup.stack.is_y
         quarters = [
-            [
-                self.weighed.covariance.whiten(own * (half & axis)[:, None])
-                for axis in (~y, y)
-            ]
+            [self.weighed.covariance.whiten(own * (half & axis)[:, None]) for axis in (~y, y)]
             for half in (first, ~first)
         ]
         others = self.others(one)

@@ -55,7 +55,7 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
     effect, there = candidate.effect, blocks.scopes()
     if not effect.physical:
         return ["all"]
-    if effect.changes_with == "session":
+    if effect.is_change:
         return [scope for scope in there if "session" not in scope]
     if effect.common != "antenna":
         return [scope for scope in there if "antenna" not in scope]

@@ -33,7 +33,7 @@ def nothing(p_value: float) -> str:
 
 def since(effect: Effect) -> str | None:
     """Return when a step happened, as ISO 8601 UTC; None for an effect that is no step in time."""
-    if not (effect.changes_with == "session" and effect.parameter is not None):
+    if effect.changes_with != "session" or effect.parameter is None:
         return None
     return f"{np.datetime64(round(effect.parameter), 's')}Z"
 

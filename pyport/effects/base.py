@@ -211,8 +211,9 @@ class Effect:
         The recorded condition that the effect follows, as `Circumstances` names its column, or
         `THE_HOUR` for what goes with the time of the day or with time itself.
     changes_with
-        "session" for a change from one session or epoch to another, "" for what does not
-        depend on when it was recorded.
+        "session" for a change from one session or epoch to another, "order" for one between rows
+        whose times are not known, "time" for a slow one, "" for what does not depend on when it
+        was recorded.
     member
         What distinguishes this member of its family, as numbers, texts and lists of them, so
         that a file can hold it; empty where there is no choice.
@@ -238,6 +239,11 @@ class Effect:
     changes_with: str = ""
     member: Mapping[str, Any] = field(default_factory=dict, compare=False)
     make: Callable[..., Effect] | None = field(default=None, compare=False)
+
+    @property
+    def is_change(self) -> bool:
+        """Tell whether it is a change from one state of the telescope to another."""
+        return self.changes_with in ("session", "order")
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

@@ -50,7 +50,7 @@ _BEYOND_TEMPERATURE = ("tilt",)
 #: Columns that are no condition: places, times of a scan, and how it was made.
 _NO_CONDITION = frozenset(
     {
-        *("time", "hour_angle", "ra", "dec", "sun_az", "sun_el", "wind_az"),
+        *("time", "order", "hour_angle", "ra", "dec", "sun_az", "sun_el", "wind_az"),
         *("scan_direction", "scan_rate", "frequency_mhz"),
     }
 )

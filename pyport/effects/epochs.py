@@ -28,6 +28,9 @@ DRIFT_ORDERS = (1, 2, 3)
 #: So many moments are tried for a step: half in the longest gaps, half spread over the rows.
 MOST_STEPS = 20
 
+#: Sessions from which on one of them can stand out of the others.
+FEWEST_TO_STAND_OUT = 3
+
 Inside = Callable[[Circumstances], NDArray[np.bool_]]
 
 
@@ -76,15 +79,43 @@ def _in_sessions(effect: Effect, sessions: Sequence[str]) -> Effect:
     )
 
 
-def epoch_step(since_s: float, effect: Effect | None = None) -> Effect:
-    """Return an effect of epochs, by default `epoch_offset`, as a step at one time.
+def clock(at: Circumstances) -> Array:
+    """Return what tells before from after: the time [s], or the order of the rows without one."""
+    return at.numbers("time" if "time" in at or "order" not in at else "order")
 
-    `since_s` is in seconds UTC since 1970.
+
+def epoch_step(since: float, effect: Effect | None = None, *, of_order: bool = False) -> Effect:
+    """Return an effect of epochs, by default `epoch_offset`, as a step at one moment.
+
+    `since` is in seconds UTC since 1970, or a number of rows in the file's order.
     """
-    when = f"since {np.datetime64(round(since_s), 's')}Z"
-    inside = lambda at: (at.numbers("time") >= since_s)[:, None]  # noqa: E731 - as short as it says
-    step = _within(effect or _OFFSET, inside, [when], f"step, {when}", {"since_s": since_s})
-    return replace(step, parameter=since_s)
+    when = (
+        f"since row {int(since) + 2}" if of_order else f"since {np.datetime64(round(since), 's')}Z"
+    )
+    inside = lambda at: (clock(at) >= since)[:, None]  # noqa: E731 - as short as it says
+    member = {"since_row" if of_order else "since_s": since}
+    step = _within(effect or _OFFSET, inside, [when], f"step, {when}", member)
+    return replace(step, parameter=since, changes_with="order" if of_order else "session")
+
+
+def _steps(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, ...]:
+    return tuple(epoch_step(float(one), effect, of_order="time" not in at) for one in moments)
+
+
+def _in_one_session(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
+    """Return an effect in each single session, those with the most rows where there are many."""
+    names, count = np.unique(at.column("session").astype(str), return_counts=True)
+    if len(names) < FEWEST_TO_STAND_OUT:
+        return ()
+    most = np.sort(np.argsort(-count, kind="stable")[:MOST_STEPS])
+    return tuple(_in_session_alone(effect, str(names[one])) for one in most)
+
+
+def _in_session_alone(effect: Effect, name: str) -> Effect:
+    """Return an effect in one session."""
+    inside = lambda at: (at.column("session").astype(str) == name)[:, None]  # noqa: E731
+    variant = f"in session {name} alone"
+    return _within(effect, inside, [f"in {name}"], variant, {"session": name})
 
 
 def _made(
@@ -92,10 +123,19 @@ def _made(
 ) -> Callable[..., Effect]:
     """Return what makes a member of an effect of epochs: by sessions, or since a moment."""
 
-    def make(sessions: Sequence[str] | None = None, since_s: float = 0.0) -> Effect:
-        return (
-            epoch_step(since_s, effect()) if sessions is None else _in_sessions(effect(), sessions)
-        )
+    def make(
+        sessions: Sequence[str] | None = None,
+        session: str | None = None,
+        since_s: float = 0.0,
+        since_row: float | None = None,
+    ) -> Effect:
+        if sessions is not None:
+            return _in_sessions(effect(), sessions)
+        if session is not None:
+            return _in_session_alone(effect(), session)
+        if since_row is not None:
+            return epoch_step(since_row, effect(), of_order=True)
+        return epoch_step(since_s, effect())
 
     return make
 
@@ -113,26 +153,26 @@ def _moments(time: Array) -> Array:
 
 
 def _starts(at: Circumstances) -> Array:
-    """Return when sessions began, but for the first one: a second before, and not too many."""
-    time, session = at.numbers("time"), at.column("session").astype(str)
+    """Return when sessions began, but for the first one: just before, and not too many."""
+    time, session = clock(at), at.column("session").astype(str)
     known = np.isfinite(time)
     names, number = np.unique(session[known], return_inverse=True)
     first = np.full(len(names), np.inf)
     np.minimum.at(first, number, time[known])
-    later = np.unique(first)[1:] - 1.0
+    later = np.unique(first)[1:] - 0.5
     few = np.linspace(0, len(later) - 1, min(len(later), MOST_STEPS)).round().astype(int)
     return later[few]
 
 
 def _members(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, ...]:
     """Return an effect of epochs per session and as steps; one of them where both say the same."""
-    steps = tuple(epoch_step(float(moment), effect) for moment in moments)
+    steps = _steps(effect, at, moments)
     if "session" not in at or len(np.unique(at.column("session"))) < 2:
         return steps
     by_session = _by_session(effect, at)
     if any(_splits_alike(by_session, step, at) for step in steps):
         return steps
-    return by_session, *steps
+    return by_session, *steps, *_in_one_session(effect, at)
 
 
 def _splits_alike(by_session: Effect, step: Effect, at: Circumstances) -> bool:
@@ -144,9 +184,9 @@ def _splits_alike(by_session: Effect, step: Effect, at: Circumstances) -> bool:
 
 def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant per session, where there are some, and steps between recordings."""
-    if "time" not in at:
+    if "time" not in at and "order" not in at:
         return (_by_session(_OFFSET, at),)
-    members = _members(_OFFSET, at, _moments(at.numbers("time")))
+    members = _members(_OFFSET, at, _moments(clock(at)))
     if not members:
         raise MissingColumn("a second moment")
     return members
@@ -154,7 +194,9 @@ def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
 
 def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     """Return an effect with coefficients per session, and as a step between any two of them."""
-    if "time" not in at:
+    if "time" not in at and "order" in at and "session" not in at:
+        return _members(effect, at, _moments(clock(at)))
+    if "time" not in at and "order" not in at:
         return (_by_session(effect, at),)
     if len(np.unique(at.column("session"))) < 2:
         raise MissingColumn("a second session")
@@ -184,6 +226,7 @@ def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
         formula=("a polynomial in time", "another polynomial in time"),
         parameter=order,
         driver=THE_HOUR,
+        changes_with="time",
         member={"order": order} | ({} if span_s is None else {"span_s": list(span_s)}),
         make=_drift,
     )

@@ -1,8 +1,6 @@
 """The hidden model of a drawn telescope, and the one cause that may act beside it.
 
-Offsets are encoder minus true, across (times cos E) and along elevation; azimuth A from north
-through east. Formulae: Himwich, Mark IV Field System documentation, Pointing Model (1993);
-Mangum & Wallace 2015 (r cot E); Greve et al. 1996 (eccentricity).
+Formulae: `terms`; Mangum & Wallace 2015 (r cot E); Greve et al. 1996 (eccentricity).
 """
 
 from __future__ import annotations
@@ -12,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pyport.examiner import terms
 from pyport.examiner.schedule import Array, Pointings
 
 #: Coefficients of the hidden model are normal with this sigma. [arcsec]
@@ -21,30 +20,14 @@ LEAST_SHARE = 0.1
 #: The terms that take in a constant of an axis.
 CONSTANTS = ("collimation", "elevation_zero")
 
-#: Coefficient of the hidden model -> its column, shape (n, 2): across, along.
-TERMS: dict[str, Callable[[Pointings], tuple[Array | float, Array | float]]] = {
-    "azimuth_zero": lambda at: (np.cos(at.el), 0.0),
-    "elevation_zero": lambda at: (0.0, np.ones(len(at))),
-    "collimation": lambda at: (np.ones(len(at)), 0.0),
-    "skew": lambda at: (np.sin(at.el), 0.0),
-    "tilt_north": lambda at: _lean(at, 0.0),
-    "tilt_east": lambda at: _lean(at, np.pi / 2),
-    "sag_cosine": lambda at: (0.0, np.cos(at.el)),
-}
-
-
-def _lean(at: Pointings, toward: float) -> tuple[Array, Array]:
-    """Return what an azimuth axis that leans toward an azimuth by one does."""
-    return np.sin(at.el) * np.sin(at.az - toward), np.cos(at.az - toward)
-
 
 def columns(at: Pointings) -> Array:
     """Return the hidden model's columns, shape (n, 2, 7)."""
-    return np.stack([_both(at, *term(at)) for term in TERMS.values()], axis=2)
+    return terms.altaz(at.az, at.el)
 
 
 def _both(at: Pointings, across: Array | float, along: Array | float) -> Array:
-    return np.stack([np.broadcast_to(one, len(at)) for one in (across, along)], axis=1)
+    return terms.both(across, along, len(at))
 
 
 @dataclass(frozen=True)
@@ -110,7 +93,7 @@ def _tilt_change(
     toward = rng.uniform(0, 2 * np.pi)
     after = (at.night >= begins)[:, None] & (begins > 0)
     truth = {"tilt_north": float(np.cos(toward)), "tilt_east": float(np.sin(toward))}
-    return after * _both(at, *_lean(at, toward)), truth, begins
+    return after * _both(at, *terms.lean(at.az, at.el, toward)), truth, begins
 
 
 def _temperature(
@@ -137,7 +120,7 @@ def draw(rng: np.random.Generator, at: Pointings, first: int, visible_arcsec: fl
     The rms is over the axes that it acts on. `first` says which cause is meant; where the model
     would take in nearly all of that one, or the nights are too few, the next one is drawn.
     """
-    base = columns(at).reshape(-1, len(TERMS))
+    base = columns(at).reshape(-1, len(terms.ALTAZ))
     order = [*list(CAUSES.items())[first % len(CAUSES) :], *list(CAUSES.items())]
     for effect, shape in order:
         offset, truth, begins = shape(rng, at)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from pyport.examiner import causes, noises, program, schedule
+from pyport.examiner import causes, noises, program, schedule, terms
 from pyport.examiner.schedule import Array
 
 #: Rows of a case, in turn.
@@ -91,7 +91,7 @@ def draw(case: Case) -> World:
     rng = np.random.default_rng([case.seed, zlib.crc32(case.kind.encode()), case.number, part])
     at = schedule.draw(rng, case.rows, case.sessions, case.sky)
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
-    truth = causes.TERM_ARCSEC * rng.standard_normal(len(causes.TERMS))
+    truth = causes.TERM_ARCSEC * rng.standard_normal(len(terms.ALTAZ))
     drawn = kind.draw(rng, at)
     offset = causes.columns(at) @ truth + sigma * drawn.value
     cause = None
@@ -113,7 +113,7 @@ def draw(case: Case) -> World:
             "longitude_deg": math.degrees(at.longitude),
             "height_m": 500.0,
         },
-        dict(zip(causes.TERMS, truth.tolist(), strict=True)),
+        dict(zip(terms.ALTAZ, truth.tolist(), strict=True)),
         causes.CONSTANTS if moved else (),
         cause,
         sigma,

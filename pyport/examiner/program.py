@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
-from collections.abc import Mapping
+import signal
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,17 +23,27 @@ class Refused:
     why: str
 
 
+#: No answer within this time is none. [s]
+PATIENCE_S = 300.0
+
+
 def diagnosed(
-    table: Table, header: Header | None = None, model: str = "altaz"
+    table: Table,
+    header: Header | None = None,
+    model: str = "altaz",
+    patience_s: float = PATIENCE_S,
 ) -> dict[str, Any] | Refused:
     """Return the report of a diagnosis, as report.json holds it."""
     import pyport
     from pyport.errors import BadInput
 
     try:
-        return pyport.diagnose(_given(table), model, header=header).report
+        with _no_longer_than(patience_s):
+            return pyport.diagnose(_given(table), model, header=header).report
     except BadInput as error:
         return Refused(str(error))
+    except TimeoutError:
+        return Refused(f"no answer within {patience_s:.0f} s")
 
 
 def fitted(
@@ -45,6 +57,25 @@ def fitted(
         return pyport.fit(_given(table), model, header=header).report
     except BadInput as error:
         return Refused(str(error))
+
+
+@contextlib.contextmanager
+def _no_longer_than(patience_s: float) -> Iterator[None]:
+    """Raise `TimeoutError` after some seconds, where the system can interrupt a thread."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, patience_s)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _given(table: Table) -> Table:
@@ -62,3 +93,10 @@ def version() -> str:
         text.update(str(file.relative_to(root)).encode())
         text.update(file.read_bytes())
     return text.hexdigest()[:16]
+
+
+def shipped(name: str) -> Path:
+    """Return the file of recordings that come with the program."""
+    import pyport
+
+    return Path(pyport.__file__).parent / "recordings" / "gmrt" / "data" / f"{name}.csv"

@@ -16,6 +16,7 @@ from pyport.fitting.two_axes import Difference, from_products
 from pyport.noise.covariance import Covariance
 from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame
+from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -98,6 +99,7 @@ def fit(
     BadInput
         There are fewer measured offsets than coefficients.
     """
+    recordings = with_nights(recordings)
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)

@@ -15,7 +15,9 @@ from pyport.formats.convert import table_of
 from pyport.models.use import PointingModel
 from pyport.recordings.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.interpret import angles_of, azimuth_from_south, offsets_of, targets
+from pyport.recordings.nights import with_nights
 from pyport.recordings.raw import Raw
+from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import Table
 
 
@@ -71,7 +73,9 @@ def applied(
     there = np.isfinite(at.az) & np.isfinite(at.el)
     if not there.any():
         raise raw.error("no row tells an azimuth and an elevation")
-    known = at.take(there)
+    nothing = np.full(len(at), np.nan)
+    rows = Recordings(at, nothing, nothing, nothing, nothing, raw.line, raw.file)
+    known = with_nights(rows).at.take(there) if residuals else at.take(there)
     try:
         found = _inverse(model, known) if inverse else _forward(model, known)
         if residuals:

@@ -14,6 +14,7 @@ from pyport.effects import Circumstances, MissingColumn
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
 from pyport.models.use import PointingModel
+from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 
 #: The sky is compared in steps of so many degrees, down to this elevation.
@@ -149,6 +150,7 @@ def compare(
     BadInput
         A model needs a condition that neither the recordings nor `conditions` tell.
     """
+    recordings = None if recordings is None else with_nights(recordings)
     rows = None if recordings is None else _rows(old, new, recordings)
     scatter = None if rows is None else rows.rms_after["sky"]
     if scatter is None and new.model.completed is not None:

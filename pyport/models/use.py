@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 SETTLED = 1e-6 * ARCSEC
 #: Offsets change by a hundredth of the way at most, but near the zenith: a few turns settle it.
 TURNS = 60
+#: Later than any row of recordings.
+LATEST = 1e18
 #: No effect needs more columns than this.
 MOST_NEEDS = 6
 
@@ -124,6 +126,8 @@ class PointingModel:
         `temperature_c`, ...).
         """
         ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
+        if self._by_row:
+            columns.setdefault("order", LATEST)
         try:
             return ready.one(az_rad, el_rad, columns, self.model.site)
         except MissingColumn:
@@ -221,6 +225,11 @@ class PointingModel:
     def _labels(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(label for term in self.model.terms for label in term.per))
 
+    @cached_property
+    def _by_row(self) -> bool:
+        """Tell whether a term changes at a row of its recordings, which told no time."""
+        return any("since_row" in term.effect.member for term in self.model.terms)
+
     def _varies(self, label: str) -> bool:
         """Tell whether coefficients differ between values of a label."""
         found = set()
@@ -242,6 +251,9 @@ class PointingModel:
     def _offsets(
         self, az: Array, el: Array, columns: Columns, site: Site | None
     ) -> tuple[Array, Array]:
+        if self._by_row and "order" not in columns:
+            # what changed at some row of the recordings is as it was after the last of them
+            columns = columns | {"order": np.full(len(az), LATEST)}
         known = {key: columns[key] for key in self._labels if key in columns}
         single = {
             key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()

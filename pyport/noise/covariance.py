@@ -138,11 +138,7 @@ class Covariance:
         for antenna in dict.fromkeys(one.antenna for one in self.departures):
             unit = self._within_axes(
                 np.concatenate(
-                    [
-                        one.columns * one.sigma
-                        for one in self.departures
-                        if one.antenna == antenna
-                    ],
+                    [one.columns * one.sigma for one in self.departures if one.antenna == antenna],
                     axis=1,
                 )
             )
@@ -181,6 +177,15 @@ class Covariance:
         for part, noise in zip(self.parts, self.noises, strict=True):
             white = (noise.within**2 + noise.between**2) / self.precision[part.rows]
             floor[part.rows] = np.sqrt(white + noise.drift**2)
+        return floor
+
+    @cached_property
+    def floor(self) -> Array:
+        """Return the scatter of each reading from pointing to pointing alone, tails apart [rad]."""
+        floor = np.zeros(len(self.weights))
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            white = np.hypot(noise.within, noise.between / noise.tail)
+            floor[part.rows] = white / np.sqrt(self.precision[part.rows])
         return floor
 
     @property

@@ -7,6 +7,7 @@ hundred speaks for itself (Searle, Casella & McCulloch 1992, Variance Components
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE
+from pyport.effects.astrometry import parallactic
 from pyport.effects.base import MissingColumn
 from pyport.fitting.stacking import Codes, Stack, group
 from pyport.noise.covariance import Covariance, Departures
@@ -84,20 +86,16 @@ def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Depar
         return []
     inside = source[data.row][:, None] == again
     labels = tuple(names[one][0] for one in again)
-    try:
-        from pyport.effects.astrometry import parallactic
-
+    ones = np.ones(len(data))
+    shapes = [
+        ("offset in cross-elevation", [ones * ~data.is_y]),
+        ("offset in elevation", [ones * data.is_y]),
+    ]
+    with contextlib.suppress(MissingColumn):
         east, north = parallactic(recordings.at)
         turned = [data.spread(*east), data.spread(*north)]
-        if not np.isfinite(np.stack(turned)).all():
-            raise MissingColumn("latitude_deg")
-        shapes = [("place in the catalogue", turned)]
-    except MissingColumn:
-        ones = np.ones(len(data))
-        shapes = [
-            ("offset in cross-elevation", [ones * ~data.is_y]),
-            ("offset in elevation", [ones * data.is_y]),
-        ]
+        if np.isfinite(np.stack(turned)).all():
+            shapes = [("place in the catalogue", turned)]
     return [
         Departures(
             term,

@@ -124,14 +124,11 @@ def estimate(
     grid = grid_of(parts)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS if like is None else 1):
-        if like is None:
-            found = departures.estimate(covariance, value, wide, given.departures)
-            covariance = replace(covariance, departures=found)
+        found = departures.estimate(covariance, value, wide, given.departures)
+        covariance = replace(covariance, departures=found)
         drafts = []
         for n, part in enumerate(parts):
-            own = (
-                one[part.rows] for one in (covariance.weights, covariance.precision, residual)
-            )
+            own = (one[part.rows] for one in (covariance.weights, covariance.precision, residual))
             moved = _departing(covariance, part, n)
             drafts.append(
                 draft(
@@ -170,9 +167,7 @@ class _First:
     columns: list[Array]
 
 
-def _first(
-    value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None
-) -> _First:
+def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None) -> _First:
     floors = _floors(value, given.parts)
     weights, residual = np.ones(len(value)), np.zeros(len(value))
     columns = []

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import Array
-from pyport.noise.pointings import pointings
 from pyport.fitting.stacking import Codes, Stack, group
+from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
@@ -36,7 +36,8 @@ class Series:
         For each the number of its pointing within the series; readings of one
         pointing share it, shape (m,).
     time
-        Time of each pointing [s since the first]; None where any is unknown.
+        Time of each pointing [s since the first], or its place in the order of the rows where no
+        times are recorded; None where any is unknown.
     number
         The number of each pointing among all pointings of the recordings.
     antenna, is_y
@@ -118,8 +119,10 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
     antennas, names = group(recordings, ("antenna",))
     sessions, _ = group(recordings, ("session",))
     time = np.full(len(recordings), np.nan)
-    if "time" in recordings.at:
-        time = np.asarray(recordings.at.column("time"), float)
+    for clock in ("time", "order"):
+        if clock in recordings.at:
+            time = np.asarray(recordings.at.column(clock), float)
+            break
     pointing = pointings(recordings)
     found = []
     for antenna, name in enumerate(names):
@@ -131,9 +134,7 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
             timed = bool(np.isfinite(time[of_row]).all())
             first = time[of_row] if timed else sessions[of_row]
             rows = rows[np.lexsort((pointing[of_row], sessions[of_row], first))]
-            found.append(
-                _ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y)
-            )
+            found.append(_ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y))
     return found
 
 
@@ -196,9 +197,9 @@ def by_pointing(
     within = np.where(noise.within > 0, noise.within, 1.0)
     own = np.maximum(weights * precision, 1e-12) / within**2
     total = np.bincount(part.pointing, own)
-    means = np.stack(
-        [np.bincount(part.pointing, own * column) / total for column in columns.T], axis=1
-    )
+    means = np.empty((len(count), columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        means[:, k] = np.bincount(part.pointing, own * column) / total
     deviations = np.zeros_like(columns)
     if noise.within > 0 and count.max() > 1:
         deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]

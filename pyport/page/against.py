@@ -72,7 +72,7 @@ def columns(
         if np.isfinite(hours).any():
             regions = _regions("hour_angle", layers)
             found.append(Column("hour_angle", "hour angle", "h", hours, regions))
-    skipped = {"time", "hour_angle", *recordings.meta.get("bookkeeping", "").split()}
+    skipped = {"time", "order", "hour_angle", *recordings.meta.get("bookkeeping", "").split()}
     others = [
         _column(name, values, layers) for name, values in at.columns.items() if name not in skipped
     ]

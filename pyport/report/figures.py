@@ -187,15 +187,15 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
 def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
     """Draw how predictions of unseen readings miss, before and after."""
     unit, name = _unit(diagnosis.left(diagnosis.before)[rows])
-    both = rows[np.isfinite(diagnosis.unseen[0][rows]) & np.isfinite(diagnosis.unseen[1][rows])]
+    both = rows[diagnosis.unseen.counted[rows]]
     if len(both) == 0:
         axes.set_axis_off()
         return
-    reach = float(np.quantile(np.abs(diagnosis.unseen[0][both]), 0.99)) / unit
+    reach = float(np.quantile(np.abs(diagnosis.unseen.before[both]), 0.99)) / unit
     bins = np.linspace(-reach, reach, 41).tolist()
     for values, colour, label in (
-        (diagnosis.unseen[0][both], GREY, "before"),
-        (diagnosis.unseen[1][both], BLUE, "after"),
+        (diagnosis.unseen.before[both], GREY, "before"),
+        (diagnosis.unseen.after[both], BLUE, "after"),
     ):
         text = f"{label}: rms {rms(values) / unit:.2f} {name}"
         axes.hist(values / unit, bins, histtype="step", lw=1.8, color=colour, label=text)

@@ -122,3 +122,20 @@ def test_a_receiver_on_a_platform_is_no_second_name_for_sag():
 
     assert "sag_sine" in found[0].members
     assert all("nasmyth" not in one.members for one in found)
+
+
+def test_two_conditions_that_go_together_are_both_said():
+    """Where the yoke goes with the air the tilt may follow either: no one name."""
+
+    def leaning(at, rng):
+        x, y = CATALOGUE["tilt"].columns(at)
+        warm = at.column("temperature_c") - 5
+        at.columns["yoke_temp_c"] = warm + rng.normal(0, 0.05, len(warm))
+        return warm * x[:, 0], warm * y[:, 0]
+
+    first = diagnose(drawn(300, 6, 1, 5.0, leaning), load("altaz")).findings[0]
+
+    assert (first.members, first.verdict) == (("driven_term",), "ambiguous")
+    assert "temperature_c" in first.variant + first.decide_by
+    assert "yoke_temp_c" in first.variant + first.decide_by
+    assert "go apart" in first.decide_by

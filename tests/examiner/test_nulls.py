@@ -11,7 +11,7 @@ import pytest
 import pyport.examiner
 from pyport.effects import CATALOGUE
 from pyport.effects.celestial import hour_angle
-from pyport.examiner import causes, noises, nulls, nulls_table, program, schedule, scores
+from pyport.examiner import causes, noises, nulls, nulls_table, program, schedule, scores, terms
 from pyport.recordings.from_table import from_table
 
 KINDS = list(noises.KINDS)
@@ -105,7 +105,7 @@ def test_terms_and_causes_have_the_formulae_of_the_program():
         size = [values[c.name] * c.scale for c in one.coefficients]
         return np.degrees(np.stack([x @ size for x in one.columns(circumstances)], 1)) * 3600
 
-    for n, name in enumerate(causes.TERMS):
+    for n, name in enumerate(terms.ALTAZ):
         effect = "tilt" if name.startswith("tilt") else name
         other = {"tilt_north": 0.0, "tilt_east": 0.0} if effect == "tilt" else {}
         np.testing.assert_allclose(
@@ -119,6 +119,23 @@ def test_terms_and_causes_have_the_formulae_of_the_program():
         else:
             after = (at.night >= cause.begins)[:, None]
             np.testing.assert_allclose(cause.offset, after * theirs("tilt", cause.truth), atol=1e-6)
+
+
+def test_least_squares_of_white_cases_cover_the_hidden_model():
+    """Two coefficients of three within one sigma, 19 of 20 within two."""
+    z = []
+    for number in range(60):
+        world = nulls.draw(nulls.Case("white", number, nulls.NULL, 5))
+        table = world.table
+        columns = terms.altaz(np.radians(table["az_deg"]), np.radians(table["el_deg"]))
+        columns = columns.reshape(-1, 7)
+        data = np.stack([table["d_xel_arcsec"], table["d_el_arcsec"]], axis=1).ravel()
+        inverse = np.linalg.inv(columns.T @ columns)
+        error = inverse @ columns.T @ data - list(world.truth.values())
+        z += list(np.abs(error) / np.sqrt(np.diag(inverse)) / world.sigma)
+
+    assert np.mean(np.array(z) < 1) == pytest.approx(0.683, abs=0.08)
+    assert np.mean(np.array(z) < 2) == pytest.approx(0.954, abs=0.04)
 
 
 def test_a_cause_is_as_visible_as_asked():
@@ -364,3 +381,34 @@ def test_the_table_says_which_targets_are_missed():
     assert "20/20" in text
     assert "claimed in white: clock 20" in text
     assert "claims" in text.splitlines()[-1]
+
+
+def test_no_answer_in_time_is_none(monkeypatch):
+    """A diagnosis that goes on is stopped; another one afterwards is not."""
+    import time
+
+    monkeypatch.setattr(pyport, "diagnose", lambda *_, **__: time.sleep(60))
+    begun = time.monotonic()
+    found = program.diagnosed({}, patience_s=0.2)
+
+    assert isinstance(found, program.Refused)
+    assert "no answer" in found.why
+    assert time.monotonic() - begun < 10
+
+
+def test_the_command_prints_a_line_a_kind_and_goes_on(tmp_path):
+    """A kind that there is not is refused; a second run reads what the first one found."""
+    from click.testing import CliRunner
+
+    from pyport.cli.dev import command
+    from pyport.errors import BadInput
+
+    words = ["nulls", "--cases", "1", "--kinds", "white", "--by", "rows", "--out", str(tmp_path)]
+    first, again = (CliRunner().invoke(command, words) for _ in range(2))
+
+    assert first.exit_code == 0
+    assert first.output == again.output
+    assert "rows 60" in first.output
+    assert len((tmp_path / "nulls.jsonl").read_text().splitlines()) == 2
+    wrong = CliRunner().invoke(command, ["nulls", "--kinds", "pink"])
+    assert isinstance(wrong.exception, BadInput)

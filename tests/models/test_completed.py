@@ -12,6 +12,8 @@ from samples import sample
 from pyport import api
 from pyport.angles import ARCSEC, DEG
 from pyport.cli import pyport
+from pyport.diagnosis import joint
+from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.record import as_json
@@ -49,15 +51,7 @@ CAUSES = {
         "x": lambda at: 12 * np.sin(at.el) * np.sin(3 * at.az),
         "y": lambda at: 14 * np.cos(3 * at.az),
     },
-    "epoch_offset": {"y": lambda at: 12.0 * (at.columns["time"] > 1.2e9 + 15 * 86400)},
     "unknown": {"y": lambda at: 9 * np.exp(np.sin(2 * at.az) * np.sin(3 * at.el))},
-}
-#: Many nights: what they do to zeros is noise, and a step has to stand out of it.
-WHEN = {
-    "epoch_offset": {
-        "session": np.char.add("s", (np.arange(900) // 30).astype(str)),
-        "time": 1.2e9 + np.linspace(0, 30 * 86400, 900),
-    }
 }
 
 
@@ -72,7 +66,7 @@ def old(tmp_path_factory):
 @pytest.mark.parametrize("cause", CAUSES)
 def test_new_minus_old_is_before_minus_after(cause, old, tmp_path):
     """At the recordings, from the file: a plain term, a curve, a column, a moment, a field."""
-    measured = recordings(900, 5, **WHEN.get(cause, {}), **CAUSES[cause])
+    measured = recordings(900, 5, **CAUSES[cause])
     given = load(str(old))
     found = diagnose(measured, given)
     path = tmp_path / "new.toml"
@@ -88,6 +82,31 @@ def test_new_minus_old_is_before_minus_after(cause, old, tmp_path):
         told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
     )
     assert new.completed.values == completed(found).completed.values
+
+
+@pytest.fixture(scope="module")
+def searched(old):
+    """Return a diagnosis whose candidates are at hand."""
+    antenna = np.array(["a", "b"])[np.arange(500) % 2]
+    return diagnose(recordings(500, 4, antenna=antenna), load(str(old)))
+
+
+@pytest.mark.parametrize("scope", ["all", "antenna", "session", "antenna and session"])
+@pytest.mark.parametrize(
+    "effect", ["epoch_offset", "epoch_tilt", "tilt", "drift", "elevation_scale"]
+)
+def test_whatever_is_chosen_is_carried(effect, scope, searched, tmp_path):
+    """A step in time, coefficients by session and antenna: every member, as if it were found."""
+    setup, given = searched.setup, searched.setup.model
+    for candidate in (one for one in setup.candidates if one.effect.id == effect):
+        after = joint.fit(setup, searched.weighed, [Chosen(candidate, scope)])
+        new = completed(replace(searched, after=after))
+        toml.write(new, tmp_path / "new.toml")
+        back = load(str(tmp_path / "new.toml"))
+        at = setup.recordings.at
+        x, y = (n - o for n, o in zip(back.offsets(at), given.offsets(at), strict=True))
+
+        np.testing.assert_allclose(setup.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0)
 
 
 @pytest.mark.parametrize("cause", ["subreflector_jump", "temperature"])

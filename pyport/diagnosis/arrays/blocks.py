@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Setup
-from pyport.noise.covariance import OUTLIER_WEIGHT
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.fitting import robust
 from pyport.fitting.stacking import Codes
+from pyport.noise.covariance import OUTLIER_WEIGHT
 
 #: What is free in every session: encoders are set anew.
 ZEROS = ("azimuth_zero", "elevation_zero")

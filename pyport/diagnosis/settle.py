@@ -1,0 +1,138 @@
+"""The final set of findings: each must predict unseen data better with it than without it.
+
+The search tests each effect as it joins; what joins later may make it useless, and the sum may
+predict worse than its parts. So the whole is fitted once more, and whatever does not pay on data
+left out, in the scheme that suits it, is dropped and listed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.diagnosis import holdout
+from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.finding import HeldOut
+from pyport.diagnosis.joint import rms
+from pyport.diagnosis.steps import Outcome
+from pyport.fitting import robust
+from pyport.stages import stage
+
+#: A reading that both predictions miss by so many times the scatter of the other folds is a gross
+#: error: no prediction can be judged by it.
+GROSS = 10.0
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """An effect that was looked at and dropped: what it was, and why."""
+
+    effect: str
+    variant: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Residuals of readings that the fit had not seen, before and after [rad], shape (m,) each.
+
+    `counted` (m,) tells which readings were predicted by both and are no gross errors.
+    """
+
+    partition: holdout.Folds
+    before: Array
+    after: Array
+    counted: NDArray[np.bool_]
+
+    def compared(self, rows: NDArray[np.bool_], floor: Array) -> HeldOut:
+        """Return the plain rms over some rows (m,), and that of the scatter alone (m,)."""
+        both = rows & self.counted
+        return HeldOut(
+            self.partition.scheme,
+            rms(self.before[both]),
+            rms(self.after[both]),
+            rms(floor[both]),
+            int((rows & ~self.counted).sum()),
+        )
+
+
+def unseen(
+    setup: Setup,
+    weighed: tuple[Weighed, Weighed],
+    before: tuple[Chosen, ...],
+    after: tuple[Chosen, ...],
+    partition: holdout.Folds,
+) -> Unseen:
+    """Predict what was left out with and without some effects, each under its own noise.
+
+    A reading is a gross error when both predictions miss it by more than `GROSS` times the
+    scatter that the readings of the other folds have about theirs.
+    """
+    residuals = [
+        holdout.residuals(setup, own, chosen, partition)
+        for own, chosen in zip(weighed, (before, after), strict=True)
+    ]
+    finite = np.isfinite(residuals[0]) & np.isfinite(residuals[1])
+    nearest = np.where(finite, np.minimum(*np.abs(residuals)), np.inf)
+    counted = finite.copy()
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    series = antenna * 2 + setup.stack.is_y
+    for one in np.unique(series):
+        for fold in np.unique(partition.fold[series == one]):
+            own = (series == one) & (partition.fold == fold)
+            others = (series == one) & (partition.fold != fold) & finite
+            if others.any():
+                counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
+    return Unseen(partition, *residuals, counted)
+
+
+@stage("settling findings")
+def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
+    """Weigh with the final noise, and drop what does not predict unseen data better.
+
+    One at a time, the one that does most harm first; then, while the whole predicts worse than
+    the model alone, the weakest.
+    """
+    setup, dropped = outcome.setup, []
+    chosen, steps = outcome.chosen, outcome.steps
+    while True:
+        weighed = weigh(setup, chosen, searching=False)
+        worst = _worst(setup, weighed, chosen)
+        if worst is None:
+            break
+        one, reason = worst
+        effect = one.candidate.effect
+        dropped.append(Dropped(effect.id, effect.variant, reason))
+        chosen = tuple(each for each in chosen if each is not one)
+        steps = tuple(step for step in steps if step.chosen is not one)
+    return replace(outcome, chosen=chosen, steps=steps, weighed=weighed), tuple(dropped)
+
+
+def _worst(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> tuple[Chosen, str] | None:
+    """Return the choice without which unseen data are predicted best, and why; None if none."""
+    everywhere = np.ones(len(setup.residual), bool)
+    floor = np.zeros(len(setup.residual))
+    gains = []
+    for one in chosen:
+        others = tuple(each for each in chosen if each is not one)
+        partition = holdout.folds(setup, (one,), setup.seed)
+        found = unseen(setup, (weighed, weighed), others, chosen, partition)
+        held = found.compared(everywhere, floor)
+        gains.append((held.before - held.after) / max(held.before, 1e-300))
+    if gains and min(gains) <= 0:
+        harm = int(np.argmin(gains))
+        return chosen[harm], (
+            f"data left out are predicted worse with it, by {-100 * gains[harm]:.2g} per cent"
+        )
+    if chosen:
+        alone = weigh(setup, (), searching=False)
+        partition = holdout.folds(setup, chosen, setup.seed)
+        held = unseen(setup, (alone, weighed), (), chosen, partition).compared(everywhere, floor)
+        if held.after >= held.before:
+            return chosen[int(np.argmin(gains))], (
+                "with everything found data left out are predicted worse than by the model alone"
+            )
+    return None
