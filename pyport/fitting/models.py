@@ -116,7 +116,8 @@ class Model:
     completed
         What is known of a model that a fit or a diagnosis completed.
     told
-        What another program's file says of its own fit: `stars`, `sky_rms_arcsec`.
+        What another program's file says beside the terms: of its own fit `stars` and
+        `sky_rms_arcsec`; `title`, `comments`, `number_and_date`.
     """
 
     name: str
@@ -125,7 +126,7 @@ class Model:
     base: str = ""
     site: Site | None = None
     completed: Completed | None = field(default=None, compare=False, repr=False)
-    told: Mapping[str, float] = field(default_factory=dict, compare=False, repr=False)
+    told: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
         """Return the terms to fit: all that are not fixed, or those of them whose id is named."""

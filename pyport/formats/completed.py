@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.fitting.models import Model
 from pyport.formats import models
-from pyport.formats.model_file import NAMES, WORDS, Entry, ModelFile, rounded, translated
+from pyport.formats.model_file import KEPT, NAMES, WORDS, Entry, ModelFile, rounded, translated
 from pyport.formats.terms.alike import shape_of
 from pyport.formats.terms.words import SCALES
 from pyport.models import toml
@@ -119,8 +119,10 @@ def write_model(
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
         wrong = f"{vocabulary} has no name for {', '.join(lost)}"
         raise BadInput(f"{wrong}: {ways} or --leave-out", path)
-    title = str(dict(model.completed.made).get("telescope", "")) if model.completed else ""
-    file = ModelFile(vocabulary, tuple(_summed(found)), title or model.name)
+    made = dict(model.completed.made) if model.completed else dict(model.told)
+    title = str(made.get("title") or made.get("telescope") or model.name)
+    details = {key: made[key] for key in KEPT if key in made and vocabulary == "field-system"}
+    file = ModelFile(vocabulary, tuple(_summed(found)), title, details=details)
     if vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
     rest = _rest(model, file, lost, rest_as, conditions or {})

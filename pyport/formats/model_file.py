@@ -34,6 +34,10 @@ NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
 }
 
 
+#: What a file says beside its terms that a fitted model is written with again.
+KEPT = ("comments", "number_and_date")
+
+
 @dataclass(frozen=True)
 class Entry:
     """A term of a model file.
@@ -113,7 +117,11 @@ class ModelFile:
         BadInput
             A term is used whose formula is not known.
         """
-        told = {key: float(one) for key, one in self.details.get("statistics", {}).items()}
+        told: dict[str, Any] = {
+            key: float(one) for key, one in self.details.get("statistics", {}).items()
+        }
+        kept = {"title": self.title, **{key: self.details.get(key) for key in KEPT}}
+        told |= {key: one for key, one in kept.items() if one}
         return Model(name, tuple(filter(None, map(self._term, self.entries))), told=told)
 
     def _term(self, entry: Entry) -> Term | None:

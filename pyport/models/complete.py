@@ -15,6 +15,7 @@ from pyport.errors import BadInput
 from pyport.files import sha256
 from pyport.fitting.models import Model, Term, rt32_values
 from pyport.fitting.stacking import Stack
+from pyport.formats.model_file import KEPT
 from pyport.models.completed import Completed, Value
 from pyport.models.members import frozen
 from pyport.recordings.schema import Recordings
@@ -193,4 +194,5 @@ def _made(model: Model, recordings: Recordings, by: str) -> dict[str, Any]:
         "rows": len(recordings),
         "model": model.name,
         "telescope": recordings.meta.get("telescope"),
+        **{key: model.told[key] for key in ("title", *KEPT) if key in model.told},
     }

@@ -224,3 +224,21 @@ def test_apply_says_what_is_lacking(tmp_path):
     targets.write_text("az_deg,el_deg,temperature_c\n10,45,3\n20,50,4\n30,50,\n")
     text, status = run("apply", model, targets, "-o", tmp_path / "o.csv")
     assert "1 rows do not tell temperature_c" in text
+
+
+def test_a_control_file_keeps_its_title_and_date(tmp_path):
+    """The Field System's mdlpo.ctl, fitted again, and by way of the TOML file."""
+    old = tmp_path / "mdlpo.ctl"
+    flags, zeros = "1 0 1 1 1  1 1 1 0 0", "  0.0000000000" * 5
+    head = "* a dish by the sea\n*\n  3 2014 290  1 2 3\n*\n"
+    old.write_text(f"{head}  90.0  {flags}\n*\n{zeros}\n*\n{zeros}\n*\n")
+    night = tmp_path / "night.csv"
+    write(recordings(200, 3), night)
+    run("fit", night, "--model", old, "--save", tmp_path / "new.toml")
+    run("convert", tmp_path / "new.toml", tmp_path / "new.ctl")
+    run("fit", night, "--model", old, "--save", tmp_path / "again.ctl")
+
+    for name in ("new.ctl", "again.ctl"):
+        text = (tmp_path / name).read_text()
+        assert text.startswith("* a dish by the sea\n")
+        assert "00003  2014  290  01  02  03" in text
