@@ -21,6 +21,10 @@ UNKNOWN = "unknown"
 
 Bumps = Mapping[str, Any]
 
+#: A file may ask for any number of bumps: none is narrower than a quarter of a degree, which
+#: makes 300,000 over the sky, and none of a column are more than a thousand.
+NARROWEST_RAD, MOST_BUMPS = 0.0044, 1000
+
 
 def sky(at: Circumstances, width_rad: float) -> Array:
     """Return bumps on the sphere, as far apart as they are wide, shape (n, K)."""
@@ -110,7 +114,16 @@ def field(
         How many of each term one of each coefficient is, shape (k, dof).
     family, variant
         What kind of field it is, and which of its kind.
+
+    Raises
+    ------
+    ValueError
+        There are no such bumps, or more than any recordings determine.
     """
+    if bumps["kind"] not in KINDS:
+        raise ValueError(f"no field is made of {bumps['kind']!r}")
+    if bumps.get("width_rad", 1.0) < NARROWEST_RAD or bumps.get("count", 2) > MOST_BUMPS:
+        raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)
     mix = np.asarray(directions, float)
 

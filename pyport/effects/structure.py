@@ -16,6 +16,8 @@ Edge = Callable[[Array], Array]
 
 #: So many straight edges are tried in elevation, and in azimuth: a first guess of the curve.
 MOST_EDGES = 7
+#: A file tells an edge on at most so many levels of elevation: a degree each, and some more.
+MOST_LEVELS = 1000
 #: How far the leaning edges that are tried rise and fall with azimuth. [rad]
 LEAN = 10 * DEG
 
@@ -162,6 +164,8 @@ class SoftEdge:
     @classmethod
     def of(cls, start_rad: float, width_rad: float, levels: int, rows: Sequence[Any]) -> SoftEdge:
         """Return it from what a file holds: see `member`."""
+        if not 0 < levels <= MOST_LEVELS:
+            raise ValueError(f"an edge of {levels} levels of elevation")
         share = np.zeros((len(rows), levels))
         for column, (first, *values) in zip(share, rows, strict=True):
             column[first : first + len(values)] = values

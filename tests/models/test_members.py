@@ -16,6 +16,7 @@ from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
 from pyport.models.toml import spelled
 
+FIELD = {"axes": [0], "which": [0], "directions": [[1.0]], "family": "a", "variant": "b"}
 CASES = [*mechanics.CASES, *heavens.CASES]
 
 
@@ -134,6 +135,17 @@ def test_a_soft_edge_comes_back_and_knows_whole_turns():
         ("azimuth_track", {"j": 2}, "tells no member"),
         ("tilt", {"coefficient": 5}, "tells no member"),
         ("unknown", {"bumps": {"kind": "hills"}}, "tells no member"),
+        ("unknown", FIELD | {"bumps": {"kind": "hills"}}, "no field is made of 'hills'"),
+        ("unknown", FIELD | {"bumps": {"kind": "sky", "width_rad": 1e-9}}, "more bumps than"),
+        (
+            "subreflector_jump",
+            {
+                "edge_az_rad": [0.0],
+                "edge_el_rad": [1.0],
+                "share": {"start_rad": 0.0, "width_rad": 0.1, "levels": 10**12, "rows": [[0]]},
+            },
+            "an edge of 1000000000000 levels",
+        ),
     ],
 )
 def test_a_member_that_is_none_is_refused(identity, member, said):
