@@ -53,7 +53,8 @@ def with_quiet(command: click.Command) -> click.Command:
     if isinstance(command, click.Group):
         for one in command.commands.values():
             with_quiet(one)
-    elif not any(parameter.name == "quiet" for parameter in command.params):
+    calls = not isinstance(command, click.Group) or command.invoke_without_command
+    if calls and not any(parameter.name == "quiet" for parameter in command.params):
         command.params.append(
             click.Option(
                 ["--quiet"],

@@ -1,52 +1,178 @@
-"""`pyport parity`: hold the ports to the published Fortran and say how far apart they are."""
+"""`pyport parity`: hold ports to the Fortran they were made from and say how far apart they are."""
 
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
+if TYPE_CHECKING:
+    from pyport.parity.description import Description
 
-@click.command("parity", epilog="Example: pyport parity --points 100000 --report PARITY.md")
+_CONFIG = click.option(
+    "--config",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="A parity.toml; that of the RT32's published routines by default.",
+)
+
+
+def _described(config: Path | None) -> Description:
+    """Read the description named by a command or by `pyport parity` before it."""
+    from pyport.legacy import PARITY
+    from pyport.parity.loading import load
+
+    parent = click.get_current_context().parent
+    before = parent.params.get("config") if parent is not None else None
+    return load(config or before or PARITY)
+
+
+@click.group(
+    "parity",
+    invoke_without_command=True,
+    epilog="Exit status: 0 when every promise is kept, 1 when one is broken, 2 for bad input. "
+    "Example: pyport parity --config parity.toml --points 100000 --report PARITY.md",
+)
+@_CONFIG
 @click.option(
     "--points",
     type=click.IntRange(min=0),
     default=20_000,
     show_default=True,
-    help="Random points, beside the table's 51,395 and the pinned edges (with the oracle).",
+    help="Random points, beside the edges and the description's own (with a compiler).",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random points.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes; all cores by default.")
-@click.option("--stored", is_flag=True, help="Ask the stored answers even where the oracle is.")
+@click.option("--stored", is_flag=True, help="Ask the stored answers even where a compiler is.")
 @click.option("--report", type=click.Path(dir_okay=False), help="Write a page of Markdown here.")
+@click.option(
+    "--summary",
+    type=click.Path(dir_okay=False),
+    help="Append a short summary in Markdown here, such as to $GITHUB_STEP_SUMMARY.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
+@click.pass_context
 def command(
+    context: click.Context,
+    config: Path | None,
     points: int,
     seed: int,
     jobs: int | None,
     stored: bool,  # noqa: FBT001 - click passes flags by keyword
     report: str | None,
+    summary: str | None,
     as_json: bool,  # noqa: FBT001
 ) -> None:
-    """Hold the Python ports to the published Fortran routines, in ulp of REAL*4.
+    """Hold Python ports to the Fortran that a parity.toml describes, to the last bit.
 
-    With the compiled routines installed (pip install ./legacy_fortran) they are asked anew at every
-    point; without them the ports are held to their stored answers. Killed and called again in the
-    same words it goes on.
+    With gfortran the routines are compiled and asked anew at every point; without it the ports are
+    held to their stored answers. Killed and called again in the same words it goes on.
     """
+    if context.invoked_subcommand is not None:
+        return
     from pyport.files import write_whole
     from pyport.parity import report as reporting
     from pyport.parity.document import document
-    from pyport.parity.progress import kept_beside
-    from pyport.parity.run import run
+    from pyport.parity.run import kept_beside, run
 
-    kept = kept_beside(report, points, seed)
-    parity = run(points, seed, jobs, live=not stored, kept=kept)
+    description = _described(config)
+    kept = kept_beside(report, description, points, seed)
+    parity = run(description, points, seed, jobs, live=not stored, kept_in=kept)
     if report:
         with write_whole(report) as file:
             file.write(document(parity))
+    if summary:
+        with Path(summary).open("a", encoding="utf-8") as file:
+            file.write(reporting.markdown(parity))
     if as_json:
         click.echo(json.dumps(reporting.as_json(parity), indent=1))
     else:
         click.echo(reporting.text(parity), nl=False)
     kept.unlink(missing_ok=True)
+    if not parity.promise_kept:
+        context.exit(1)
+
+
+@command.command("golden")
+@_CONFIG
+def golden(config: Path | None) -> None:
+    """Write the oracle's answers beside the description, for machines without a compiler.
+
+    A file whose numbers stay the same is left alone.
+    """
+    from pyport.errors import BadInput
+    from pyport.parity import oracle, stored
+
+    description = _described(config)
+    if not oracle.available(description):
+        raise BadInput("no gfortran, or no Fortran files: expected both", description.path)
+    oracles = {name: oracle.of(description.path, name) for name in description.builds}
+    for group in description.groups:
+        for routine in description.routines:
+            changed = stored.write(description, group, routine, oracles)
+            name = stored.path_of(description, group, routine).name
+            click.echo(f"{name}: {'rewritten' if changed else 'unchanged'}")
+
+
+def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
+    """Write what a long check found beside the stored answers; the report shows it."""
+    from pyport.files import write_whole
+    from pyport.parity.stored import one_row_a_line
+
+    with write_whole(description.answers / f"{name}.json") as file:
+        file.write(one_row_a_line(content))
+
+
+@command.command("matrix")
+@_CONFIG
+@click.option("--points", type=click.IntRange(min=0), default=100_000, show_default=True)
+def matrix(config: Path | None, points: int) -> None:
+    """Compare builds with other flags and compilers with the reference."""
+    from pyport.parity import matrix as builds
+
+    description = _described(config)
+    if not description.matrix:
+        raise click.UsageError("no builds to compare: expected `matrix` in [fortran]")
+    content = builds.matrix(description, points)
+    click.echo(builds.show(content))
+    _keep(description, "matrix", content)
+
+
+@command.command("mutants")
+@_CONFIG
+@click.option("--points", type=click.IntRange(min=0), default=100_000, show_default=True)
+@click.option(
+    "--fortran",
+    type=click.IntRange(min=0),
+    default=40,
+    show_default=True,
+    help="Mutants of the Fortran, where the description names none.",
+)
+@click.pass_context
+def mutants(context: click.Context, config: Path | None, points: int, fortran: int) -> None:
+    """Break port and Fortran in every small way; exit 1 when one is not noticed or explained."""
+    from pyport.parity import mutants as making
+
+    description = _described(config)
+    content = making.mutate(description, points, fortran)
+    click.echo(making.show(content))
+    _keep(description, "mutants", {k: v for k, v in content.items() if k != "outdated"})
+    if not making.complete(content):
+        context.exit(1)
+
+
+@command.command("coverage")
+@_CONFIG
+@click.option("--points", type=click.IntRange(min=0), default=20_000, show_default=True)
+@click.pass_context
+def coverage(context: click.Context, config: Path | None, points: int) -> None:
+    """Count the branches of the Fortran that the inputs take; exit 1 when one is never taken."""
+    from pyport.parity import coverage as counting
+
+    description = _described(config)
+    content = counting.coverage(description, points)
+    click.echo(counting.show(content))
+    _keep(description, "coverage", {k: v for k, v in content.items() if k != "never_reached"})
+    if not counting.complete(content):
+        context.exit(1)
