@@ -176,3 +176,33 @@ def coverage(context: click.Context, config: Path | None, points: int) -> None:
     _keep(description, "coverage", {k: v for k, v in content.items() if k != "never_reached"})
     if not counting.complete(content):
         context.exit(1)
+
+
+@command.command("init")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default="parity.toml",
+    show_default=True,
+    help="The description to write.",
+)
+@click.option("--routine", "routines", multiple=True, help="Only this routine; may be repeated.")
+@click.option("--force", is_flag=True, help="Write over a description that is there.")
+def init(files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force: bool) -> None:
+    """Write a first parity.toml from Fortran FILES; what they do not say is marked with a ?."""
+    from pyport.errors import BadInput
+    from pyport.files import write_whole
+    from pyport.parity.init import described
+
+    if out.exists() and not force:
+        raise BadInput("is there already: --force writes over it", out)
+    text = described(list(files), out, routines)
+    with write_whole(out) as file:
+        file.write(text)
+    marks = sum("?" in line for line in text.splitlines() if not line.startswith("# "))
+    click.echo(f"{out}: {text.count('[[routine]]')} routines, {marks} lines marked with ?")
+    for line in text.splitlines():
+        if " is left out: " in line:
+            click.echo(line.removeprefix("# "))

@@ -192,7 +192,7 @@ def _description(path: Path, lines: _Lines, content: dict[str, Any]) -> Descript
         matrix=matrix,
         routines=tuple(routines),
         ports=ports,
-        groups=groups or (Group("edges", "edges"), Group("random", "random")),
+        groups=groups or (Group("edges", "edges"), Group("random", "random", draws=True)),
         ledger=_path(top, "ledger"),
         answers=path.parent / top.take("answers", str, "answers"),
         survivors=_path(top, "survivors"),

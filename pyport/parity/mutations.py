@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 Change = Callable[[Any], ast.AST]
 
 #: Function -> the one that a slip of the pen would call.
@@ -111,7 +113,7 @@ def _call_changes(name: str, text: str) -> Iterator[tuple[str, Change]]:
     if name in {"datan2", "dsign", "sign"}:
         yield f"{text} with arguments swapped", lambda n: _set(n, args=n.args[::-1])
     if name == "real4":
-        yield f"{text} left in REAL*8", lambda n: n.args[0]
+        yield f"{text} left in REAL*8", _left_in_double
     if name in {"sin", "cos", "tan"}:
         yield (
             f"{text} by REAL*8, rounded",
@@ -134,6 +136,12 @@ def _double_changes(name: str, text: str) -> Iterator[tuple[str, Change]]:
         yield f"{text} in REAL*4", lambda n: _call("float", _call("real4", copy.deepcopy(n)))
 
 
+def _left_in_double(node: Any) -> ast.AST:  # noqa: ANN401 - a call
+    """Return what is rounded as it was; NumPy would take a bare constant for a REAL*4."""
+    value: ast.expr = node.args[0]
+    return _call("real8", value) if isinstance(value, ast.Constant) else value
+
+
 def _operand(number: int, node: Any) -> ast.AST:  # noqa: ANN401 - a BoolOp
     operand: ast.AST = node.values[number]
     return operand
@@ -153,6 +161,17 @@ def _last_digit(value: float) -> float:
     last = int(digits[-1])
     changed = digits[:-1] + str(last - 1 if last == 9 else last + 1)
     return type(value)(changed + exponent + power)
+
+
+def _changes_value(code: str, exponent: int) -> bool:
+    """Tell whether a REAL*8 constant, its exponent's letter there, is another as a REAL*4."""
+    before = re.search(r"\d*\.?\d*$", code[:exponent])
+    after = re.match(r"[+-]?\d+", code[exponent + 1 :])
+    if before is None or after is None:
+        return True
+    value = float(f"{before[0]}e{after[0]}")
+    with np.errstate(over="ignore"):
+        return float(np.float32(value)) != value
 
 
 #: In Fortran's text: what stands there, and what a slip makes of it.
@@ -193,6 +212,8 @@ def fortran_mutants(name: str, text: str) -> Iterator[tuple[str, str]]:
                 if found.start() < start or (exponent and became in "+-"):
                     continue
                 changed = code[: found.start()] + became + code[found.end() :]
+                if became == "e" and not _changes_value(code, found.start()):
+                    continue
                 label = f"{name}:{number + 1}: {code.strip()} -> {changed.strip()}"
                 yield label, "\n".join([*lines[:number], changed, *lines[number + 1 :]]) + "\n"
 

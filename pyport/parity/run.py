@@ -17,8 +17,8 @@ from pyport.parity.compare import Comparison, Pair
 from pyport.parity.description import Batch, Description, Group, Port, Routine
 from pyport.parity.functions import Answers, ask_port
 from pyport.parity.loading import load
-from pyport.parity.promise import Held, hold, kept, spread
-from pyport.parity.shrink import Minimal, minimal
+from pyport.parity.promise import Asker, Held, hold, kept, spread
+from pyport.parity.shrink import Fails, Minimal, failing, minimal
 from pyport.parity.stored import Stored
 from pyport.progress import track
 from pyport.workers import workers
@@ -135,7 +135,7 @@ def run(
     results = over(chunks, _hold_chunk, jobs or os.cpu_count() or 1, so_far)
     points = {group: max(of_each.values()) for group, of_each in sizes.items()}
     done = Parity(description, "live", about, points, _ordered(description, results))
-    return _with_minimal(done, _live_fails(description))
+    return _with_minimal(done, partial(failing, description, asker(description)))
 
 
 def summary(path: Path, random_points: int = 5000) -> str:
@@ -211,7 +211,7 @@ def _hold_chunk(task: tuple[str, str, str, int, int, int]) -> Results:
 
 def hold_live(description: Description, routine: Routine, batch: Batch) -> Results:
     """Compare every port of a routine with the compiled one at some points."""
-    ask = partial(_ask, description)
+    ask = asker(description)
     expected = ask("reference", routine, batch)
     results = {}
     for port in description.ports_of(routine):
@@ -268,14 +268,9 @@ def _blocks_differing(
     return sum(a != b for a, b in zip(actual, known.digests, strict=True))
 
 
-#: Tells which points of a batch break a port's promise.
-Fails = Callable[[Port, Routine, Batch], Any]
-
-
-def _live_fails(description: Description) -> Fails:
-    from pyport.parity.shrink import failing
-
-    return partial(failing, description, partial(_ask, description))
+def asker(description: Description) -> Asker:
+    """Return what asks a build of a description, compiled once in each process."""
+    return partial(_ask, description)
 
 
 def _with_minimal(done: Parity, fails: Fails | None) -> Parity:

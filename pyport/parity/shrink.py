@@ -16,6 +16,9 @@ from pyport.parity.description import Batch, Description, Port, Routine, Variabl
 from pyport.parity.functions import Function, ask_port
 from pyport.parity.promise import Asker, Held, bound, hold, spread
 
+#: Tells which points of a batch break a port's promise: (port, routine, batch) -> truths, answers.
+Fails = Callable[[Port, Routine, Batch], tuple[NDArray[np.bool_], Pair]]
+
 #: Rounds over all inputs; each makes at least one of them simpler.
 MOST_ROUNDS = 40
 
@@ -77,7 +80,7 @@ def minimal(
     port: Port,
     routine: Routine,
     held: Held,
-    fails: Callable[[Port, Routine, Batch], tuple[NDArray[np.bool_], Pair]] | None,
+    fails: Fails | None,
 ) -> Minimal:
     """Return the simplest input that breaks the promise, from the worst one that was found.
 
@@ -89,14 +92,20 @@ def minimal(
         if c.worst is not None and c.most > bound(port, one)
     )
     found = Minimal(routine.name, output, worst.inputs, worst.expected, worst.actual)
-    if fails is None or not routine.inputs:
+    # what remembers answers a point by what came before it: alone the input says nothing
+    if fails is None or not routine.inputs or routine.sequence:
         return found
     batch = {
         one.key: unspell([worst.inputs[one.name]], one.type, one.shape) for one in routine.inputs
     }
     wrong, _ = fails(port, routine, batch)
-    if not wrong[0]:  # it remembers what came before (SAVE): alone the input is answered well
+    if not wrong[0]:
         return found
+    return minimal_of(port, routine, batch, fails)
+
+
+def minimal_of(port: Port, routine: Routine, batch: Batch, fails: Fails) -> Minimal:
+    """Return the simplest input that breaks the promise, from one point that does."""
     batch = shrunk(routine, batch, lambda many: fails(port, routine, many)[0])
     _, pair = fails(port, routine, batch)
     apart = pair.distances()
