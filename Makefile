@@ -9,7 +9,7 @@ OUT ?= out
 .PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
 .PHONY: fuzz torture lock audit
 .PHONY: bench bench-record growth FORCE
-.PHONY: parity-long parity-matrix mutants coverage parity-report
+.PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -88,6 +88,12 @@ coverage: $(VENV)/oracle
 
 parity-report: $(BIN)/pyport
 	$(BIN)/pyport parity --stored --report docs/parity.md
+
+# SLALIB, fetched from the package index, held against pyerfa; then its tests.
+parity-slalib: $(VENV)/oracle
+	$(BIN)/python tests/parity/slalib/fetch.py $(VENV)/slalib
+	$(BIN)/pyport parity --config $(VENV)/slalib/parity.toml --points 20000
+	PYPORT_SLALIB=$(VENV)/slalib $(BIN)/python -m pytest -q tests/parity/test_slalib.py
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport

@@ -11,6 +11,9 @@ from pyport.parity.promise import bound, tolerance
 from pyport.parity.run import Parity
 from pyport.parity.ulp import UNLIKE
 
+#: Distances from here on are shown as powers of ten: two models, no longer two roundings.
+LONG = 10**12
+
 
 def text(parity: Parity) -> str:
     """Return a table a person reads: worst distances by port, routine and output."""
@@ -19,6 +22,8 @@ def text(parity: Parity) -> str:
     for port in parity.description.ports:
         lines += [f"{port.name}: {PROMISE_TEXT[port.promise]}", *_rows(parity, port), ""]
     lines += footnotes(parity)
+    notes = [f"  {one.name}: {one.note}" for one in parity.description.routines if one.note]
+    lines += ["Different on purpose:", *notes, ""] if notes else []
     for port in parity.description.ports:
         lines.append(verdict(parity, port))
         if not parity.kept(port):
@@ -173,4 +178,6 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
 
 def ulp(distance: int) -> str:
     """Return a distance as a cell of a table."""
-    return "unlike" if distance == UNLIKE else f"{distance:,}"
+    if distance == UNLIKE:
+        return "unlike"
+    return f"{distance:,}" if distance < LONG else f"{distance:.1e}"

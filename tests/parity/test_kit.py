@@ -103,9 +103,7 @@ SLIPS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "slip"), [(name, k) for name in SLIPS for k in range(3)], ids=str
-)
+@pytest.mark.parametrize(("name", "slip"), [(name, k) for name in SLIPS for k in range(3)], ids=str)
 def test_slip_is_caught_with_a_minimal_input(program, name, slip):
     """Each slip in each of ten routines breaks the promise, at an input simpler than the first."""
     port, routine = program.ports[0], program.routine(name)
