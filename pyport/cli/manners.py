@@ -15,8 +15,8 @@ from click.shell_completion import CompletionItem
 
 #: Exit statuses, as `pyport --help` tells them.
 STATUSES = (
-    "Exit status: 0 when the job was done, whatever it found; 2 for bad input, with one line on "
-    "standard error; 130 when interrupted."
+    "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise); 2 "
+    "for bad input, with one line on standard error; 130 when interrupted."
 )
 
 

@@ -202,7 +202,8 @@ def init(files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force
     with write_whole(out) as file:
         file.write(text)
     marks = sum("?" in line for line in text.splitlines() if not line.startswith("# "))
-    click.echo(f"{out}: {text.count('[[routine]]')} routines, {marks} lines marked with ?")
+    n = text.count("[[routine]]")
+    click.echo(f"{out}: {n} routine{'s' * (n != 1)}, {marks} lines marked with ?")
     for line in text.splitlines():
         if " is left out: " in line:
             click.echo(line.removeprefix("# "))

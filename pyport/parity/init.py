@@ -27,7 +27,7 @@ files = [{quoted}]
 {include}
 # What the port is called and promises: "bits", "ulp" with `ulp = N`, or "within" with `within = X`.
 [[port]]
-name = "port"
+name = "python"
 promise = "bits"
 """
 

@@ -165,7 +165,7 @@ def _description(path: Path, lines: _Lines, content: dict[str, Any]) -> Descript
         one.done("name member")
     ports = tuple(_port(one) for one in each("port", top.tables("port")))
     if not ports:
-        ports = (Port("port", "bits"),)
+        ports = (Port("python", "bits"),)
     names = [one.name for one in ports]
     routines = []
     for one in each("routine", top.tables("routine")):
