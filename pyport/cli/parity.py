@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pyport.cli.manners import in_json, say
+
 if TYPE_CHECKING:
     from pyport.parity.description import Description
 
@@ -94,9 +96,10 @@ def command(
         context.exit(1)
 
 
-@command.command("golden")
+@command.command("golden", epilog="Example: pyport parity golden --config parity.toml")
 @_CONFIG
-def golden(config: Path | None) -> None:
+@in_json
+def golden(config: Path | None, *, as_json: bool) -> None:
     """Write the oracle's answers beside the description, for machines without a compiler.
 
     A file whose numbers stay the same is left alone.
@@ -108,11 +111,15 @@ def golden(config: Path | None) -> None:
     if not oracle.available(description):
         raise BadInput("no gfortran, or no Fortran files: expected both", description.path)
     oracles = {name: oracle.of(description.path, name) for name in description.builds}
-    for group in description.groups:
-        for routine in description.routines:
-            changed = stored.write(description, group, routine, oracles)
-            name = stored.path_of(description, group, routine).name
-            click.echo(f"{name}: {'rewritten' if changed else 'unchanged'}")
+    written = {
+        stored.path_of(description, group, routine).name: stored.write(
+            description, group, routine, oracles
+        )
+        for group in description.groups
+        for routine in description.routines
+    }
+    lines = [f"{name}: {'rewritten' if new else 'unchanged'}" for name, new in written.items()]
+    say("\n".join(lines), written, as_json=as_json)
 
 
 def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
@@ -124,10 +131,11 @@ def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
         file.write(one_row_a_line(content))
 
 
-@command.command("matrix")
+@command.command("matrix", epilog="Example: pyport parity matrix --config parity.toml")
 @_CONFIG
 @click.option("--points", type=click.IntRange(min=0), default=100_000, show_default=True)
-def matrix(config: Path | None, points: int) -> None:
+@in_json
+def matrix(config: Path | None, points: int, *, as_json: bool) -> None:
     """Compare builds with other flags and compilers with the reference."""
     from pyport.parity import matrix as builds
 
@@ -135,11 +143,11 @@ def matrix(config: Path | None, points: int) -> None:
     if not description.matrix:
         raise click.UsageError("no builds to compare: expected `matrix` in [fortran]")
     content = builds.matrix(description, points)
-    click.echo(builds.show(content))
+    say(builds.show(content), content, as_json=as_json)
     _keep(description, "matrix", content)
 
 
-@command.command("mutants")
+@command.command("mutants", epilog="Example: pyport parity mutants --config parity.toml")
 @_CONFIG
 @click.option("--points", type=click.IntRange(min=0), default=100_000, show_default=True)
 @click.option(
@@ -149,36 +157,40 @@ def matrix(config: Path | None, points: int) -> None:
     show_default=True,
     help="Mutants of the Fortran, where the description names none.",
 )
+@in_json
 @click.pass_context
-def mutants(context: click.Context, config: Path | None, points: int, fortran: int) -> None:
+def mutants(
+    context: click.Context, config: Path | None, points: int, fortran: int, *, as_json: bool
+) -> None:
     """Break port and Fortran in every small way; exit 1 when one is not noticed or explained."""
     from pyport.parity import mutants as making
 
     description = _described(config)
     content = making.mutate(description, points, fortran)
-    click.echo(making.show(content))
+    say(making.show(content), content, as_json=as_json)
     _keep(description, "mutants", {k: v for k, v in content.items() if k != "outdated"})
     if not making.complete(content):
         context.exit(1)
 
 
-@command.command("coverage")
+@command.command("coverage", epilog="Example: pyport parity coverage --config parity.toml")
 @_CONFIG
 @click.option("--points", type=click.IntRange(min=0), default=20_000, show_default=True)
+@in_json
 @click.pass_context
-def coverage(context: click.Context, config: Path | None, points: int) -> None:
+def coverage(context: click.Context, config: Path | None, points: int, *, as_json: bool) -> None:
     """Count the branches of the Fortran that the inputs take; exit 1 when one is never taken."""
     from pyport.parity import coverage as counting
 
     description = _described(config)
     content = counting.coverage(description, points)
-    click.echo(counting.show(content))
+    say(counting.show(content), content, as_json=as_json)
     _keep(description, "coverage", {k: v for k, v in content.items() if k != "never_reached"})
     if not counting.complete(content):
         context.exit(1)
 
 
-@command.command("init")
+@command.command("init", epilog="Example: pyport parity init refraction.f --out parity.toml")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o",
@@ -190,7 +202,10 @@ def coverage(context: click.Context, config: Path | None, points: int) -> None:
 )
 @click.option("--routine", "routines", multiple=True, help="Only this routine; may be repeated.")
 @click.option("--force", is_flag=True, help="Write over a description that is there.")
-def init(files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force: bool) -> None:
+@in_json
+def init(
+    files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force: bool, as_json: bool
+) -> None:
     """Write a first parity.toml from Fortran FILES; what they do not say is marked with a ?."""
     from pyport.errors import BadInput
     from pyport.files import write_whole
@@ -203,7 +218,7 @@ def init(files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force
         file.write(text)
     marks = sum("?" in line for line in text.splitlines() if not line.startswith("# "))
     n = text.count("[[routine]]")
-    click.echo(f"{out}: {n} routine{'s' * (n != 1)}, {marks} lines marked with ?")
-    for line in text.splitlines():
-        if " is left out: " in line:
-            click.echo(line.removeprefix("# "))
+    left_out = [line[2:] for line in text.splitlines() if " is left out: " in line]
+    told = {"file": out, "routines": n, "marked": marks, "left_out": left_out}
+    head = f"{out}: {n} routine{'s' * (n != 1)}, {marks} lines marked with ?"
+    say("\n".join([head, *left_out]), told, as_json=as_json)

@@ -298,11 +298,6 @@ class Description:
         """The build that ports are held to."""
         return self.builds["reference"]
 
-    @property
-    def has_fortran(self) -> bool:
-        """Whether the files are there."""
-        return all(one.is_file() for one in self.files)
-
     def routine(self, name: str) -> Routine:
         """Return the routine of a name."""
         return next(one for one in self.routines if one.name == name)

@@ -218,13 +218,19 @@ def of(description_path: Path, build: str) -> Oracle:
 def available(description: Description) -> bool:
     """Tell whether the Fortran and a compiler are there.
 
-    With ``PYPORT_ORACLE=required`` in the environment it is an error when they are not.
+    Raises
+    ------
+    BadInput
+        The Fortran is not there, nor are stored answers that could stand in for it; or there is
+        no compiler, and ``PYPORT_ORACLE=required`` in the environment.
     """
-    missing = ""
-    if not description.has_fortran:
-        missing = f"the Fortran files of {description.name} are not there"
-    elif building.command_of(description.reference.compiler) is None:
-        missing = f"no {description.reference.compiler} on this machine"
-    if missing and os.environ.get("PYPORT_ORACLE") == "required":
-        raise BadInput(f"the compiled routines are required (PYPORT_ORACLE): {missing}")
-    return not missing
+    gone = next((one for one in description.files if not one.is_file()), None)
+    if gone is not None:
+        if description.answers.is_dir():  # installed without its Fortran
+            return False
+        raise BadInput(f"{gone} is not there: expected a Fortran file", description.path)
+    compiler = description.reference.compiler
+    found = building.command_of(compiler) is not None
+    if not found and os.environ.get("PYPORT_ORACLE") == "required":
+        raise BadInput(f"{compiler} is required (PYPORT_ORACLE), and not on this machine")
+    return found

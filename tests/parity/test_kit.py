@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 from functools import partial
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import numpy as np
@@ -272,7 +273,9 @@ def test_pytest_plugin_holds_a_description(tmp_path):
     port = tmp_path / "program" / "antenna_port.py"
     text = port.read_text()
     port.write_text(text.replace("return e - ecc * math.sin(e) - anom", "return e - anom"))
-    words = [sys.executable, "-m", "pytest", "-p", "pyport.parity.plugin", "-p", "no:cacheprovider"]
+    installed = any(one.name == "pyport-parity" for one in entry_points(group="pytest11"))
+    plugin = [] if installed else ["-p", "pyport.parity.plugin"]
+    words = [sys.executable, "-m", "pytest", *plugin, "-p", "no:cacheprovider"]
     words += ["-c", os.devnull, "--rootdir", str(tmp_path), "--parity-points", "50", "-rf", "-q"]
     done = subprocess.run(
         [*words, "--parity-examples", "20", "--parity", "program/parity.toml"],
@@ -296,3 +299,12 @@ def test_plugin_imports_little():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     assert done.stdout.split() == ["False", "False"]
+
+
+def test_missing_fortran_is_one_line(tmp_path):
+    """Without the Fortran and without stored answers there is nothing to ask."""
+    description = described(tmp_path, GOOD)
+    (tmp_path / "antenna.f").unlink()
+
+    with pytest.raises(BadInput, match=r"antenna\.f is not there: expected a Fortran file"):
+        run(description, 10, jobs=1)

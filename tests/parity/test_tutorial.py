@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
@@ -13,10 +14,13 @@ import pyport
 ROOT = Path(pyport.__file__).parents[1]
 PAGE = Path(__file__).parents[2] / "docs" / "parity-tutorial.md"
 BLOCK = re.compile(r"^```(\w+)(?: file=(\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: What pytest needs to know of the plugin where pyport is not installed.
+INSTALLED = any(one.name == "pyport-parity" for one in entry_points(group="pytest11"))
+PLUGIN = [] if INSTALLED else ["-p", "pyport.parity.plugin"]
 #: What a shell finds as `pyport` and `pytest`: this checkout's.
 TOOLS = {
     "pyport": f'exec "{sys.executable}" -m pyport "$@"',
-    "pytest": f'exec "{sys.executable}" -m pytest -p no:cacheprovider -p pyport.parity.plugin "$@"',
+    "pytest": f'exec "{sys.executable}" -m pytest -p no:cacheprovider {" ".join(PLUGIN)} "$@"',
 }
 
 
