@@ -6,13 +6,13 @@ import contextlib
 import io
 import os
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.parity.loading import UNKNOWN
+from pyport.parity.source import included, pieces, uses
+from pyport.parity.tables import UNKNOWN
 
 HEAD = """\
 # A first description of {files} for `pyport parity`; docs/parity-kit.md explains the keys.
@@ -86,7 +86,7 @@ def described(files: list[Path], out: Path, only: tuple[str, ...] = ()) -> str:
     if not units:
         raise BadInput("no subroutine or function: expected Fortran routines", files[0])
     names = [os.path.relpath(path, out.parent) for path in files]
-    include = sorted({one for path in files for one in _included(path, out.parent)})
+    include = sorted({one for path in files for one in included(path, out.parent)})
     parts = [
         HEAD.format(
             files=", ".join(path.name for path in files),
@@ -104,13 +104,13 @@ def described(files: list[Path], out: Path, only: tuple[str, ...] = ()) -> str:
 
 def _units(path: Path) -> list[_Unit]:
     blocks = _cracked(path)
-    pieces = _pieces(path)
+    texts = pieces(path)
     found = []
     for block in blocks:
         if block.get("block") not in {"subroutine", "function"}:
             continue
         name = block["name"].upper()
-        statements = pieces.get(name, [])
+        statements = texts.get(name, [])
         arguments = [one.upper() for one in block.get("args", [])]
         found.append(_Unit(name, block, arguments, statements))
         for entry, given in block.get("entry", {}).items():
@@ -146,82 +146,9 @@ def _in_module(block: dict[str, Any], modules: list[dict[str, Any]]) -> bool:
     return any(block is one for module in modules for one in module.get("body", []))
 
 
-def _text(path: Path) -> list[str]:
-    return path.read_text(encoding="utf-8", errors="replace").splitlines()
-
-
-def _statements(path: Path) -> list[str]:
-    """Return the statements of a file, in upper case, continuation lines joined, no comments."""
-    free = path.suffix.lower() in {".f90", ".f95", ".f03", ".f08"}
-    found: list[str] = []
-    open_ = False
-    for row in _text(path):
-        if not free and row[:1] in {"c", "C", "*", "!"}:
-            continue
-        line = re.sub(r"!.*", "", re.sub(r"'[^']*'", "''", row)).rstrip()
-        if not line.strip():
-            continue
-        continued = open_ if free else bool(re.match(r"     [^ 0]", line))
-        body = line.strip() if free or not continued else line[6:]
-        open_ = free and body.endswith("&")
-        body = body.strip("&").strip().upper()
-        if continued and found:
-            found[-1] += body
-        else:
-            found.append(re.sub(r"^\d+\s+", "", body))
-    return found
-
-
-def _pieces(path: Path) -> dict[str, list[str]]:
-    """Return the statements of each subprogram of a file by its name."""
-    pieces: dict[str, list[str]] = {}
-    name = ""
-    for statement in _statements(path):
-        head = re.match(r"(?:[\w\s*()]*?)\b(?:SUBROUTINE|FUNCTION)\s+(\w+)", statement)
-        if head and not statement.startswith("END"):
-            name = head[1]
-            pieces[name] = []
-        elif name:
-            pieces[name].append(statement)
-    return pieces
-
-
-def _included(path: Path, folder: Path) -> Iterable[str]:
-    for row in _text(path):
-        if found := re.match(r"\s*INCLUDE\s*['\"]([^'\"]+)['\"]", row, re.IGNORECASE):
-            yield os.path.relpath(path.parent / found[1], folder)
-
-
-def _uses(statements: list[str], name: str) -> tuple[bool, bool, bool]:
-    """Return whether a name is read before it is set, whether it is set, passed to a routine."""
-    read = written = passed = False
-    word = re.compile(rf"(?<![\w.]){name}(?!\w)")
-    declaration = re.compile(
-        r"(REAL|INTEGER|DOUBLE|LOGICAL|CHARACTER|COMMON|DIMENSION|IMPLICIT|EXTERNAL|SAVE|DATA|"
-        r"PARAMETER|INTRINSIC|INCLUDE|ENTRY|EQUIVALENCE|FORMAT)\b(?!\s*=)"
-    )
-    for statement in statements:
-        if declaration.match(statement) or not word.search(statement):
-            continue
-        if call := re.match(r"(?:IF\s*\(.*\)\s*)?CALL\s+\w+\s*\((.*)\)$", statement):
-            passed |= bool(word.search(call[1]))
-            continue
-        assigned = re.match(
-            rf"((?:IF\s*\(.*\)\s*)?)(?:{name})\s*(\((?:[^()]|\([^()]*\))*\))?\s*=(?!=)(.*)",
-            statement,
-        )
-        if assigned:
-            if not written and word.search(assigned[1] + (assigned[2] or "") + assigned[3]):
-                read = True
-            written = True
-        elif not written:
-            read = True
-    return read, written, passed
-
-
 def _intent(statements: list[str], name: str) -> tuple[str, str]:
     """Return an argument's intent, and a mark where it is a guess."""
-    read, written, passed = _uses(statements, name)
+    read, written, passed = uses(statements, name)
     if passed and not written:
         return UNKNOWN, "# ? it is passed to another routine: in, out or inout"
     if written:
@@ -302,7 +229,7 @@ def _remembers(unit: _Unit) -> str:
     """Return what tells that a routine remembers from call to call, "" where nothing does."""
     initial = [s for s in unit.statements if s.startswith("DATA")]
     names = {n for s in initial for n in re.findall(r"(?:DATA|,)\s*(\w+)\s*(?:\(|/)", s)}
-    changed = [n for n in sorted(names) if _uses(unit.statements, n)[1]]
+    changed = [n for n in sorted(names) if uses(unit.statements, n)[1]]
     if changed:
         return f"DATA {', '.join(changed)}"
     return "SAVE" if any(re.match(r"SAVE\b", s) for s in unit.statements) else ""
@@ -334,7 +261,7 @@ def _arguments(unit: _Unit) -> tuple[list[str], list[str]]:
         tables.append(_argument(unit, unit.name, variable, reasons, intent="result"))
     for block, members in unit.block.get("common", {}).items():
         for member in members:
-            read, written, passed = _uses(unit.statements, member.upper())
+            read, written, passed = uses(unit.statements, member.upper())
             if read or written or passed:
                 intent, mark = _intent(unit.statements, member.upper())
                 shown = "" if block == "_BLNK_" else block.upper()

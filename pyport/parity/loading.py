@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import math
 import re
 import tomllib
 from dataclasses import replace
@@ -22,108 +20,12 @@ from pyport.parity.description import (
     Routine,
     Variable,
 )
+from pyport.parity.tables import NUMBERS, Lines, Table
 
 #: What gfortran needs to take an old text, and to complain where it would cut a line.
 LANGUAGE = ("-std=legacy", "-Wline-truncation", "-Werror=line-truncation")
 #: Every operation rounded where the text rounds it.
 REFERENCE = ("-O0", "-ffp-contract=off")
-
-#: Marks what `pyport parity init` could not find out.
-UNKNOWN = "?"
-
-_HEADER = re.compile(r"\s*\[+\s*([\w.\-\"]+)\s*\]+")
-_KEY = re.compile(r"\s*\"?([\w\-]+)\"?\s*=")
-_NUMBERS = (int, float)
-
-
-class _Lines:
-    """Where each table of a file begins, and its keys; tables of one name in their order."""
-
-    def __init__(self, text: str):
-        self.tables: dict[str, list[dict[str, int]]] = {"": [{"": 1}]}
-        keys = self.tables[""][0]
-        for number, line in enumerate(text.splitlines(), start=1):
-            if header := _HEADER.match(line):
-                keys = {"": number}
-                self.tables.setdefault(header[1], []).append(keys)
-            elif key := _KEY.match(line):
-                keys.setdefault(key[1], number)
-
-
-class _Table:
-    """One table of the file, whose keys are taken one by one."""
-
-    def __init__(self, path: Path, lines: _Lines, name: str, number: int, content: dict[str, Any]):
-        self.path, self.lines, self.name, self.content = path, lines, name, dict(content)
-        tables = lines.tables.get(name, [])
-        self.keys = tables[number] if number < len(tables) else {}
-
-    def wrong(self, text: str, key: str = "") -> BadInput:
-        """Return the error at a key."""
-        place = f"[{self.name}]: " if self.name else ""
-        return BadInput(place + text, self.path, self.keys.get(key, self.keys.get("", 1)))
-
-    def take(self, key: str, kind: type | tuple[type, ...], default: Any = ...) -> Any:  # noqa: ANN401
-        """Return and remove a value of the right type."""
-        if key not in self.content:
-            if default is ...:
-                raise self.wrong(f"`{key}` is missing")
-            return default
-        value = self.content.pop(key)
-        if isinstance(value, str) and value.strip() == UNKNOWN:
-            raise self.wrong(f"`{key}` is still {UNKNOWN!r}: fill in what init could not tell", key)
-        right = isinstance(value, kind) and not (isinstance(value, bool) and kind is not bool)
-        if not right:
-            names = " or ".join(
-                one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,))
-            )
-            raise self.wrong(f"`{key}` = {value!r}: expected {names}", key)
-        return value
-
-    def words(self, key: str, default: tuple[str, ...] | None = ()) -> tuple[str, ...]:
-        """Return and remove a list of texts."""
-        value = self.take(key, list, ... if default is None else list(default))
-        if not all(isinstance(one, str) for one in value):
-            raise self.wrong(f"`{key}` = {value!r}: expected a list of texts", key)
-        return tuple(value)
-
-    def pair(self, key: str) -> tuple[float, float] | None:
-        """Return and remove two numbers, the lower one first."""
-        value = self.take(key, list, None)
-        if value is None:
-            return None
-        good = len(value) == 2 and all(_number(one) for one in value) and value[0] <= value[1]
-        if not good:
-            raise self.wrong(f"`{key}` = {value!r}: expected [LOW, HIGH], two numbers", key)
-        return float(value[0]), float(value[1])
-
-    def paths(self, key: str) -> tuple[Path, ...]:
-        """Return and remove names of files, from the folder of the description."""
-        return tuple(self.path.parent / one for one in self.words(key))
-
-    def callable(self, key: str, text: str) -> str:
-        """Return a ``module:function``."""
-        if not re.fullmatch(r"[\w.]+:\w+", text):
-            raise self.wrong(f"`{key}` = {text!r}: expected 'module:function'", key)
-        return text
-
-    def tables(self, key: str) -> list[dict[str, Any]]:
-        """Return and remove a list of tables."""
-        value = self.take(key, list, [])
-        if not all(isinstance(one, dict) for one in value):
-            raise self.wrong(f"`{key}`: expected tables, [[{key}]]", key)
-        return value
-
-    def done(self, known: str) -> None:
-        """Refuse the keys that are left; name the one that was meant."""
-        for key in self.content:
-            near = difflib.get_close_matches(key, known.split(), 1)
-            meant = f"did you mean `{near[0]}`?" if near else f"expected one of {known}"
-            raise self.wrong(f"`{key}` is not known: {meant}", key)
-
-
-def _number(value: object) -> bool:
-    return isinstance(value, _NUMBERS) and not isinstance(value, bool) and not math.isnan(value)
 
 
 def load(path: str | Path) -> Description:
@@ -144,19 +46,19 @@ def load(path: str | Path) -> Description:
     except tomllib.TOMLDecodeError as error:
         line = re.search(r"line (\d+)", str(error))
         raise BadInput(f"no TOML: {error}", path, int(line[1]) if line else None) from None
-    return _description(path, _Lines(text), content)
+    return _description(path, Lines(text), content)
 
 
-def _description(path: Path, lines: _Lines, content: dict[str, Any]) -> Description:
-    top = _Table(path, lines, "", 0, content)
-    fortran = _Table(path, lines, "fortran", 0, top.take("fortran", dict))
+def _description(path: Path, lines: Lines, content: dict[str, Any]) -> Description:
+    top = Table(path, lines, "", 0, content)
+    fortran = Table(path, lines, "fortran", 0, top.take("fortran", dict))
     builds, matrix = _builds(path, lines, fortran, top.take("build", dict, {}))
     counter: dict[str, int] = {}
 
-    def each(name: str, inside: list[dict[str, Any]]) -> list[_Table]:
+    def each(name: str, inside: list[dict[str, Any]]) -> list[Table]:
         first = counter.get(name, 0)
         counter[name] = first + len(inside)
-        return [_Table(path, lines, name, first + i, one) for i, one in enumerate(inside)]
+        return [Table(path, lines, name, first + i, one) for i, one in enumerate(inside)]
 
     commons = {}
     for one in each("common", top.tables("common")):
@@ -207,13 +109,13 @@ def _description(path: Path, lines: _Lines, content: dict[str, Any]) -> Descript
     return description
 
 
-def _path(table: _Table, key: str) -> Path | None:
+def _path(table: Table, key: str) -> Path | None:
     name = table.take(key, str, None)
     return None if name is None else table.path.parent / name
 
 
 def _builds(
-    path: Path, lines: _Lines, fortran: _Table, others: dict[str, Any]
+    path: Path, lines: Lines, fortran: Table, others: dict[str, Any]
 ) -> tuple[dict[str, Build], tuple[Build, ...]]:
     compiler = fortran.take("compiler", str, "gfortran")
     language = fortran.words("language", LANGUAGE)
@@ -221,7 +123,7 @@ def _builds(
     patches = fortran.paths("patches")
     builds = {"reference": Build("reference", language + flags, patches, compiler)}
     for name, content in others.items():
-        one = _Table(path, lines, f"build.{name}", 0, content)
+        one = Table(path, lines, f"build.{name}", 0, content)
         own = language + one.words("flags", flags)
         of = one.paths("patches") if "patches" in one.content else patches
         builds[name] = Build(name, own, of, one.take("compiler", str, compiler))
@@ -241,7 +143,7 @@ def _builds(
     return builds, tuple(matrix)
 
 
-def _port(one: _Table) -> Port:
+def _port(one: Table) -> Port:
     promise = one.take("promise", str, "bits")
     if promise not in PROMISES:
         raise one.wrong(
@@ -252,8 +154,8 @@ def _port(one: _Table) -> Port:
         promise=promise,
         vectorised=one.take("vectorised", bool, default=False),
         ulp=one.take("ulp", int, 0),
-        within=float(one.take("within", _NUMBERS, 0.0)),
-        absolute=float(one.take("absolute", _NUMBERS, 0.0)),
+        within=float(one.take("within", NUMBERS, 0.0)),
+        absolute=float(one.take("absolute", NUMBERS, 0.0)),
         moved=tuple(name.lower() for name in one.words("moved")),
         builds=one.words("builds"),
         title=one.take("title", str, ""),
@@ -262,7 +164,7 @@ def _port(one: _Table) -> Port:
     return port
 
 
-def _group(one: _Table) -> Group:
+def _group(one: Table) -> Group:
     make = one.take("make", str, one.content.get("name", ""))
     if make not in {"edges", "random"}:
         one.callable("make", make)
@@ -279,7 +181,7 @@ def _group(one: _Table) -> Group:
     return group
 
 
-def _variable(one: _Table, commons: dict[str, tuple[Variable, ...]]) -> Variable:
+def _variable(one: Table, commons: dict[str, tuple[Variable, ...]]) -> Variable:
     name = one.take("name", str)
     block = one.take("common", str, None)
     kind: Kind | None = None
@@ -322,8 +224,8 @@ def _variable(one: _Table, commons: dict[str, tuple[Variable, ...]]) -> Variable
         common=None if block is None else block.upper(),
         limits=one.pair("limits"),
         ulp=one.take("ulp", int, None),
-        within=one.take("within", _NUMBERS, None),
-        turn=one.take("turn", _NUMBERS, None),
+        within=one.take("within", NUMBERS, None),
+        turn=one.take("turn", NUMBERS, None),
         physical=None
         if physical is None
         else (
@@ -343,7 +245,7 @@ def _variable(one: _Table, commons: dict[str, tuple[Variable, ...]]) -> Variable
     return result
 
 
-def _routine(one: _Table, variables: list[Variable], ports: list[str]) -> Routine:
+def _routine(one: Table, variables: list[Variable], ports: list[str]) -> Routine:
     name = one.take("name", str)
     given = one.take("port", (str, dict), {})
     given = {ports[0]: given} if isinstance(given, str) else given
@@ -384,14 +286,14 @@ def _routine(one: _Table, variables: list[Variable], ports: list[str]) -> Routin
     return routine
 
 
-def _mutants(top: _Table) -> tuple[tuple[str, str, str], ...]:
+def _mutants(top: Table) -> tuple[tuple[str, str, str], ...]:
     rows = top.take("mutants", list, [])
     if not all(isinstance(r, list) and len(r) == 3 for r in rows):
         raise top.wrong("`mutants`: expected rows of three texts, [FILE, WAS, BECAME]", "mutants")
     return tuple((a, b, c) for a, b, c in rows)
 
 
-def _consistent(top: _Table, description: Description) -> None:
+def _consistent(top: Table, description: Description) -> None:
     """Refuse what contradicts itself between tables."""
     names = [one.name.lower() for one in description.routines]
     for name in {n for n in names if names.count(n) > 1}:

@@ -56,9 +56,10 @@ def mutants(module: str, source: str) -> Iterator[Mutant]:
     :mod:`pyport.parity.mutants` that are injected beside it.
     """
     tree = ast.parse(source)
+    numbered = _numbered(tree)
     seen: dict[str, int] = {}
     for index, node in enumerate(ast.walk(tree)):
-        for label, change in _changes(node):
+        for label, change in _changes(node, numbered):
             mutated = copy.deepcopy(tree)
             target = list(ast.walk(mutated))[index]
             result = change(target)
@@ -69,7 +70,24 @@ def mutants(module: str, source: str) -> Iterator[Mutant]:
             yield Mutant(name, ast.unparse(ast.fix_missing_locations(mutated)))
 
 
-def _changes(node: ast.AST) -> Iterator[tuple[str, Change]]:  # noqa: C901 - one case a kind of node
+def _numbered(tree: ast.AST) -> dict[str, str]:
+    """Return for each of a row of names, p1 to p12, the next one, which it may be taken for."""
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    rows: dict[str, list[tuple[int, str]]] = {}
+    for name in names:
+        if found := re.fullmatch(r"([A-Za-z_]+)(\d+)", name):
+            rows.setdefault(found[1], []).append((int(found[2]), name))
+    result: dict[str, str] = {}
+    for row in rows.values():
+        ordered = [name for _, name in sorted(row)]
+        if len(ordered) > 1:
+            result |= dict(zip(ordered, [*ordered[1:], ordered[0]], strict=True))
+    return result
+
+
+def _changes(  # noqa: C901 - one case a kind of node
+    node: ast.AST, numbered: dict[str, str]
+) -> Iterator[tuple[str, Change]]:
     """Yield the changes that a node can suffer, each with its label."""
     match node:
         case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
@@ -88,9 +106,8 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, Change]]:  # noqa: C901 - one
             if not isinstance(value, bool):
                 digit = _last_digit(value)
                 yield f"{value!r} -> {digit!r}", partial(_constant, digit)
-        case ast.Name(id=name, ctx=ast.Load()) if re.fullmatch(r"p\d+", name):
-            changed = f"p{int(name[1:]) % 12 + 1}"
-            yield f"{name} -> {changed}", partial(_set, id=changed)
+        case ast.Name(id=name, ctx=ast.Load()) if name in numbered:
+            yield f"{name} -> {numbered[name]}", partial(_set, id=numbered[name])
         case ast.Call(func=ast.Name(id=name)):
             yield from _call_changes(name, ast.unparse(node))
         case ast.Call(func=ast.Attribute(value=ast.Name(id=module), attr=name)) if module in DOUBLE:

@@ -1,5 +1,6 @@
 """The kit on a program that is not the RT32's: every way of passing a value that FORTRAN 77 has."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -308,3 +309,21 @@ def test_missing_fortran_is_one_line(tmp_path):
 
     with pytest.raises(BadInput, match=r"antenna\.f is not there: expected a Fortran file"):
         run(description, 10, jobs=1)
+
+
+def test_matrix_says_what_other_flags_make_of_it(tmp_path):
+    """Each build of the matrix against the reference, kept beside the answers for the report."""
+    shutil.copytree(PROGRAM, tmp_path / "program")
+    config = tmp_path / "program" / "parity.toml"
+    words = ["matrix", "--config", str(config), "--points", "300", "--json"]
+    done = CliRunner().invoke(command, words, catch_exceptions=False)
+    content = json.loads(done.output)
+    plain, fast = content["rows"]
+
+    assert (plain["build"], fast["build"]) == (
+        "gfortran -O2",
+        "gfortran -O3 -march=native -ffast-math",
+    )
+    assert len(plain["outputs"]) == 34
+    assert sum(one["differing"] for one in fast["outputs"]) > 0
+    assert json.loads((config.parent / "answers" / "matrix.json").read_text()) == content
