@@ -16,8 +16,8 @@ from pyport.parity.description import Batch, Description, Port, Routine, Variabl
 from pyport.parity.functions import Function, ask_port
 from pyport.parity.promise import Asker, Held, bound, hold, spread
 
-#: Tells which points of a batch break a port's promise: (port, routine, batch) -> truths, answers.
-Fails = Callable[[Port, Routine, Batch], tuple[NDArray[np.bool_], Pair]]
+#: Tells the output that breaks a port's promise at each point, "" where none does, and the answers.
+Fails = Callable[[Port, Routine, Batch], tuple[NDArray[np.str_], Pair]]
 
 #: Rounds over all inputs; each makes at least one of them simpler.
 MOST_ROUNDS = 40
@@ -52,13 +52,16 @@ def failing(
     routine: Routine,
     batch: Batch,
     function: Function | None = None,
-) -> tuple[NDArray[np.bool_], Pair]:
-    """Return which points of a batch break a port's promise, and the answers there."""
+) -> tuple[NDArray[np.str_], Pair]:
+    """Return the output that breaks a port's promise at each point of a batch, "" where none does.
+
+    The answers come with it.
+    """
     expected = ask("reference", routine, batch)
     actual = ask_port(description, port, routine, batch, function)
     span = spread(port, routine, batch, expected, ask) if port.promise == "spread" else None
     n = len(next(iter(batch.values())))
-    wrong = np.zeros(n, dtype=bool)
+    broken = []
     for i in range(n):
         one = {k: v[i : i + 1] for k, v in batch.items()}
         pair = Pair(
@@ -70,10 +73,9 @@ def failing(
         )
         here = span and {k: (a[i : i + 1], b[i : i + 1]) for k, (a, b) in span.items()}
         held = hold(description, port, pair, here)
-        wrong[i] = any(
-            c.most > bound(port, v) for c, v in zip(held.beyond, routine.outputs, strict=True)
-        )
-    return wrong, Pair(routine, batch, expected, actual, actual.raised)
+        both = zip(held.beyond, routine.outputs, strict=True)
+        broken.append(next((v.key for c, v in both if c.most > bound(port, v)), ""))
+    return np.array(broken, dtype=np.str_), Pair(routine, batch, expected, actual, actual.raised)
 
 
 def minimal(
@@ -98,18 +100,16 @@ def minimal(
     batch = {
         one.key: unspell([worst.inputs[one.name]], one.type, one.shape) for one in routine.inputs
     }
-    wrong, _ = fails(port, routine, batch)
-    if not wrong[0]:
+    if not fails(port, routine, batch)[0][0]:
         return found
     return minimal_of(port, routine, batch, fails)
 
 
 def minimal_of(port: Port, routine: Routine, batch: Batch, fails: Fails) -> Minimal:
     """Return the simplest input that breaks the promise, from one point that does."""
-    batch = shrunk(routine, batch, lambda many: fails(port, routine, many)[0])
-    _, pair = fails(port, routine, batch)
-    apart = pair.distances()
-    one = max(routine.outputs, key=lambda v: int(apart[v.key][0]))
+    batch = shrunk(routine, batch, lambda many: fails(port, routine, many)[0] != "")
+    broken, pair = fails(port, routine, batch)
+    one = routine.by_key[str(broken[0])]
     expected, actual = pair.both(one)
     return Minimal(
         routine.name,
