@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pyport.api import diagnose as diagnose
     from pyport.api import fit as fit
+    from pyport.api import load_model as load_model
     from pyport.api import look as look
 
 __version__ = "0.1.0"
 
-_LAZY = frozenset({"diagnose", "fit", "look"})
+_LAZY = frozenset({"diagnose", "fit", "load_model", "look"})
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever the name stands for

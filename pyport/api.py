@@ -12,21 +12,25 @@ recordings, units and all: `az_deg`, `el_deg`, `d_xel_arcsec`, `d_el_arcsec`.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pyport.errors import BadInput
 from pyport.recordings.from_table import Header, Table, from_table
 
 if TYPE_CHECKING:
+    from astropy.units import Quantity
     from matplotlib.figure import Figure
 
     from pyport.diagnosis import diagnose as steps
     from pyport.diagnosis.finding import Finding
     from pyport.fitting import fit as fitting
     from pyport.fitting.models import Model
+    from pyport.models.completed import Value
+    from pyport.models.use import PointingModel
     from pyport.page.picture import Picture
     from pyport.page.story import Story
     from pyport.planning.look import Look as Found
@@ -127,8 +131,22 @@ class Diagnosis(Shown):
 
         return summary(self.result)
 
+    @cached_property
+    def model(self) -> PointingModel:
+        """Return the model completed by everything that was found."""
+        from pyport.diagnosis.completed import completed
+        from pyport.models.use import PointingModel
+
+        return PointingModel(completed(self.result))
+
     def save(self, folder: str | Path) -> Path:
-        """Write report.json, rows.csv and report.html into a folder, and return it."""
+        """Write report.json, rows.csv and report.html into a folder, and return it.
+
+        A path to a .toml takes the completed model alone.
+        """
+        if Path(folder).suffix.lower() == ".toml":
+            self.model.save(folder)
+            return Path(folder)
         from pyport.diagnosis.record import write
 
         page = Path(folder) / "report.html"
@@ -148,6 +166,51 @@ class Fit(Shown):
     """
 
     result: fitting.Fit
+
+    @cached_property
+    def coefficients(self) -> dict[str, Value]:
+        """Return every coefficient by its name: value, sigma, unit, and what it was before."""
+        from pyport.models.words import label
+
+        return {label(one): one for one in self.model.values}
+
+    @cached_property
+    def residuals(self) -> dict[str, Quantity]:
+        """Return what is left of each recording: `xel` on the sky, and `el`, NaN for none."""
+        import numpy as np
+        from astropy import units
+
+        from pyport.angles import ARCSEC
+
+        stack, left = self.result.stack, np.full((2, len(self.result.recordings)), np.nan)
+        left[stack.is_y.astype(int), stack.row] = self.result.residual / ARCSEC
+        return {name: one * units.arcsec for name, one in zip(("xel", "el"), left, strict=True)}
+
+    @cached_property
+    def rms(self) -> dict[str, Quantity]:
+        """Return the rms of what is left, outliers apart.
+
+        `xel` and `el` by the axis; `sky` over both axes by the pointing, as TPOINT counts it.
+        """
+        from astropy import units
+
+        completed = self.model.model.completed
+        made = {} if completed is None else completed.made
+        names = {"xel": "rms_xel_arcsec", "el": "rms_el_arcsec", "sky": "sky_rms_arcsec"}
+        return {name: made[key] * units.arcsec for name, key in names.items() if key in made}
+
+    @cached_property
+    def model(self) -> PointingModel:
+        """Return the fitted model, ready to be asked, saved or fitted again."""
+        from pyport.fitting.completed import completed
+        from pyport.models.use import PointingModel
+
+        return PointingModel(completed(self.result))
+
+    def save(self, path: str | Path, **options: Any) -> Path:  # noqa: ANN401 - those of the model
+        """Write the fitted model by suffix: see `PointingModel.save`."""
+        self.model.save(path, **options)
+        return Path(path)
 
     @cached_property
     def report(self) -> dict[str, Any]:
@@ -198,7 +261,7 @@ class Look:
 
 def diagnose(
     table: Table,
-    model: str | Path | Model = "altaz",
+    model: str | Path | Model | PointingModel = "altaz",
     *,
     refit: str | Collection[str] = "all",
     seed: int = 0,
@@ -235,22 +298,67 @@ def diagnose(
     return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=seed))
 
 
-def fit(table: Table, model: str | Path | Model = "altaz", *, header: Header | None = None) -> Fit:
-    """Fit a pointing model to recordings; parameters as in `diagnose`.
+def fit(
+    table: Table,
+    model: str | Path | Model | PointingModel = "altaz",
+    *,
+    add: Sequence[str] = (),
+    drop: Sequence[str] = (),
+    fix: Mapping[str, Any] | Sequence[str] = (),
+    weights: str = "robust",
+    per: str | Sequence[str] | None = None,
+    header: Header | None = None,
+) -> Fit:
+    """Fit a pointing model to recordings.
+
+    Parameters
+    ----------
+    table, model, header
+        As in `diagnose`.
+    add, drop
+        Terms by TPOINT's names, P1..P30, ids of effects or names of coefficients.
+    fix
+        Terms that are held: name -> Quantity, a bare number in the coefficient's unit, or None
+        for what the model gives. Or texts as on the command line, "IE=0".
+    weights
+        "robust": by the noise that is estimated with the fit; "equal": all alike.
+    per
+        Labels each value of which has coefficients of its own, by default "antenna".
 
     Raises
     ------
     BadInput
-        The table or the model cannot be used, or there are too few recordings.
+        The table, the model or a name cannot be used, or there are too few recordings.
     """
-    from pyport.fitting.fit import fit
+    from pyport.fitting.fit import WEIGHTS, fit
+    from pyport.formats.terms.editing import edited
 
-    return Fit(fit(from_table(table, header), _model(model)))
+    if weights not in WEIGHTS:
+        raise BadInput(f"weights are {weights!r}, expected {' or '.join(map(repr, WEIGHTS))}")
+    told = [_fixed(name, one) for name, one in fix.items()] if isinstance(fix, Mapping) else fix
+    labels = (per,) if isinstance(per, str) else per
+    names = [(one,) if isinstance(one, str) else one for one in (add, drop)]
+    chosen = edited(_model(model), fix=told, add=names[0], drop=names[1], per=labels)
+    return Fit(fit(from_table(table, header), chosen, weights=weights))
+
+
+def _fixed(name: str, value: Any) -> str:  # noqa: ANN401 - a Quantity or a number
+    """Return a term that is held as the command line has it."""
+    if value is None:
+        return name
+    if getattr(value, "unit", None) is None:
+        return f"{name}={float(value)!r}"
+    from astropy import units
+
+    try:
+        return f"{name}={float(value.to_value(units.arcsec))!r}arcsec"
+    except units.UnitConversionError:
+        raise BadInput(f"fix: {name} is in {value.unit}, expected an angle") from None
 
 
 def look(
     table: Table,
-    model: str | Path | Model = "altaz",
+    model: str | Path | Model | PointingModel = "altaz",
     *,
     header: Header | None = None,
     **options: Any,  # noqa: ANN401 - those of planning.look
@@ -270,7 +378,29 @@ def look(
     return Look(look(from_table(table, header), _model(model), **options))
 
 
-def _model(model: str | Path | Model) -> Model:
-    from pyport.fitting.models import Model, load
+def load_model(model: str | Path | Model) -> PointingModel:
+    """Return a pointing model with coefficients, ready to be asked for offsets.
 
+    Parameters
+    ----------
+    model
+        A file: what `--save` or `save` wrote, TPOINT's .mod, the Field System's .ctl,
+        katpoint's, SKA-Mid's .json, DISCOS's .xml; a built-in model of the RT32; a model.
+
+    Raises
+    ------
+    BadInput
+        There is no such model, or it has no coefficients.
+    """
+    from pyport.models.use import PointingModel
+
+    return PointingModel(_model(model))
+
+
+def _model(model: str | Path | Model | PointingModel) -> Model:
+    from pyport.fitting.models import Model, load
+    from pyport.models.use import PointingModel
+
+    if isinstance(model, PointingModel):
+        return model.model
     return model if isinstance(model, Model) else load(str(model))

@@ -14,7 +14,9 @@ from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
 COMMANDS = {
+    "apply": "Apply a model: offsets for targets, where to drive, and back to the sky.",
     "array": "Take the GMRT's recordings apart as those of one array; compare with a survey.",
+    "compare": "Compare two models over the sky and on recordings, before the mount gets one.",
     "completion": "Print what a shell needs to complete commands, options and names.",
     "convert": "Convert recordings and pointing models between programs' formats.",
     "demo": "Show everything once: parity, the steering table, a diagnosis of real recordings.",

@@ -20,9 +20,17 @@ def _pairs(_: click.Context, option: click.Parameter, given: tuple[str, ...]) ->
     return pairs
 
 
-def _names(_: click.Context, __: click.Parameter, given: str | None) -> tuple[str, ...]:
-    """Return names that commas separate."""
-    return () if given is None else tuple(name.strip() for name in given.split(","))
+def _columns(
+    _: click.Context, __: click.Parameter, given: str | None
+) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Return names that commas separate, and the map of columns that stands in their place."""
+    if given is None:
+        return (), {}
+    if "=" in given or given.endswith(".toml"):
+        from pyport.formats.mapped import parse
+
+        return (), parse(given)
+    return tuple(name.strip() for name in given.split(",")), {}
 
 
 def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -31,14 +39,15 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(command)
     def bundled(
         about: dict[str, str],
-        columns: tuple[str, ...],
+        columns: tuple[tuple[str, ...], dict[str, str]],
         read_as: str,
         where: str,
         **others: Any,  # noqa: ANN401 - whatever the command takes
     ) -> Any:  # noqa: ANN401 - whatever the command returns
         from pyport.recordings.given import Given
 
-        return command(given=Given(about, columns, read_as, where), **others)
+        names, mapping = columns
+        return command(given=Given(about, names, read_as, where, mapping), **others)
 
     for option in reversed(_OPTIONS):
         bundled = option(bundled)
@@ -56,9 +65,10 @@ _OPTIONS = (
     ),
     click.option(
         "--columns",
-        callback=_names,
-        metavar="NAME,NAME",
-        help="Names of the columns of a CSV file without a header, units and all.",
+        callback=_columns,
+        metavar="MAP",
+        help="Columns by other names: 'az_deg=AZd, d_el_arcsec=-dEl, session=id|date', by number "
+        "(az_deg=8), or a MAP.toml of `pyport look`; or NAME,NAME for a CSV without a header.",
     ),
     click.option(
         "--from",

@@ -33,6 +33,11 @@ def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # 
 @click.option("--to", default="", metavar="FORMAT", help="Write this format, whatever the suffix.")
 @click.option("--model", default="", help="For the Field System's err: the mdlpo.ctl to fit.")
 @click.option("--leave-out", is_flag=True, help="Leave out terms that the target cannot name.")
+@click.option(
+    "--rest-as",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="CSV file for the corrections, on a grid, by terms that the target cannot name.",
+)
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 @click.option(
     "--signs",
@@ -49,6 +54,7 @@ def command(
     given: Given,
     to: str,
     model: str,
+    rest_as: Path | None,
     *,
     leave_out: bool,
     quiet: bool,
@@ -69,7 +75,9 @@ def command(
     for option, name in (("--from", given.format), ("--to", to)):
         if name and name not in FORMATS:
             raise click.UsageError(f"{option}: no format {name!r}, known: {', '.join(FORMATS)}")
-    done = convert(source, target, to=to, given=given, model=model, leave_out=leave_out)
+    done = convert(
+        source, target, to=to, given=given, model=model, leave_out=leave_out, rest_as=rest_as
+    )
     if quiet:
         return
     if as_json:
@@ -78,4 +86,8 @@ def command(
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")
     if done.left_out:
-        click.echo(f"left out, for {done.format} has no place: {', '.join(done.left_out)}")
+        where = "left out" if rest_as is None else f"in {rest_as}"
+        size = (
+            "" if done.lost_arcsec is None else f" ({done.lost_arcsec:.3g} arcsec rms of the sky)"
+        )
+        click.echo(f"{where}, for {done.format} has no place: {', '.join(done.left_out)}{size}")

@@ -42,7 +42,12 @@ if TYPE_CHECKING:
     metavar="LABEL",
     help="Diagnose the parts of a data set apart that folders LABEL=NAME hold: antenna, ...",
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the reports to.")
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The model completed by everything found: .toml, or another program's if it can hold it.",
+)
 @click.option(
     "--antennas",
     type=click.Path(path_type=Path),
@@ -60,8 +65,9 @@ def command(
     jobs: int,
     cluster: str | None,
     each: str | None,
-    out: Path,
+    out: Path | None,
     given: Given,
+    save: Path | None,
     antennas: Path | None,
     *,
     quiet: bool,
@@ -80,10 +86,14 @@ def command(
     from pyport.diagnosis import run
     from pyport.recordings.antennas import read_survey
 
+    if out is None and save is None:
+        raise click.UsageError("nothing to write: give --out FOLDER, --save MODEL.toml or both")
+    if save is not None and len(recordings) + (each is not None) > 1:
+        raise click.UsageError("--save keeps one model: give one file of recordings")
     survey = None if antennas is None else read_survey(antennas)
     names = recordings if each is None else run.apart(recordings, each)
     requests = run.requests(
-        names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey
+        names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey, save=save
     )
     for done in run.run_all(requests, jobs=jobs, cluster=cluster):
         if as_json:

@@ -47,6 +47,18 @@ if TYPE_CHECKING:
 @click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a term: IE=0, P7=0.06deg.")
 @click.option("--add", multiple=True, metavar="NAME", help="Fit a further term: TF, P11, sag_sine.")
 @click.option("--drop", multiple=True, metavar="NAME", help="Leave a term of the model out.")
+@click.option(
+    "--weights",
+    type=click.Choice(["robust", "equal"]),
+    default="robust",
+    show_default=True,
+    help="By the noise that is estimated with the fit, or all readings alike, as TPOINT fits.",
+)
+@click.option(
+    "--per",
+    metavar="LABEL,LABEL",
+    help="Give each value of these labels coefficients of its own.  [default: antenna]",
+)
 @about_file
 @click.option("--save", type=click.Path(path_type=Path), help="The fitted model: .mod, .ctl, ...")
 @click.option(
@@ -62,6 +74,8 @@ def command(
     fix: tuple[str, ...],
     add: tuple[str, ...],
     drop: tuple[str, ...],
+    weights: str,
+    per: str | None,
     given: Given,
     save: Path | None,
     out: Path | None,
@@ -88,20 +102,22 @@ def command(
         return
     from pyport.files import write_whole
     from pyport.fitting import leftover, table
+    from pyport.fitting.completed import completed
     from pyport.fitting.fit import fit
     from pyport.fitting.models import load
-    from pyport.formats.fitted import save_fit
+    from pyport.formats.completed import write_model
     from pyport.formats.terms.editing import edited
     from pyport.page.of_fit import of_fit
     from pyport.progress import working
     from pyport.recordings import read
     from pyport.recordings.stream import pass_files
 
-    chosen = edited(load(model), fix=fix, add=add, drop=drop)
+    labels = None if per is None else tuple(one.strip() for one in per.split(",") if one.strip())
+    chosen = edited(load(model), fix=fix, add=add, drop=drop, per=labels)
     with working("fitting"):
-        done = fit(read(recordings, given, beside=out), chosen)
+        done = fit(read(recordings, given, beside=out), chosen, weights=weights)
     if save is not None:
-        save_fit(done, save)
+        write_model(completed(done), save)
     if out is not None:
         with write_whole(out / "residuals.csv") as file:
             leftover.write(done, file)

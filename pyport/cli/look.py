@@ -16,6 +16,37 @@ if TYPE_CHECKING:
     from pyport.recordings.given import Given
 
 
+def _proposed(name: str, given: Given) -> dict[str, str]:
+    """Return a map of columns for a table that is none of the contract; empty for one that is."""
+    from pyport.files import is_file
+    from pyport.formats import mapped, tables
+    from pyport.recordings.columns import angle_of
+
+    path = Path(name)
+    known = path.suffix.lower() in tables.BY_SUFFIX and path.suffix.lower() != ".csv"
+    if not is_file(path) or given.format or given.columns or known:
+        return {}
+    if path.suffix.lower() == ".csv" and tables.katpoint_csv.looks_like(path):
+        return {}
+    table = mapped.sheet(path)
+    offsets = {one[0] for one in map(angle_of, table.names) if one is not None}
+    if offsets & {"d_az", "d_xel", "d_el", "d_zd"}:
+        return {}
+    return mapped.propose(table)
+
+
+def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bool) -> None:
+    """Print a proposed map, and how it is used."""
+    if as_json:
+        click.echo(json.dumps({"columns": found}, indent=1))
+        return
+    click.echo(f"{name}: columns by other names; proposed, to be checked (units, signs):")
+    for ours, theirs in found.items():
+        click.echo(f"  {ours:22s} {theirs}")
+    told = ", ".join(f"{ours}={theirs}" for ours, theirs in found.items())
+    click.echo(f"pyport look {name} --columns {str(kept) if kept else repr(told)}")
+
+
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")
 @click.argument("recordings", shell_complete=named)
 @click.option(
@@ -48,6 +79,12 @@ if TYPE_CHECKING:
     metavar="LOW HIGH",
     help="Suggest nothing outside these [deg].",
 )
+@click.option(
+    "--save-columns",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="MAP.toml",
+    help="Keep the map of columns, given or proposed, for --columns of any command.",
+)
 @about_file
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for look.json.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
@@ -58,6 +95,7 @@ def command(
     noise_arcsec: float | None,
     count: int,
     elevations: tuple[float, float] | None,
+    save_columns: Path | None,
     given: Given,
     out: Path | None,
     *,
@@ -72,12 +110,21 @@ def command(
     """
     from pyport.files import write_whole
     from pyport.fitting.models import load
+    from pyport.formats import mapped
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text
     from pyport.progress import working
     from pyport.recordings import read
 
+    if save_columns is not None and given.mapping:
+        mapped.save(given.mapping, save_columns)
+    if not given.mapping and (proposed := _proposed(recordings, given)):
+        if save_columns is not None:
+            mapped.save(proposed, save_columns)
+        if not quiet:
+            _say_map(recordings, proposed, save_columns, as_json=as_json)
+        return
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
     with working("looking"):

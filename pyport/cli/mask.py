@@ -53,7 +53,7 @@ def command(
     if undo:
         step = masks.undo(recordings)
         told.append(f"undone: {'masked' if step.masks else 'unmasked'} {masks.spelled(step.lines)}")
-    raw = tables.read(recordings, given.format, given.columns)
+    raw = tables.read(recordings, given.format, given.columns, given.mapping)
     raw = replace(raw, meta=raw.meta | dict(given.keys))
     chosen = _chosen(raw, lines, outliers, given)
     if chosen:

@@ -37,6 +37,18 @@ if TYPE_CHECKING:
     help="How an RT32 table is computed: as the published one was, by the printed routines with "
     "azimuth as the cable has it, or in double precision.",
 )
+@click.option(
+    "--azimuth-zero",
+    type=click.Choice(["north", "south"]),
+    help="Where the table's azimuth starts.  [default: south for the RT32's models]",
+)
+@click.option(
+    "--set",
+    "conditions",
+    multiple=True,
+    metavar="COLUMN=VALUE",
+    help="A condition that the whole table is for, where the model follows it: temperature_c=8.",
+)
 @click.option("--az", help="Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
 @click.option("--zd", help="Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
 @click.option("--check", is_flag=True, help="Compare with every published number of 3model.")
@@ -55,6 +67,8 @@ def command(
     output: str | None,
     layout: str,
     reading: str,
+    azimuth_zero: str | None,
+    conditions: tuple[str, ...],
     az: str | None,
     zd: str | None,
     check: bool,  # noqa: FBT001 - click's
@@ -69,6 +83,7 @@ def command(
     from pyport.progress import working
     from pyport.steering.grid import span
     from pyport.steering.published import write_recordings
+    from pyport.steering.tabulate import Beside
 
     if not (output or check or against or recordings or refractions):
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
@@ -89,8 +104,10 @@ def command(
             span(az) if az else steering.RT32_GRID.az_deg,
             span(zd) if zd else steering.RT32_GRID.zd_deg,
         )
+        beside = Beside(azimuth_zero, _columns(conditions))
         with working("tabulating"):
-            table = steering.tabulate(model, refraction, grid, reading)
+            table = steering.tabulate(model, refraction, grid, reading, beside)
+        lines += _twice(model, table.refraction)
         if output:
             write = steering.write_binary if layout == "binary" else steering.write_ascii
             write(table, output)
@@ -106,6 +123,32 @@ def command(
         if against:
             lines += _difference(table, against, refraction, reading, picture, told)
     say("\n".join(lines), told, as_json=as_json)
+
+
+def _columns(conditions: tuple[str, ...]) -> dict[str, object]:
+    """Return COLUMN=VALUE arguments as columns inside the program."""
+    from pyport.models.conditions import columns_of
+
+    told: dict[str, object] = {}
+    for one in conditions:
+        name, equals, value = one.partition("=")
+        if not equals:
+            raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
+        told[name.strip()] = value.strip()
+    return dict(columns_of(told))
+
+
+def _twice(model: str, refraction: str) -> list[str]:
+    """Return a warning where a model and the table both hold refraction."""
+    from pyport.fitting.models import BUILT_IN, load
+
+    if refraction == "none" or model in BUILT_IN:
+        return []
+    held = [term for term in load(model).terms if term.effect.id == "refraction"]
+    if not any(term.has_values for term in held):
+        return []
+    said = f"warning: the model has a term of refraction, and the table adds {refraction}"
+    return [f"{said}: if the recordings hold all refraction, take --refraction none"]
 
 
 def _checked(refraction: str, reading: str, told: dict[str, object]) -> list[str]:

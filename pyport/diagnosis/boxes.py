@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.view import FEWEST, plain_view
+from pyport.effects.fields import inside
 
 #: Cells that the sky is cut into: of equal width around, of equal counts upward.
 AROUND, UPWARD = 24, 16
@@ -38,21 +38,29 @@ def boxes(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> list[Fi
         pull = seen.root[of_axis] * seen.left[of_axis]
         start, tried = _scanned(az[rows], el[rows], weight, pull)
         edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
-        inside = _inside(az[row], el[row], edges) & (setup.stack.is_y == is_y)
+        there = inside(az[row], el[row], edges) & (setup.stack.is_y == is_y)
         left, right, low, high = (float(edge / DEG) for edge in edges)
         region = Interval("az_deg", left % 360, right % 360), Interval("el_deg", low, high)
         words = (
             f"{axis}: inside azimuth {left % 360:.1f} to {right % 360:.1f} deg, "
             f"elevation {low:.1f} to {high:.1f} deg"
         )
-        column = inside[:, None].astype(float)
-        found.append(Field("an offset", words, column, tried, region=region))
+        exact = [float(edge) for edge in edges]
+        bumps = {"kind": "box", "az_rad": exact[:2], "el_rad": exact[2:]}
+        column = there[:, None].astype(float)
+        found.append(
+            Field(
+                "an offset",
+                words,
+                column,
+                tried,
+                region=region,
+                bumps=bumps,
+                axes=(int(is_y),),
+                which=(0,),
+            )
+        )
     return found
-
-
-def _inside(az: Array, el: Array, edges: Edges) -> NDArray[np.bool_]:
-    left, right, low, high = edges
-    return ((az - left) % (2 * np.pi) <= right - left) & (el >= low) & (el <= high)
 
 
 def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, int]:
@@ -89,11 +97,11 @@ def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edge
     whole = weight.sum()
 
     def gain(edges: Edges) -> float:
-        inside = _inside(az, el, edges)
-        if inside.sum() < FEWEST or edges[1] - edges[0] > 2 * np.pi:
+        there = inside(az, el, edges)
+        if there.sum() < FEWEST or edges[1] - edges[0] > 2 * np.pi:
             return 0.0
-        mass = weight[inside].sum()
-        return float(pull[inside].sum() ** 2 / max(mass * (1 - mass / whole), 1e-12))
+        mass = weight[there].sum()
+        return float(pull[there].sum() ** 2 / max(mass * (1 - mass / whole), 1e-12))
 
     return gain
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, weigh_alike
-from pyport.diagnosis.edges import Sky, sky_of
+from pyport.diagnosis.edges import LEVELS, Sky, sky_of
 from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.view import FEWEST
-from pyport.effects.structure import FreeEdge, jump_above
+from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
@@ -123,7 +123,7 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     columns = np.where(setup.stack.is_y, found.above, 0.0)[:, None]
     candidate = replace(
         old.candidate,
-        effect=jump_above(found.edge),
+        effect=jump_above(found.edge, found.soft),
         columns=np.array([setup.columns.shape[1]]),
     )
     setup = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
@@ -145,12 +145,15 @@ class _Drawn:
         The middle of all.
     above
         How many of them leave each reading above, as a share, shape (m,).
+    soft
+        The same for every place in the sky.
     spread
         Scatter of the jump from one to the next [rad].
     """
 
     edge: FreeEdge
     above: Array
+    soft: SoftEdge
     spread: float
 
 
@@ -185,8 +188,16 @@ def _drawn(outcome: Outcome, old: Chosen, edge: FreeEdge) -> _Drawn | None:
     return _Drawn(
         sky.edge_of(np.median(paths, axis=0).astype(int)),
         np.mean([sky.above(one) for one in paths], axis=0),
+        _soft(sky, np.array(paths)),
         float(np.std(jumps[FORGOTTEN:])),
     )
+
+
+def _soft(sky: Sky, paths: Codes) -> SoftEdge:
+    """Return how many of some edges (draws, columns) leave each place in the sky above."""
+    levels = np.arange(len(LEVELS))
+    share = np.mean(levels[None, None, :] > paths[:, :, None], axis=0)
+    return SoftEdge(sky.start, sky.width, share)
 
 
 def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track], Array]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.shapes import numbers
+from pyport.effects import fields
+from pyport.effects.fields import Bumps
 
 #: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
 OVER_SKY = (20 * DEG, 45 * DEG)
@@ -44,6 +47,9 @@ class Field:
         Where it is confined to, where that is known beforehand.
     of_time
         Whether it belongs to the moments of its recordings: no other session has it.
+    bumps, axes, which
+        What its columns are made of, for any place in the sky: see `pyport.effects.fields.field`;
+        no axes where both measure it alike.
     """
 
     family: str
@@ -53,6 +59,9 @@ class Field:
     along: tuple[str, Array] | None = None
     region: tuple[Interval, ...] = ()
     of_time: bool = False
+    bumps: Bumps = field(default_factory=dict)
+    axes: tuple[int, ...] = ()
+    which: tuple[int, ...] = ()
 
 
 def families(setup: Setup) -> Iterator[tuple[int, Field]]:
@@ -60,64 +69,60 @@ def families(setup: Setup) -> Iterator[tuple[int, Field]]:
 
     With each comes how many there are of its kind.
     """
-    at, row = setup.recordings.at, setup.stack.row
-    az, el = at.az[row], at.el[row]
     sky = [
-        Field("a smooth field over the sky", f"{w / DEG:.0f} deg wide", _over_sky(az, el, w))
+        _field(setup, "a smooth field over the sky", f"{w / DEG:.0f} deg wide", "sky", width_rad=w)
         for w in OVER_SKY
     ]
     waves = [
-        Field("a wave over the sky", _wave_name(m, n), _wave(az, el, m, n))
+        _field(setup, "a wave over the sky", _wave_name(m, n), "wave", around=m, upward=n)
         for m in AROUND
         for n in UPWARD
     ]
-    for kind in (sky, waves, [*_curves(setup, az, el), *_in_time(setup)]):
+    for kind in (sky, waves, [*_curves(setup), *_in_time(setup)]):
         for one in kind:
             yield len(kind), one
 
 
-def _over_sky(az: Array, el: Array, width: float) -> Array:
-    """Return bumps on the sphere, as far apart as they are wide, shape (m, K)."""
-    bumps = []
-    for height in np.arange(width / 2, np.pi / 2 + width / 2, width):
-        around = max(1, round(2 * np.pi * abs(np.cos(height)) / width))
-        for centre in np.arange(around) * 2 * np.pi / around:
-            cosine = np.sin(el) * np.sin(height) + np.cos(el) * np.cos(height) * np.cos(az - centre)
-            bumps.append(np.exp((cosine - 1) / width**2))
-    return np.stack(bumps, axis=1)
+def _field(
+    setup: Setup,
+    family: str,
+    variant: str,
+    kind: str,
+    *,
+    along: tuple[str, Array] | None = None,
+    of_time: bool = False,
+    **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
+) -> Field:
+    """Return a field with its bumps at the readings."""
+    bumps = {"kind": kind, **numbers_of}
+    columns = fields.values(bumps, setup.recordings.at)[setup.stack.row]
+    return Field(family, variant, columns, along=along, of_time=of_time, bumps=bumps)
 
 
 def _wave_name(m: int, n: int) -> str:
     return f"goes with {m} A" + (f" and {n} E" if n else "")
 
 
-def _wave(az: Array, el: Array, m: int, n: int) -> Array:
-    around = [np.cos(m * az), np.sin(m * az)]
-    upward = [np.cos(n * el), np.sin(n * el)] if n else [np.ones(len(el))]
-    return np.stack([a * e for a in around for e in upward], axis=1)
-
-
-def _curves(setup: Setup, az: Array, el: Array) -> Iterator[Field]:
+def _curves(setup: Setup) -> Iterator[Field]:
     """Yield bumps along azimuth, elevation and every column of numbers."""
-    row = setup.stack.row
+    at, row = setup.recordings.at, setup.stack.row
+    az, el = at.az[row], at.el[row]
     for width in ALONG_AZIMUTH:
-        centres = np.arange(0, 2 * np.pi, width)
-        bumps = np.exp((np.cos(az[:, None] - centres) - 1) / width**2)
-        yield _curve("az_deg", bumps, az % (2 * np.pi) / DEG)
+        along = "az_deg", az % (2 * np.pi) / DEG
+        yield _curve(setup, "azimuth", along, width_rad=width)
     for width in ALONG_ELEVATION:
-        centres = np.arange(el.min(), el.max() + width, width)
-        yield _curve("el_deg", _bumps(el, centres, width), el / DEG)
+        centres = np.arange(el.min(), el.max() + width, width).tolist()
+        along = "el_deg", el / DEG
+        yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres)
     for name, values in numbers(setup.recordings).items():
-        if name in ("az_deg", "el_deg", "time", "order"):
-            continue
-        rank = np.searchsorted(np.sort(values), values) / len(values)
-        centres = np.linspace(0, 1, ALONG_COLUMN)
-        bumps = _bumps(rank, centres, 1 / (ALONG_COLUMN - 1))
-        yield _curve(name, bumps[row], values[row])
+        if name not in ("az_deg", "el_deg", "time", "order"):
+            ordered = np.sort(values).tolist()
+            along = name, values[row]
+            yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
 
 
-def _curve(name: str, bumps: Array, values: Array) -> Field:
-    return Field("a smooth curve", f"follows {name}", bumps, along=(name, values))
+def _curve(setup: Setup, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
+    return _field(setup, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
 
 
 def _in_time(setup: Setup) -> Iterator[Field]:
@@ -129,10 +134,6 @@ def _in_time(setup: Setup) -> Iterator[Field]:
     for length in IN_TIME:
         centres = np.unique(np.round(time / length)) * length
         if 3 <= len(centres) <= MOST_BUMPS:
-            bumps = _bumps(time, centres, length)
             how = f"follows time, over {length / 3600:.0f} h"
-            yield Field("a smooth curve", how, bumps, of_time=True)
-
-
-def _bumps(values: Array, centres: Array, width: float) -> Array:
-    return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
+            told = {"length_s": length, "centres_s": centres.tolist()}
+            yield _field(setup, "a smooth curve", how, "time", of_time=True, **told)

@@ -20,7 +20,7 @@ from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field, families
 from pyport.diagnosis.finding import Interval
-from pyport.effects.base import Circumstances, Coefficient, Effect
+from pyport.effects.fields import field as as_effect
 from pyport.fitting.gram import inverted
 from pyport.fitting.stacking import Codes
 from pyport.stages import stage
@@ -128,39 +128,29 @@ class Ground:
                     field,
                     variant=f"{name}: {field.variant}",
                     columns=block[:, own],
+                    axes=tuple(int(axis == "el") for axis in of_axis[own]),
+                    which=tuple((np.flatnonzero(felt) % field.columns.shape[1])[own].tolist()),
                     choices=kind * (len(measured) + len(several)),
                 )
                 yield worth(one, information[np.ix_(own, own)], moments[own])
 
 
-def as_candidate(worth: Worth, places: Codes) -> Candidate:
+def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
     """Return the determined directions of a field as a candidate that nobody may name.
 
-    `places` (dof,) are where its columns stand in the design.
+    `places` (dof,) are where its columns stand in the design, `unit` (dof,) what each direction
+    was divided by there.
     """
     field = worth.field
-    effect = Effect(
-        "unknown",
-        f"{field.family}, {field.variant}",
-        "a field, no physics",
-        tuple(Coefficient(f"field_{n + 1}") for n in range(len(places))),
-        _no_basis,
-        physical=False,
-        variant=f"{field.variant}",
-    )
+    directions = (worth.directions / unit).tolist()
     return Candidate(
-        effect,
+        as_effect(field.bumps, field.axes, field.which, directions, field.family, field.variant),
         places,
         tuple(range(len(places))),
         field.choices,
         region(field, field.columns @ (worth.directions @ worth.values)),
         field.of_time,
     )
-
-
-def _no_basis(at: Circumstances) -> tuple[Array, Array]:
-    """Return nothing: a field's columns are made for one set of recordings only."""
-    return np.zeros((len(at), 0)), np.zeros((len(at), 0))
 
 
 @stage("fields")

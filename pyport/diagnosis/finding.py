@@ -85,7 +85,8 @@ class Finding:
     [rad] are the effect's size after and before the model took its share;
     `checks` are the ones that were made, with their outcome in words; `stability`
     says how often its name came back on resampled data, None where it has none;
-    `curve` is what is visible of the effect in each reading [rad], shape (m,).
+    `curve` is what is visible of the effect in each reading [rad], shape (m,);
+    `choice` is the place in the joint fit that it was read from.
     """
 
     effect: str
@@ -104,6 +105,7 @@ class Finding:
     checks: tuple[str, ...] = ()
     stability: Stability | None = None
     curve: Array | None = field(default=None, compare=False, repr=False)
+    choice: int | None = field(default=None, compare=False, repr=False)
 
     def as_json(self) -> dict[str, object]:
         """Return the finding as the report spells it."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pyport.diagnosis import check, identify, words
@@ -36,7 +38,8 @@ def collect(scene: Scene) -> list[Finding]:
             told = [_single(scene, first + n, step)]
         else:
             told = of_array(scene, first + n, step, earlier, parts)
-        found += honest(scene, first + n, step, told)
+        told = honest(scene, first + n, step, told)
+        found += [replace(one, choice=first + n) for one in told]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 

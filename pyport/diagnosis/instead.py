@@ -59,10 +59,11 @@ def _with_field(
     """Return the search with a field added to it; None where it does not predict unseen data."""
     columns = worth.field.columns @ worth.directions
     # Of unit rms, so that a coefficient is the size of what it stands for.
-    columns = columns / np.sqrt(np.mean(columns**2, axis=0))
+    unit = np.sqrt(np.mean(columns**2, axis=0))
+    columns = columns / unit
     places = np.arange(setup.columns.shape[1], setup.columns.shape[1] + columns.shape[1])
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
-    candidate = as_candidate(worth, places)
+    candidate = as_candidate(worth, places, unit)
     new = Chosen(candidate, "all")
     seen = weigh(wider, before)
     after = (*before, new)

@@ -14,12 +14,15 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
+from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
 from pyport.diagnosis.soundness import warnings
+from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
+from pyport.models import toml
 from pyport.recordings.schema import Recordings
 
 SCHEMA = "pyport.diagnosis/1"
@@ -75,7 +78,21 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "correlation": {"names": names, "matrix": matrix},
         "condition_number": diagnosis.after.solution.condition,
         "warnings": warnings(diagnosis),
+        "completed_model": _completed(diagnosis),
     }
+
+
+def _completed(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    """Return the completed model, its findings apart, which the report has; None without one.
+
+    There is none where a model has terms, made in Python, that no file can hold.
+    """
+    try:
+        whole = toml.tree(completed(diagnosis))
+    except BadInput:
+        return None
+    whole.pop("finding", None)
+    return whole
 
 
 def _input(recordings: Recordings, diagnosis: Diagnosis) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from pyport.diagnosis import record
 from pyport.diagnosis.arrays.report import report as report_array
 from pyport.diagnosis.arrays.site import with_site
 from pyport.diagnosis.arrays.words import words
+from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
@@ -27,15 +28,16 @@ from pyport.workers import Spread, workers
 
 @dataclass(frozen=True)
 class Request:
-    """One file to diagnose, and where its folder goes."""
+    """One file to diagnose; where its folder and the completed model go, None for nowhere."""
 
     file: Path
     model: str
     refit: tuple[str, ...] | None
     seed: int
-    folder: Path
+    folder: Path | None
     given: Given = NOTHING
     survey: Survey | None = None
+    save: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Done:
     `seconds` are those of each stage, the stages inside it not counted.
     """
 
-    folder: Path
+    folder: Path | None
     summary: str
     report: str
     seconds: dict[str, float]
@@ -57,9 +59,10 @@ def requests(
     model: str,
     refit: str,
     seed: int,
-    out: Path,
+    out: Path | None,
     given: Given = NOTHING,
     survey: Survey | None = None,
+    save: Path | None = None,
 ) -> list[Request]:
     """Check the arguments and return what is to be done.
 
@@ -76,7 +79,7 @@ def requests(
         if stems.count(stem) > 1:
             raise BadInput(f"two files are called {stem}: their results would share a folder", out)
     return [
-        Request(file, model, held, seed, out / stem, given, survey)
+        Request(file, model, held, seed, None if out is None else out / stem, given, survey, save)
         for file, stem in zip(files, stems, strict=True)
     ]
 
@@ -143,6 +146,7 @@ def _run_one(
 ) -> tuple[str, str]:
     """Return the summary and the report of one file."""
     from pyport import page
+    from pyport.formats.completed import write_model
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
 
@@ -152,14 +156,19 @@ def _run_one(
     )
     array = report_array(diagnosis.setup, diagnosis.after, request.survey)
     diagnosis = with_site(diagnosis, array)
-    beside = write_findings(diagnosis, request.folder)
-    beside.append(page.write(*page.of_diagnosis(diagnosis), request.folder / "report.html"))
     text = summary(diagnosis)
     if array is not None:
-        if (places := write_places(array, request.folder)) is not None:
-            beside.append(places)
         text += "\n" + words(array)
-    report = record.write(diagnosis, request.folder, array, beside)
-    for kept in pass_files(request.folder):
-        kept.unlink(missing_ok=True)
+    if (folder := request.folder) is None:
+        report = record.finite(record.as_json(diagnosis))
+    else:
+        beside = write_findings(diagnosis, folder)
+        beside.append(page.write(*page.of_diagnosis(diagnosis), folder / "report.html"))
+        if array is not None and (places := write_places(array, folder)) is not None:
+            beside.append(places)
+        report = record.write(diagnosis, folder, array, beside)
+        for kept in pass_files(folder):
+            kept.unlink(missing_ok=True)
+    if request.save is not None:
+        write_model(completed(diagnosis), request.save)
     return text, json.dumps(report)

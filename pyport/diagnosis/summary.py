@@ -8,10 +8,12 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis import record, two_axes_words
+from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
+from pyport.models import words as corrections
 
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
@@ -44,6 +46,9 @@ def summary(diagnosis: Diagnosis) -> str:
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
     lines += _improvement(diagnosis)
+    done = completed(diagnosis)
+    if done.completed is not None:
+        lines += corrections.lines(done.completed, done.terms)
     for sentence in warnings(diagnosis):
         lines += _wrapped(f"Warning: {sentence}.")
     return "\n".join(lines)

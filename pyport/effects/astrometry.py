@@ -53,8 +53,9 @@ def polar_motion(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, turned(at, erfa.pom00(x_p * ARCSEC, y_p * ARCSEC, 0.0)))
 
 
-def _nutation(variant: str, *, apparent_time: bool) -> Effect:
-    """Return nutation left out of the coordinates, and of sidereal time unless `apparent_time`."""
+def _nutation(variant: str) -> Effect:
+    """Return nutation left out of the coordinates, and of sidereal time unless it is apparent."""
+    apparent_time = variant == _APPARENT
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         import erfa
@@ -80,14 +81,14 @@ def _nutation(variant: str, *, apparent_time: bool) -> Effect:
         profile=lambda _: NUTATIONS,
         needs=_WHERE_AND_WHEN,
         formula=("the sky nodded by ERFA (IAU 2000B), across", "the same, along elevation"),
+        member={"variant": variant},
+        make=_nutation,
     )
 
 
 #: With mean sidereal time nutation in longitude hardly shows; with the apparent one it does whole.
-NUTATIONS = (
-    _nutation("mean sidereal time", apparent_time=False),
-    _nutation("apparent sidereal time", apparent_time=True),
-)
+_APPARENT = "apparent sidereal time"
+NUTATIONS = (_nutation("mean sidereal time"), _nutation(_APPARENT))
 
 
 def precession(at: Circumstances) -> tuple[Array, Array]:

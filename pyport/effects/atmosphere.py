@@ -55,7 +55,14 @@ def formula_of_refraction(name: str) -> Effect:
         variant=name,
         profile=_shapes,
         common="array",
+        member={"formula": name},
+        make=_refraction,
     )
+
+
+def _refraction(formula: str = "") -> Effect:
+    """Return refraction by a formula, or r cot E."""
+    return formula_of_refraction(formula) if formula else _COTANGENT
 
 
 def _shapes(at: Circumstances) -> tuple[Effect, ...]:
@@ -78,6 +85,7 @@ _COTANGENT = Effect(
     formula=("", "r cot E"),
     profile=_shapes,
     common="array",
+    make=_refraction,
 )
 
 EFFECTS = (

@@ -214,6 +214,12 @@ class Effect:
         "session" for a change from one session or epoch to another, "order" for one between rows
         whose times are not known, "time" for a slow one, "" for what does not depend on when it
         was recorded.
+    member
+        What distinguishes this member of its family, as numbers, texts and lists of them, so
+        that a file can hold it; empty where there is no choice.
+    make
+        For a family: `make(**member)` -> the member. What depends on the recordings that a
+        family was tried on (a mean, a span of time, names of labels) is part of `member`.
     """
 
     id: str
@@ -231,6 +237,8 @@ class Effect:
     edge: Callable[[Array], Array] | None = None
     driver: str | None = None
     changes_with: str = ""
+    member: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    make: Callable[..., Effect] | None = field(default=None, compare=False)
 
     @property
     def is_change(self) -> bool:

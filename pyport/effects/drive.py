@@ -9,6 +9,8 @@ from pyport.effects.base import Circumstances, Coefficient, Effect, stack
 from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
+#: What the rate of a scan along azimuth may be the rate of.
+_OF_AXIS, _ON_SKY = "rate of the axis", "rate on the sky"
 _ALMA = "Mangum et al. 2006, PASP 118, 1257: backlash and servo errors of antenna drives"
 
 
@@ -27,7 +29,9 @@ def scan_direction(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (along_az, 0), (0, along_el))
 
 
-def _timing(name: str, *, cosine_of_el: bool) -> Effect:
+def _timing(variant: str) -> Effect:
+    cosine_of_el = variant == _OF_AXIS
+
     def basis(at: Circumstances) -> tuple[Array, Array]:
         along_az, along_el = _scanned(at)
         rate = np.asarray(at.column("scan_rate"), float)
@@ -41,19 +45,21 @@ def _timing(name: str, *, cosine_of_el: bool) -> Effect:
         (Coefficient("time_tag", "s", 1.0),),
         basis,
         common="session",
-        variant=name,
+        variant=variant,
         profile=_timings,
         needs=("scan_direction", "scan_rate_arcmin_per_min"),
         formula=("+-v tau cos E in scans along azimuth", "+-v tau in scans along elevation"),
+        member={"variant": variant},
+        make=_timing,
     )
 
 
 def _timings(at: Circumstances) -> tuple[Effect, ...]:
     """Return scan_timing for a rate of the axis and, where azimuth was scanned, of the sky."""
-    of_axis = _timing("rate of the axis", cosine_of_el=True)
+    of_axis = _timing(_OF_AXIS)
     if not np.any(_scanned(at)[0]):
         return (of_axis,)
-    return of_axis, _timing("rate on the sky", cosine_of_el=False)
+    return of_axis, _timing(_ON_SKY)
 
 
 def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:
@@ -86,7 +92,7 @@ EFFECTS = (
         needs=("scan_direction",),
         formula=("+-b in scans along azimuth", "+-b in scans along elevation"),
     ),
-    _timing("rate of the axis", cosine_of_el=True),
+    _timing(_OF_AXIS),
     Effect(
         "backlash_azimuth",
         "the azimuth drive has play: it matters which way the telescope follows the sky",

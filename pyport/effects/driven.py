@@ -102,6 +102,8 @@ class Driver:
         Which of the terms may follow it.
     follows
         The `driver` of the effects.
+    centre
+        What is taken off the values; None for a median of the recordings at hand, or nothing.
     """
 
     name: str
@@ -110,6 +112,7 @@ class Driver:
     labels: tuple[str, ...] = ("",)
     terms: tuple[str, ...] = tuple(_TERMS)
     follows: str = THE_HOUR
+    centre: float | None = None
 
 
 def driven(term: str, driver: Driver) -> Effect:
@@ -138,7 +141,19 @@ def driven(term: str, driver: Driver) -> Effect:
             "the same term along elevation",
         ),
         driver=driver.follows,
+        member={"term": term, "follows": driver.name}
+        | ({} if driver.centre is None else {"centre": driver.centre}),
+        make=_made,
     )
+
+
+def _made(term: str, follows: str, centre: float | None = None) -> Effect:
+    """Return the term that a file tells."""
+    if follows == _TIME_OF_DAY.name:
+        return driven(term, _TIME_OF_DAY)
+    if follows == _SUN:
+        return driven(term, _above_sun(centre or 0.0))
+    return driven(term, _AIR if centre is None else _about(follows, centre))
 
 
 def _driven_terms(at: Circumstances) -> tuple[Effect, ...]:
@@ -181,9 +196,20 @@ def _recorded(at: Circumstances, name: str, terms: tuple[str, ...] | None = None
     if terms is None:
         told = name in _CONTRACT or _KNOWN & set(name.split("_"))
         terms = tuple(_TERMS) if told else _BY_ANYTHING
-    centre = float(np.nanmedian(at.numbers(name)))
+    return _about(name, float(np.nanmedian(at.numbers(name))), terms)
+
+
+def _about(name: str, centre: float, terms: tuple[str, ...] = tuple(_TERMS)) -> Driver:
+    """Return a recorded condition less a number."""
     unit = next((_UNITS[end] for end in _UNITS if name.endswith(f"_{end}")), name)
-    return Driver(name, unit, lambda at: (at.numbers(name) - centre,), terms=terms, follows=name)
+    return Driver(
+        name,
+        unit,
+        lambda at: (at.numbers(name) - centre,),
+        terms=terms,
+        follows=name,
+        centre=centre,
+    )
 
 
 #: The contract's conditions.
@@ -192,27 +218,32 @@ _CONTRACT = frozenset({"temperature_c", "wind_speed_m_s", "humidity_pct", "press
 
 def _time_of_day(at: Circumstances) -> Driver | None:
     """Return once a day, as cosine and sine of UTC: what any local time is a mixture of."""
-    if not _varies(at, "time"):
-        return None
+    return _TIME_OF_DAY if _varies(at, "time") else None
 
-    def values(at: Circumstances) -> tuple[Array, ...]:
-        angle = at.numbers("time") / 86400 % 1 * 2 * np.pi
-        return np.cos(angle), np.sin(angle)
 
-    return Driver("the time of day", "", values, ("_cosine_of_utc", "_sine_of_utc"))
+def _hours(at: Circumstances) -> tuple[Array, ...]:
+    angle = at.numbers("time") / 86400 % 1 * 2 * np.pi
+    return np.cos(angle), np.sin(angle)
+
+
+_TIME_OF_DAY = Driver("the time of day", "", _hours, ("_cosine_of_utc", "_sine_of_utc"))
+_SUN = "sun_el_deg"
 
 
 def _sun(at: Circumstances) -> Driver | None:
     """Return the elevation of the Sun, as recorded or computed [deg], less its median here."""
-
-    def height(at: Circumstances) -> Array:
-        return (at.numbers("sun_el") if "sun_el" in at else sun(at)[1]) / DEG
-
     try:
-        centre = float(np.nanmedian(height(at)))
+        return _above_sun(float(np.nanmedian(_height(at))))
     except MissingColumn:
         return None
-    return Driver("sun_el_deg", "deg", lambda at: (height(at) - centre,))
+
+
+def _height(at: Circumstances) -> Array:
+    return (at.numbers("sun_el") if "sun_el" in at else sun(at)[1]) / DEG
+
+
+def _above_sun(centre: float) -> Driver:
+    return Driver(_SUN, "deg", lambda at: (_height(at) - centre,), centre=centre)
 
 
 def _varies(at: Circumstances, name: str) -> bool:

@@ -61,6 +61,8 @@ def azimuth_harmonics(k: int) -> Effect:
         profile=lambda at: _family(azimuth_harmonics, at),
         formula=("cos E (s sin kA + c cos kA), k >= 2", ""),
         parameter=k,
+        member={"k": k},
+        make=azimuth_harmonics,
     )
 
 
@@ -80,6 +82,8 @@ def elevation_harmonics(k: int) -> Effect:
         profile=lambda at: _family(elevation_harmonics, at),
         formula=("", "s sin kA + c cos kA, k >= 2"),
         parameter=k,
+        member={"k": k},
+        make=elevation_harmonics,
     )
 
 
@@ -99,10 +103,14 @@ def elevation_encoder_harmonics(k: int) -> Effect:
         profile=lambda _: tuple(map(elevation_encoder_harmonics, HARMONICS)),
         formula=("", "s sin kE + c cos kE, k >= 2"),
         parameter=k,
+        member={"k": k},
+        make=elevation_encoder_harmonics,
     )
 
 
-def _azimuth_scale(variant: str, unwrapped: Callable[[Array], Array]) -> Effect:
+def _azimuth_scale(variant: str) -> Effect:
+    unwrapped = _CUTS[variant]
+
     def basis(at: Circumstances) -> tuple[Array, Array]:
         return stack(at, (unwrapped(at.az) * np.cos(at.el), 0))
 
@@ -115,23 +123,24 @@ def _azimuth_scale(variant: str, unwrapped: Callable[[Array], Array]) -> Effect:
         variant=variant,
         profile=_azimuth_scales,
         formula=("s A cos E, A unwrapped as the cable is", ""),
+        member={"variant": variant},
+        make=_azimuth_scale,
     )
 
 
 def _azimuth_scales(at: Circumstances) -> tuple[Effect, ...]:
     """Return the scale of the azimuth as recorded and, if others may be meant, about the cuts."""
     recorded, *cuts = _CUTS
-    jumps = [np.ptp(cut(at.az) - at.az) > np.pi for _, cut in cuts]
-    chosen = [cut for cut, jump in zip(cuts, jumps, strict=True) if jump]
-    return tuple(_azimuth_scale(*cut) for cut in (recorded, *chosen))
+    chosen = [name for name in cuts if np.ptp(_CUTS[name](at.az) - at.az) > np.pi]
+    return tuple(map(_azimuth_scale, (recorded, *chosen)))
 
 
 #: Where azimuth may be cut open when it was recorded without the turns of the cable.
-_CUTS: tuple[tuple[str, Callable[[Array], Array]], ...] = (
-    ("azimuth as recorded", lambda az: az),
-    ("azimuth cut in the south", wrap),
-    ("azimuth cut in the north", lambda az: az % (2 * np.pi)),
-)
+_CUTS: dict[str, Callable[[Array], Array]] = {
+    "azimuth as recorded": lambda az: az,
+    "azimuth cut in the south": wrap,
+    "azimuth cut in the north": lambda az: az % (2 * np.pi),
+}
 
 
 def elevation_scale(at: Circumstances) -> tuple[Array, Array]:
@@ -151,7 +160,7 @@ EFFECTS = (
     azimuth_harmonics(2),
     elevation_harmonics(2),
     elevation_encoder_harmonics(2),
-    _azimuth_scale(*_CUTS[0]),
+    _azimuth_scale(next(iter(_CUTS))),
     Effect(
         "elevation_scale",
         "the elevation encoder runs at a wrong rate",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +39,9 @@ def offset(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (1, 0), (0, 1))
 
 
-def _within(effect: Effect, inside: Inside, labels: list[str], variant: str) -> Effect:
+def _within(
+    effect: Effect, inside: Inside, labels: list[str], variant: str, member: Mapping[str, Any]
+) -> Effect:
     """Return an effect with coefficients of its own in each of some epochs, zero outside.
 
     `inside` tells which of the epochs, named by `labels`, each row is in: (n, epochs).
@@ -52,7 +55,9 @@ def _within(effect: Effect, inside: Inside, labels: list[str], variant: str) -> 
     coefficients = tuple(
         replace(one, name=f"{one.name}[{label}]") for label in labels for one in effect.coefficients
     )
-    return replace(effect, coefficients=coefficients, basis=basis, variant=variant)
+    return replace(
+        effect, coefficients=coefficients, basis=basis, variant=variant, member=dict(member)
+    )
 
 
 def _by_session(effect: Effect, at: Circumstances) -> Effect:
@@ -60,12 +65,17 @@ def _by_session(effect: Effect, at: Circumstances) -> Effect:
     names = np.unique(at.column("session").astype(str))
     if len(names) < 2:
         raise MissingColumn("a second session")
-    others = names[1:]
+    return _in_sessions(effect, [str(name) for name in names[1:]])
+
+
+def _in_sessions(effect: Effect, sessions: Sequence[str]) -> Effect:
+    """Return an effect with coefficients of its own in each of some sessions."""
     return _within(
         effect,
-        lambda at: at.column("session")[:, None] == others,
-        [str(name) for name in others],
+        lambda at: at.column("session").astype(str)[:, None] == np.array(sessions),
+        list(sessions),
         "constant per session",
+        {"sessions": list(sessions)},
     )
 
 
@@ -83,7 +93,8 @@ def epoch_step(since: float, effect: Effect | None = None, *, of_order: bool = F
         f"since row {int(since) + 2}" if of_order else f"since {np.datetime64(round(since), 's')}Z"
     )
     inside = lambda at: (clock(at) >= since)[:, None]  # noqa: E731 - as short as it says
-    step = _within(effect or _OFFSET, inside, [when], f"step, {when}")
+    member = {"since_row" if of_order else "since_s": since}
+    step = _within(effect or _OFFSET, inside, [when], f"step, {when}", member)
     return replace(step, parameter=since, changes_with="order" if of_order else "session")
 
 
@@ -97,12 +108,36 @@ def _in_one_session(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     if len(names) < FEWEST_TO_STAND_OUT:
         return ()
     most = np.sort(np.argsort(-count, kind="stable")[:MOST_STEPS])
+    return tuple(_in_session_alone(effect, str(names[one])) for one in most)
 
-    def only(name: str) -> Effect:
-        inside = lambda at: (at.column("session").astype(str) == name)[:, None]  # noqa: E731
-        return _within(effect, inside, [f"in {name}"], f"in session {name} alone")
 
-    return tuple(only(str(names[one])) for one in most)
+def _in_session_alone(effect: Effect, name: str) -> Effect:
+    """Return an effect in one session."""
+    inside = lambda at: (at.column("session").astype(str) == name)[:, None]  # noqa: E731
+    variant = f"in session {name} alone"
+    return _within(effect, inside, [f"in {name}"], variant, {"session": name})
+
+
+def _made(
+    effect: Callable[[], Effect],
+) -> Callable[..., Effect]:
+    """Return what makes a member of an effect of epochs: by sessions, or since a moment."""
+
+    def make(
+        sessions: Sequence[str] | None = None,
+        session: str | None = None,
+        since_s: float = 0.0,
+        since_row: float | None = None,
+    ) -> Effect:
+        if sessions is not None:
+            return _in_sessions(effect(), sessions)
+        if session is not None:
+            return _in_session_alone(effect(), session)
+        if since_row is not None:
+            return epoch_step(since_row, effect(), of_order=True)
+        return epoch_step(since_s, effect())
+
+    return make
 
 
 def _moments(time: Array) -> Array:
@@ -168,7 +203,7 @@ def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     return _members(effect, at, _starts(at))
 
 
-def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
+def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
     """Return a polynomial in time over a span, by default that of the recordings themselves."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -192,6 +227,8 @@ def _drift(order: int, span_s: tuple[float, float] | None = None) -> Effect:
         parameter=order,
         driver=THE_HOUR,
         changes_with="time",
+        member={"order": order} | ({} if span_s is None else {"span_s": list(span_s)}),
+        make=_drift,
     )
 
 
@@ -215,6 +252,7 @@ _OFFSET: Effect = Effect(
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
     changes_with="session",
+    make=_made(lambda: _OFFSET),
 )
 _TILT: Effect = Effect(
     "epoch_tilt",
@@ -227,6 +265,7 @@ _TILT: Effect = Effect(
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
     changes_with="session",
+    make=_made(lambda: _TILT),
 )
 _SAG: Effect = Effect(
     "epoch_sag",
@@ -239,6 +278,7 @@ _SAG: Effect = Effect(
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),
     changes_with="session",
+    make=_made(lambda: _SAG),
 )
 #: What each of them does inside an epoch.
 _SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}

@@ -40,6 +40,8 @@ def azimuth_track(k: int) -> Effect:
         profile=_tracks,
         formula=("F2(A) sin E - F1(A) cos E", "F3(A), each F = s sin kA + c cos kA, k >= 2"),
         parameter=k,
+        member={"k": k},
+        make=azimuth_track,
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,22 @@ NEXT_BAND = 1.25
 
 @dataclass(frozen=True)
 class Split:
-    """A label that splits recordings: its name, its values, and what tells it for each row."""
+    """A label that splits recordings: its column and values, and where bands of frequency start."""
 
-    name: str
+    by: str
     values: list[str]
-    label: Callable[[Circumstances], NDArray[np.str_]]
+    starts_mhz: list[float]
+
+    @property
+    def name(self) -> str:
+        """Return what a split by this column is called."""
+        return "by frequency band" if self.by == "frequency_mhz" else f"by {self.by}"
+
+    def label(self, at: Circumstances) -> NDArray[np.str_]:
+        """Return the label of each row."""
+        if self.by == "frequency_mhz":
+            return band_of(at.numbers(self.by), np.array(self.starts_mhz))
+        return at.column(self.by).astype(str)
 
 
 def bands(frequency_mhz: Array) -> Array:
@@ -49,19 +60,10 @@ def band_of(frequency_mhz: Array, starts: Array) -> NDArray[np.str_]:
     return names[np.where(known, np.searchsorted(starts, frequency_mhz, side="right"), 0)]
 
 
-def _label(at: Circumstances, column: str) -> Callable[[Circumstances], NDArray[np.str_]]:
-    """Return what gives each row its label; the bands are those of these recordings."""
-    if column != "frequency_mhz":
-        return lambda at: at.column(column).astype(str)
-    starts = bands(at.numbers(column))
-    return lambda at: band_of(at.numbers(column), starts)
-
-
-def _splits(at: Circumstances, names: dict[str, str]) -> list[Split]:
+def _splits(at: Circumstances, names: Sequence[str]) -> list[Split]:
     """Return the labels that split these pointings in two or more, each way of splitting once.
 
-    `names` has the columns and what a split by each of them is called. The
-    values of a label are in the order of how many rows have them.
+    `names` has the columns. The values of a label are in the order of how many rows have them.
 
     Raises
     ------
@@ -73,13 +75,14 @@ def _splits(at: Circumstances, names: dict[str, str]) -> list[Split]:
         raise MissingColumn(" or ".join(names))
     splits: dict[bytes, Split] = {}
     for column in there:
-        label = _label(at, column)
+        starts = bands(at.numbers(column)).tolist() if column == "frequency_mhz" else []
+        split = Split(column, [], starts)
         values, first, number, count = np.unique(
-            label(at), return_index=True, return_inverse=True, return_counts=True
+            split.label(at), return_index=True, return_inverse=True, return_counts=True
         )
         ranked = [str(one) for one in values[np.argsort(-count, kind="stable")] if one != ""]
         if len(ranked) > 1:
-            splits.setdefault(first[number].tobytes(), Split(names[column], ranked, label))
+            splits.setdefault(first[number].tobytes(), replace(split, values=ranked))
     if not splits:
         raise MissingColumn(f"a second {there[0].removesuffix('_mhz')}")
     return list(splits.values())
@@ -103,11 +106,11 @@ def _offset(split: Split) -> Effect:
         label = split.label(at)
         return _in_both_axes(at, [np.where(label == value, 1.0, 0.0) for value in others])
 
-    return _receiver_offset(basis, _columns(others), split.name)
+    return _receiver_offset(basis, _columns(others), split)
 
 
 def _receiver_offset(
-    basis: Basis, coefficients: tuple[Coefficient, ...] = (), variant: str = "by receiver"
+    basis: Basis, coefficients: tuple[Coefficient, ...] = (), split: Split | None = None
 ) -> Effect:
     return Effect(
         "receiver_offset",
@@ -115,16 +118,17 @@ def _receiver_offset(
         _BAARS,
         coefficients,
         basis,
-        variant=variant,
+        variant="by receiver" if split is None else split.name,
         profile=_receiver_offsets,
         needs=("receiver or frequency_mhz",),
         formula=("b for each receiver or band", "c for each receiver or band"),
+        member={} if split is None else asdict(split),
+        make=lambda **member: _offset(Split(**member)),
     )
 
 
 def _receiver_offsets(at: Circumstances) -> tuple[Effect, ...]:
-    names = {"receiver": "by receiver", "frequency_mhz": "by frequency band"}
-    return tuple(map(_offset, _splits(at, names)))
+    return tuple(map(_offset, _splits(at, ("receiver", "frequency_mhz"))))
 
 
 def _squint(split: Split) -> Effect:
@@ -136,11 +140,11 @@ def _squint(split: Split) -> Effect:
         minus = np.where(label == last, 1.0, 0.0)
         return _in_both_axes(at, [np.where(label == one, 1.0, 0.0) - minus for one in others])
 
-    return _beam_squint(basis, _columns(others), split.name)
+    return _beam_squint(basis, _columns(others), split)
 
 
 def _beam_squint(
-    basis: Basis, coefficients: tuple[Coefficient, ...] = (), variant: str = "by polarisation"
+    basis: Basis, coefficients: tuple[Coefficient, ...] = (), split: Split | None = None
 ) -> Effect:
     return Effect(
         "beam_squint",
@@ -148,16 +152,17 @@ def _beam_squint(
         "Chu & Turrin 1973, IEEE Trans. AP 21, 339: depolarization of offset reflectors",
         coefficients,
         basis,
-        variant=variant,
+        variant="by polarisation" if split is None else split.name,
         profile=_beam_squints,
         needs=("polarisation or channel",),
         formula=("+-b by polarisation or channel", "+-c by polarisation or channel"),
+        member={} if split is None else asdict(split),
+        make=lambda **member: _squint(Split(**member)),
     )
 
 
 def _beam_squints(at: Circumstances) -> tuple[Effect, ...]:
-    names = {"polarisation": "by polarisation", "channel": "by channel"}
-    return tuple(map(_squint, _splits(at, names)))
+    return tuple(map(_squint, _splits(at, ("polarisation", "channel"))))
 
 
 EFFECTS = (

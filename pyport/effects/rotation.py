@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,8 @@ def nasmyth(sense: int) -> Effect:
         variant="platform on the right" if sense > 0 else "platform on the left",
         profile=lambda _: (nasmyth(1), nasmyth(-1)),
         formula=("b cos E -+ c sin E", "+-b sin E + c cos E, the sign by the side of the platform"),
+        member={"sense": sense},
+        make=nasmyth,
     )
 
 
@@ -99,7 +101,7 @@ def arc(angle: Array) -> float:
     return float(2 * np.pi - gaps.max())
 
 
-def _turning(name: str, angle: Angle) -> Effect:
+def _turning(name: str, angle: Angle, member: Mapping[str, str | int]) -> Effect:
     """Return the circle in an angle, given as what it is called and how it is read."""
     return Effect(
         "rotator_circle",
@@ -114,7 +116,14 @@ def _turning(name: str, angle: Angle) -> Effect:
             "b cos phi - c sin phi",
             "b sin phi + c cos phi, phi +- a recorded angle, +- twice",
         ),
+        member=dict(member),
+        make=_made,
     )
+
+
+def _made(angle: str = "", times: int = 1) -> Effect:
+    """Return the circle that a file tells: in a recorded angle, or in the parallactic angle."""
+    return _recorded(angle, times) if angle else _by_the_field(times)
 
 
 def _recorded(column: str, times: int) -> Effect:
@@ -122,13 +131,14 @@ def _recorded(column: str, times: int) -> Effect:
     scale = times * RADIANS_PER[column.rpartition("_")[2]]
     sign = "-" if times < 0 else ""
     name = f"{sign}{'' if abs(times) == 1 else f'{abs(times)} '}{column}"
-    return _turning(name, lambda at: scale * at.numbers(column))
+    member: dict[str, str | int] = {"angle": column, "times": times}
+    return _turning(name, lambda at: scale * at.numbers(column), member)
 
 
 def _by_the_field(sense: int) -> Effect:
     """Return the circle in the parallactic angle; at sense -1 it is fixed to the sky."""
     name = f"{'-' if sense < 0 else ''}parallactic angle"
-    return _turning(name, lambda at: sense * parallactic_angle(at))
+    return _turning(name, lambda at: sense * parallactic_angle(at), {"times": sense})
 
 
 def _turnings(at: Circumstances) -> tuple[Effect, ...]:

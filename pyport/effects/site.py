@@ -12,6 +12,7 @@ from pyport.effects.orientation import ut1_minus_utc
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
 #: UT1-UTC is told from a constant error where it scatters by this share of itself.
 CHANGED = 0.3
+_CONSTANT, _OMITTED_UT1 = "constant", "UT1-UTC left out"
 
 
 def site_latitude(at: Circumstances) -> tuple[Array, Array]:
@@ -36,7 +37,12 @@ def _omitted_ut1(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (seconds * x, seconds * y))
 
 
-def _clock(basis: Basis, coefficient: Coefficient, variant: str) -> Effect:
+def _clock(variant: str) -> Effect:
+    """Return an error of the clock: the same at all times, or that of UT1-UTC left out."""
+    basis: Basis = clock
+    coefficient = Coefficient("clock_error", "s", 15 * ARCSEC)
+    if variant == _OMITTED_UT1:
+        basis, coefficient = _omitted_ut1, Coefficient("share_of_ut1_utc", "", SIDEREAL, 1.0)
     return Effect(
         "clock",
         "the clock, or UT1-UTC, is wrong: every hour angle is shifted",
@@ -48,24 +54,21 @@ def _clock(basis: Basis, coefficient: Coefficient, variant: str) -> Effect:
         profile=_clocks,
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
+        member={"variant": variant},
+        make=_clock,
     )
-
-
-def _constant_clock() -> Effect:
-    return _clock(clock, Coefficient("clock_error", "s", 15 * ARCSEC), "constant")
 
 
 def _clocks(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant error and, where it changed enough to show, UT1-UTC left out."""
-    constant = _constant_clock()
+    constant = _clock(_CONSTANT)
     try:
         seconds = ut1_minus_utc(at)
     except MissingColumn:
         return (constant,)
     if np.nanstd(seconds) < CHANGED * np.sqrt(np.nanmean(seconds**2)):
         return (constant,)
-    share = Coefficient("share_of_ut1_utc", "", SIDEREAL, expected=1.0)
-    return constant, _clock(_omitted_ut1, share, "UT1-UTC left out")
+    return constant, _clock(_OMITTED_UT1)
 
 
 EFFECTS = (
@@ -86,5 +89,5 @@ EFFECTS = (
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
     ),
-    _constant_clock(),
+    _clock(_CONSTANT),
 )

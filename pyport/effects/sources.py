@@ -28,7 +28,10 @@ SOLAR_SYSTEM = frozenset(
 
 
 def _source_position(
-    basis: Basis, coefficients: tuple[Coefficient, ...] = (), variant: str = "every source"
+    basis: Basis,
+    coefficients: tuple[Coefficient, ...] = (),
+    variant: str = "every source",
+    sources: Sequence[str] = (),
 ) -> Effect:
     return Effect(
         "source_position",
@@ -41,10 +44,12 @@ def _source_position(
         profile=_source_positions,
         needs=("source", "latitude_deg"),
         formula=("-e cos q + n sin q, shifted by e eastward, n northward", "e sin q + n cos q"),
+        member={"sources": list(sources), "variant": variant} if sources else {},
+        make=_shifted,
     )
 
 
-def _shifted(names: Sequence[str], variant: str) -> Effect:
+def _shifted(sources: Sequence[str], variant: str) -> Effect:
     """Return a shift in right ascension and declination of each of some sources."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -52,14 +57,14 @@ def _shifted(names: Sequence[str], variant: str) -> Effect:
         source = at.column("source")
         pairs = [
             (np.where(source == name, x, 0.0), np.where(source == name, y, 0.0))
-            for name in names
+            for name in sources
             for x, y in (east, north)
         ]
         return stack(at, *pairs)
 
     axes = ("ra_cos_dec", "dec")
-    coefficients = tuple(Coefficient(f"{axis}[{name}]") for name in names for axis in axes)
-    return _source_position(basis, coefficients, variant)
+    coefficients = tuple(Coefficient(f"{axis}[{name}]") for name in sources for axis in axes)
+    return _source_position(basis, coefficients, variant, sources)
 
 
 def _source_positions(at: Circumstances) -> tuple[Effect, ...]:

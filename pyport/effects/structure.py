@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,13 @@ MOST_EDGES = 7
 LEAN = 10 * DEG
 
 
-def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> Effect:
+def subreflector_jump(
+    edge: Edge,
+    name: str,
+    parameter: float | None = None,
+    member: Mapping[str, Any] | None = None,
+    share: Callable[[Array, Array], Array] | None = None,
+) -> Effect:
     """Return a step in elevation above a curve in the sky.
 
     Parameters
@@ -29,9 +37,16 @@ def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> 
         What to call this curve in a report.
     parameter
         Where a straight edge stands [rad].
+    member
+        The curve as a file holds it: see `Effect`.
+    share
+        Azimuth, elevation -> how much of the step is there, for an edge that is known only so
+        well; by default all of it at the curve and above.
     """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
+        if share is not None:
+            return stack(at, (0, share(at.az, at.el)))
         return stack(at, (0, np.where(at.el >= edge(at.az), 1.0, 0.0)))
 
     return Effect(
@@ -45,7 +60,63 @@ def subreflector_jump(edge: Edge, name: str, parameter: float | None = None) -> 
         formula=("", "j above a curve in the sky"),
         parameter=parameter,
         edge=edge,
+        member=member or {},
+        make=_jump,
     )
+
+
+def _jump(
+    above_el_rad: float | None = None,
+    beyond_az_rad: float | None = None,
+    wave_rad: Sequence[float] = (),
+    edge_az_rad: Sequence[float] = (),
+    edge_el_rad: Sequence[float] = (),
+    share: Mapping[str, Any] | None = None,
+) -> Effect:
+    """Return a jump at the edge that a file tells: a straight one, a wave, or one of any form."""
+    if beyond_az_rad is not None:
+        return _beyond(beyond_az_rad)
+    if wave_rad:
+        return curved_jump(tuple(wave_rad))
+    if edge_az_rad:
+        edge = FreeEdge(tuple(edge_az_rad), tuple(edge_el_rad))
+        return jump_above(edge, None if share is None else SoftEdge.of(**share))
+    return _above(60 * DEG if above_el_rad is None else above_el_rad)
+
+
+def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
+    """Return how much of a jump there is in one direction [rad], as arrays of one have it."""
+    effect = _jump(**member)
+    if "beyond_az_rad" in member:
+        az_edge = float(member["beyond_az_rad"])
+        return lambda az, _: 1.0 if az >= az_edge else 0.0
+    if "wave_rad" in member:
+        height, *waves = map(float, member["wave_rad"])
+
+        def above_wave(az: float, el: float) -> float:
+            curve = height + waves[0] * math.cos(az) + waves[1] * math.sin(az)
+            curve += waves[2] * math.cos(2 * az) + waves[3] * math.sin(2 * az)
+            return 1.0 if el >= curve else 0.0
+
+        return above_wave
+    if "edge_az_rad" in member:
+        return lambda az, el: float(effect.basis(_one(az, el))[1][0, 0])
+    el_edge = float(member.get("above_el_rad", 60 * DEG))
+    return lambda _, el: 1.0 if el >= el_edge else 0.0
+
+
+def _one(az: float, el: float) -> Circumstances:
+    return Circumstances(np.array([az]), np.array([el]))
+
+
+def _nearest_turn(az: Array, low: float, high: float) -> Array:
+    """Return azimuths [rad], those outside a span brought by whole turns to where they are nearest.
+
+    A curve is known between the azimuths of the recordings that it was found in, counted as the
+    cable was; other programs count 0 to 360 deg.
+    """
+    turns = np.round((az - (low + high) / 2) / (2 * np.pi))
+    return np.where((az < low) | (az > high), az - 2 * np.pi * turns, az)
 
 
 @dataclass(frozen=True)
@@ -63,7 +134,7 @@ class FreeEdge:
 
     def __call__(self, az: Array) -> Array:
         """Return the elevation of the curve at some azimuths [rad]."""
-        return np.interp(az, self.az, self.el)
+        return np.interp(_nearest_turn(az, *self.span), self.az, self.el)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -71,12 +142,76 @@ class FreeEdge:
         return self.az[0], self.az[-1]
 
 
-def jump_above(edge: FreeEdge) -> Effect:
-    """Return a step above a curve of any form."""
+@dataclass(frozen=True)
+class SoftEdge:
+    """How much of a step is there, where its edge is known only so well.
+
+    Attributes
+    ----------
+    start, width
+        Azimuth at which the first column begins, and how wide each is [rad].
+    share
+        For each column and degree of elevation the share of the step, shape (columns, levels):
+        level n holds elevations from n - 1 to n degrees.
+    """
+
+    start: float
+    width: float
+    share: Array
+
+    @classmethod
+    def of(cls, start_rad: float, width_rad: float, levels: int, rows: Sequence[Any]) -> SoftEdge:
+        """Return it from what a file holds: see `member`."""
+        share = np.zeros((len(rows), levels))
+        for column, (first, *values) in zip(share, rows, strict=True):
+            column[first : first + len(values)] = values
+            column[first + len(values) :] = values[-1] if values else 0.0
+        return cls(start_rad, width_rad, share)
+
+    def __call__(self, az: Array, el: Array) -> Array:
+        """Return the share of the step at some places [rad]."""
+        columns, levels = self.share.shape
+        near = _nearest_turn(az, self.start, self.start + columns * self.width)
+        first = round(self.start / self.width)
+        column = np.clip(np.floor(near / self.width).astype(int) - first, 0, columns - 1)
+        level = np.clip((el / DEG).astype(int) + 1, 0, levels - 1)
+        return np.asarray(self.share[column, level])
+
+    @property
+    def member(self) -> dict[str, Any]:
+        """Return it as a file holds it, a row for each column.
+
+        First comes the first level at which the share is not zero, then the shares from there
+        on, the last of which holds on.
+        """
+        rows = []
+        for column in self.share:
+            first = int(np.argmax(column > 0)) if column.any() else 0
+            changes = np.flatnonzero(np.diff(column[first:]))
+            last = first + (int(changes[-1]) + 1 if len(changes) else 0)
+            rows.append([first, *column[first : last + 1].tolist()])
+        return {
+            "start_rad": self.start,
+            "width_rad": self.width,
+            "levels": self.share.shape[1],
+            "rows": rows,
+        }
+
+
+def jump_above(edge: FreeEdge, soft: SoftEdge | None = None) -> Effect:
+    """Return a step above a curve of any form, soft where the curve is known only so well."""
     el = np.array(edge.el) / DEG
     top = int(np.argmax(el))
     name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
-    return subreflector_jump(edge, f"{name} {np.degrees(edge.az[top]) % 360:.0f} deg", edge.el[0])
+    member: dict[str, Any] = {
+        "edge_az_rad": [float(one) for one in edge.az],
+        "edge_el_rad": [float(one) for one in edge.el],
+    }
+    if soft is not None:
+        member["share"] = soft.member
+    return subreflector_jump(
+        edge, f"{name} {np.degrees(edge.az[top]) % 360:.0f} deg", edge.el[0], member, soft
+    )
 
 
 def curved_jump(shape: tuple[float, ...]) -> Effect:
@@ -92,17 +227,20 @@ def curved_jump(shape: tuple[float, ...]) -> Effect:
 
     el = edge(np.radians(np.arange(360.0))) / DEG
     name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
-    return subreflector_jump(edge, f"{name} {int(el.argmax())} deg", shape[0])
+    member = {"wave_rad": [float(one) for one in shape]}
+    return subreflector_jump(edge, f"{name} {int(el.argmax())} deg", shape[0], member)
 
 
 def _above(el: float) -> Effect:
     name = f"above elevation {el / DEG:.1f} deg"
-    return subreflector_jump(lambda az: np.full(len(az), el), name, el)
+    return subreflector_jump(lambda az: np.full(len(az), el), name, el, {"above_el_rad": el})
 
 
 def _beyond(az: float) -> Effect:
     name = f"beyond azimuth {az / DEG:.1f} deg"
-    return subreflector_jump(lambda there: np.where(there >= az, -np.inf, np.inf), name, az)
+    return subreflector_jump(
+        lambda there: np.where(there >= az, -np.inf, np.inf), name, az, {"beyond_az_rad": az}
+    )
 
 
 def _tilted_edges(el: Array) -> list[Effect]:

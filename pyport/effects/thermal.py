@@ -73,6 +73,8 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
         parameter=lag_h * 3600.0,
         driver=THE_HOUR,
+        member={"heating": heating, "lag_h": lag_h},
+        make=_thermal_tilt,
     )
 
 
@@ -119,6 +121,8 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         needs=("temperature_c",),
         formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
         driver="temperature_c",
+        member={"through": through} | ({} if reference_c is None else {"reference_c": reference_c}),
+        make=_temperature,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,17 @@ from pyport.fitting.models import Model, Term
 from pyport.fitting.stacking import Stack, group, stack, term_columns
 from pyport.fitting.two_axes import Difference, from_products
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import estimate, frame
+from pyport.noise.equal import equal
+from pyport.noise.estimate import Frame, estimate, frame
 from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
+
+#: How readings count: by the noise that is estimated with the fit, or all alike.
+WEIGHTS: dict[str, Callable[[Array, Array, Frame], Covariance]] = {
+    "robust": estimate,
+    "equal": equal,
+}
 
 
 @dataclass(frozen=True)
@@ -76,11 +83,16 @@ class Fit:
 
 
 @one_thread
-def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = None) -> Fit:
+def fit(
+    recordings: Recordings,
+    model: Model,
+    refit: Collection[str] | None = None,
+    weights: str = "robust",
+) -> Fit:
     """Fit a model's terms to recordings.
 
     The noise is estimated with it: scatter and its tails, drift, departures of sessions and
-    sources. Sigmas hold all of them.
+    sources. Sigmas hold all of them. With `weights` "equal" all readings count alike instead.
 
     Raises
     ------
@@ -97,7 +109,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
             f"{len(value)} measured offsets cannot determine {columns.shape[1]} coefficients",
             recordings.file,
         )
-    noise = estimate(value, columns, frame(recordings, data))
+    noise = WEIGHTS[weights](value, columns, frame(recordings, data))
     white = noise.whiten(np.concatenate([columns, value[:, None]], axis=1))
     normal = white[:, :-1].T @ white[:, :-1]
     inverse, _, condition, known = inverted(normal)
@@ -108,7 +120,7 @@ def fit(recordings: Recordings, model: Model, refit: Collection[str] | None = No
     start = 0
     for term, labels in owners:
         stop = start + len(term.effect.coefficients)
-        given = 0.0 if term.values is None else np.array(term.values)
+        given = np.array(term.given(labels))
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER, Array
-from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
+from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect, MissingColumn, Site
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.recordings.formats.csv import read_text
+
+if TYPE_CHECKING:
+    from pyport.models.completed import Completed
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
 PER_ANTENNA = ("antenna",)
@@ -25,13 +27,74 @@ PER_ANTENNA_DAY = ("antenna", "session")
 class Term:
     """An effect in a model, with one set of coefficients for every value of the labels `per`.
 
-    `values` hold before anything is fitted; a fixed term keeps them.
+    `values` hold before anything is fitted, those of `by` where they differ between the
+    labels; a fixed term keeps them. `finding` is the number of the finding, from 1, that the
+    term was added for.
     """
 
     effect: Effect
     per: tuple[str, ...] = PER_ANTENNA
     values: tuple[float, ...] | None = None
     fixed: bool = False
+    by: Mapping[tuple[str, ...], tuple[float, ...]] = field(default_factory=dict)
+    finding: int | None = None
+
+    def given(self, labels: tuple[str, ...]) -> tuple[float, ...]:
+        """Return the values before any fit for one set of labels, zeros where there are none."""
+        nothing = self.values or (0.0,) * len(self.effect.coefficients)
+        return self.by.get(labels, nothing)
+
+    @property
+    def has_values(self) -> bool:
+        """Tell whether the term gives anything before it is fitted."""
+        return self.values is not None or bool(self.by)
+
+    def offsets(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return what the term adds before any fit [rad].
+
+        Raises
+        ------
+        BadInput
+            It needs a column, or coefficients for a label, that are not there.
+        """
+        try:
+            x, y = self.effect.columns(at)
+        except MissingColumn as lack:
+            said = f"the model's term {self.effect.id} {lack}, which is not there"
+            raise BadInput(said) from None
+        if not self.by:
+            values = np.array(self.values)
+            return x @ values, y @ values
+        nobody = np.full(len(at), "")
+        labels = {name: np.asarray(at.columns.get(name, nobody)) for name in self.per}
+        codes, values = self._by_labels(labels)
+        return (x * values[codes]).sum(axis=1), (y * values[codes]).sum(axis=1)
+
+    def values_of(self, labels: Mapping[str, NDArray[Any]]) -> Array:
+        """Return the values before any fit for one value of each label, shape (k,).
+
+        Raises
+        ------
+        BadInput
+            The term has none for it.
+        """
+        return np.array(self.values) if not self.by else self._by_labels(labels)[1][0]
+
+    def _by_labels(self, of_row: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.intp], Array]:
+        """Return which values each row has by its labels, (n,), and those, (groups, k)."""
+        labels = [of_row[name].astype(str) for name in self.per]
+        there, which = np.unique(np.stack(labels), axis=1, return_inverse=True)
+        found = []
+        for one in map(tuple, there.T.tolist()):
+            if one not in self.by:
+                what = " and ".join(f"{n} {v!r}" for n, v in zip(self.per, one, strict=True))
+                known = ", ".join(" ".join(each) for each in list(self.by)[:12])
+                raise BadInput(
+                    f"the model's term {self.effect.id} has no coefficients for {what}: "
+                    f"it has them for {known}"
+                )
+            found.append(self.by[one])
+        return which.ravel(), np.array(found)
 
 
 @dataclass(frozen=True)
@@ -46,11 +109,23 @@ class Model:
         What is fitted, linear in the coefficients.
     given
         Offsets (x, y) that hold before anything is fitted [rad]; None for zero.
+    base
+        The built-in model that `given` is of, "" without one.
+    site
+        Where the telescope stands, if the model tells; what is recorded elsewhere tells its own.
+    completed
+        What is known of a model that a fit or a diagnosis completed.
+    told
+        What another program's file says of its own fit: `stars`, `sky_rms_arcsec`.
     """
 
     name: str
     terms: tuple[Term, ...]
     given: Callable[[Circumstances], tuple[Array, Array]] | None = field(default=None)
+    base: str = ""
+    site: Site | None = None
+    completed: Completed | None = field(default=None, compare=False, repr=False)
+    told: Mapping[str, float] = field(default_factory=dict, compare=False, repr=False)
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
         """Return the terms to fit: all that are not fixed, or those of them whose id is named."""
@@ -61,16 +136,24 @@ class Model:
         ]
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
-        """Return the offsets that the model predicts before any fit [rad]."""
+        """Return the offsets that the model predicts before any fit [rad].
+
+        Raises
+        ------
+        BadInput
+            A term needs a column, or coefficients for a label, that are not there.
+        """
+        if at.site is None and self.site is not None:
+            at = replace(at, site=self.site)
         x, y = np.zeros(len(at)), np.zeros(len(at))
         if self.given is not None and at.fine is None:
             x, y = self.given(at)
         elif self.given is not None and at.fine is not None:
             x, y = at.fine.mean(np.stack(self.given(at.fine.at), axis=1)).T
         for term in self.terms:
-            if term.values is not None:
-                columns_x, columns_y = term.effect.columns(at)
-                x, y = x + columns_x @ np.array(term.values), y + columns_y @ np.array(term.values)
+            if term.has_values:
+                more_x, more_y = term.offsets(at)
+                x, y = x + more_x, y + more_y
         return x, y
 
 
@@ -86,11 +169,21 @@ def _rt32(name: str, *, exact: bool) -> Model:
     from pyport.pointing import Rt32Model, printed, recovered
 
     p = recovered() if name == "rt32-3model" else printed()
-    terms = tuple(Term(_rt32_parameter(number)) for number in range(1, 13))
-    return Model(name, terms, Rt32Model(p, exact=exact).offsets)
+    terms = tuple(Term(rt32_parameter(number)) for number in range(1, 13))
+    return Model(name, terms, Rt32Model(p, exact=exact).offsets, name)
 
 
-def _rt32_parameter(number: int) -> Effect:
+def rt32_values(base: str) -> dict[int, float]:
+    """Return the parameters 1 to 12 of a model of the RT32 [rad], none for any other name."""
+    if not base.startswith("rt32"):
+        return {}
+    from pyport.pointing import printed, recovered
+
+    p = recovered() if base == "rt32-3model" else printed()
+    return {number: float(value) for number, value in enumerate(p, 1)}
+
+
+def rt32_parameter(number: int) -> Effect:
     """Return the effect that a correction to p1..p12 stands for, with the RT32's sign."""
     from pyport.pointing import PARAMETERS, approximate_columns
 
@@ -106,6 +199,7 @@ def _rt32_parameter(number: int) -> Effect:
         "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19",
         (Coefficient(f"p{number}"),),
         basis,
+        member={"rt32": number},
     )
 
 
@@ -144,13 +238,12 @@ def load(name: str) -> Model:
 
 
 def _from_toml(path: Path) -> Model:
-    """Read `[[term]]` tables: an effect, `per`, and value_UNIT for its coefficients."""
-    try:
-        text = tomllib.loads(read_text(path))
-    except BadInput:
-        raise
-    except (ValueError, RecursionError) as error:
-        raise BadInput(f"not a TOML file: {error}", path) from None
+    """Read a completed model, or `[[term]]` tables: an effect, `per`, value_UNIT for each."""
+    from pyport.models import toml
+
+    text = toml.load(path)
+    if toml.is_completed(text):
+        return toml.read(text, path)
     rows = text.get("term")
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise BadInput("no [[term]] table: a model lists its effects, one table each", path)

@@ -9,7 +9,9 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.formats import models, tables
+from pyport.fitting.models import load as load_model
+from pyport.formats import models, tables, toml_model
+from pyport.formats.completed import write_model
 from pyport.formats.field_system import err
 from pyport.formats.model_file import translated, without_counterpart
 from pyport.recordings.files import read_raw
@@ -25,12 +27,17 @@ FORMATS = (*tables.FORMATS, *models.FORMATS)
 
 @dataclass(frozen=True)
 class Done:
-    """What was converted: rows or terms, the format written, and what it has no place for."""
+    """What was converted: rows or terms, the format written, and what it has no place for.
+
+    `lost_arcsec` is the rms on the sky of the terms that it has no place for, None where that
+    is not known.
+    """
 
     kind: str
     number: int
     format: str
     left_out: tuple[str, ...]
+    lost_arcsec: float | None = None
 
 
 def convert(
@@ -41,6 +48,7 @@ def convert(
     given: Given = NOTHING,
     model: str = "",
     leave_out: bool = False,
+    rest_as: Path | None = None,
 ) -> Done:
     """Convert a file of recordings or of a model; the suffixes tell which, or the names given.
 
@@ -56,12 +64,23 @@ def convert(
         For the Field System's err: the mdlpo.ctl that says what to fit.
     leave_out
         Leave out a model's terms that the target has no counterpart of.
+    rest_as
+        A CSV file for the corrections, on a grid, by those terms.
 
     Raises
     ------
     BadInput
         A file is not of its format, or the target cannot hold what the source has.
     """
+    if Path(source).suffix.lower() == ".toml" and not given.format and _lists_effects(source):
+        model_of = load_model(source)
+        told = {key: _condition(key, text) for key, text in given.keys.items()}
+        name, number, rest = write_model(
+            model_of, target, to=to, rest_as=rest_as, leave_out=leave_out, conditions=told
+        )
+        return Done("model", number, name, rest.names, rest.rms_arcsec)
+    if rest_as is not None:
+        raise BadInput("--rest-as is for a model of pyport's: fit or diagnose --save one", source)
     if _is_model(source, target, given.format, to):
         return _model(source, target, given.format, to, leave_out=leave_out)
     path = Path(source)
@@ -70,15 +89,30 @@ def convert(
     raw = read_raw(path, given)
     recordings = interpret(raw)  # what no reading could use is refused before it is spread
     if given.where:
-        raw = set_aside(
-            raw, {one.line: one.reason for one in where(recordings, given.where).set_aside}
-        )
+        kept = where(recordings, given.where)
+        if not len(kept):
+            said = f"holds for none of the {len(recordings)} recordings"
+            raise BadInput(f"--where {given.where!r} {said}", path)
+        raw = set_aside(raw, {one.line: one.reason for one in kept.set_aside})
     if model:
         err.write(err.fitted(raw, models.read(model)), target)
         return Done("recordings", len(raw.line), "fs-err", ())
     left_out = tables.write(table_of(raw), target, to)
     name = tables.format_of(target, to).name
     return Done("recordings", len(raw.line), name, tuple(left_out))
+
+
+def _lists_effects(source: str) -> bool:
+    """Tell whether a TOML file holds a model of pyport's, not one in another's vocabulary."""
+    return is_file(source) and not toml_model.names_terms(Path(source))
+
+
+def _condition(name: str, text: str) -> float:
+    """Return a condition that holds for all directions of a grid."""
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInput(f"--set {name}={text[:40]}: expected a number") from None
 
 
 def table_of(raw: Raw) -> Table:

@@ -113,7 +113,8 @@ class ModelFile:
         BadInput
             A term is used whose formula is not known.
         """
-        return Model(name, tuple(filter(None, map(self._term, self.entries))))
+        told = {key: float(one) for key, one in self.details.get("statistics", {}).items()}
+        return Model(name, tuple(filter(None, map(self._term, self.entries))), told=told)
 
     def _term(self, entry: Entry) -> Term | None:
         word = self.word(entry)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.formats import exact, katpoint_csv, tpoint_dat
+from pyport.formats import exact, katpoint_csv, mapped, tpoint_dat
 from pyport.formats.field_system import xtr
 from pyport.recordings.columns import LABELS
 from pyport.recordings.formats import csv
@@ -82,14 +82,26 @@ FORMATS = {
 BY_SUFFIX = {one.suffix: one for one in FORMATS.values() if one.suffix}
 
 
-def read(path: Path, name: str = "", columns: tuple[str, ...] = ()) -> Raw:
+def read(
+    path: Path,
+    name: str = "",
+    columns: tuple[str, ...] = (),
+    mapping: Mapping[str, str] | None = None,
+) -> Raw:
     """Read the cells of a file, of a named format or of the one that it looks like.
+
+    With a `mapping` of its columns any delimited text is read.
 
     Raises
     ------
     BadInput
         There is no such format, the file is not of it, or names its columns itself.
     """
+    if mapping:
+        kept = FORMATS[name] if name in FORMATS else BY_SUFFIX.get(path.suffix.lower())
+        if kept is None or kept.name == "csv":
+            return mapped.read(path, mapping)
+        return mapped.mapped(kept.read(path), mapping)
     one = format_of(path, name)
     if columns:
         if one.name != "csv":

@@ -1,7 +1,8 @@
 """TPOINT's observation files: a title, options, the site, one line a star, END.
 
 A star's line holds its azimuth and elevation, then those that the telescope
-read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR).
+read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR);
+or its right ascension and declination: see `tpoint_equatorial`.
 `;` and `!` begin a comment; a star's line behind one is masked, not lost.
 """
 
@@ -12,7 +13,7 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats import exact
+from pyport.formats import exact, tpoint_equatorial
 from pyport.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.raw import Raw
@@ -38,9 +39,11 @@ def read(path: Path) -> Raw:
     BadInput
         No title, no `: ALTAZ`, no site, a line that is no star.
     """
-    lines = lines_of(path)
-    body = [line for line in lines[1:] if line.text.strip()]
-    meta = {TITLE: lines[0].text.strip()}
+    lines = [line for line in lines_of(path) if line.text.strip()]
+    first = next((n for n, line in enumerate(lines) if line.text.strip()[0] not in _COMMENT), 0)
+    body = lines[first + 1 :]
+    above = {f"{REMARK}0_{n}": line.text.strip() for n, line in enumerate(lines[:first])}
+    meta = {TITLE: lines[first].text.strip()} | above
     meta |= _options(body, path)
     found: list[tuple[Line, list[str], str, bool]] = []
     site: Line | None = None
@@ -66,7 +69,40 @@ def read(path: Path) -> Raw:
         raise BadInput("no line with the latitude, expected one such as 53 05 43.8", path)
     if not found:
         raise BadInput("no observations below the latitude", path, site.number)
+    equatorial = [tpoint_equatorial.is_star(words) for _, words, _, _ in found]
+    if all(equatorial):
+        return _of_stars(path, meta, found, site)
+    if any(equatorial):
+        other = found[equatorial.index(not equatorial[0])][0]
+        raise other.error("a record of another kind than the first: degrees, or RA and Dec")
     return _tabulated(path, meta, found, site.number)
+
+
+def _of_stars(
+    path: Path, meta: dict[str, str], found: list[tuple[Line, list[str], str, bool]], site: Line
+) -> Raw:
+    """Return the columns of equatorial records, turned into azimuth and elevation."""
+    told = site.text.split()
+    stars = [tpoint_equatorial.star(line, words, told) for line, words, _, _ in found]
+    widest = max(len(one.rest) for one in stars)
+    angles = {
+        "az_deg": [one.az for one in stars],
+        "el_deg": [one.el for one in stars],
+        "d_az_deg": [one.d_az for one in stars],
+        "d_el_deg": [one.d_el for one in stars],
+        "ra_deg": [one.ra for one in stars],
+        "dec_deg": [one.dec for one in stars],
+    }
+    columns = {name: [f"{value:.10f}" for value in values] for name, values in angles.items()}
+    for n in range(widest):
+        cells = [one.rest[n] if n < len(one.rest) else "" for one in stars]
+        columns[f"{AUXILIARY}{n + 1}"] = cells
+    columns[NOTE] = [note for _, _, note, _ in found]
+    columns[SET_ASIDE] = [MASKED if masked else "" for _, _, _, masked in found]
+    for name in (NOTE, SET_ASIDE):
+        if not any(columns[name]):
+            del columns[name]
+    return raw_of(path, meta, columns, [line.number for line, *_ in found], site.number)
 
 
 def _options(body: list[Line], path: Path) -> dict[str, str]:

@@ -6,9 +6,9 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis import record, soundness, two_axes_words
+from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
-from pyport.diagnosis.joint import sigmas
 from pyport.diagnosis.steps import Step
 from pyport.diagnosis.words import nothing
 from pyport.files import sha256
@@ -17,7 +17,7 @@ from pyport.page.layers import layers, visible
 from pyport.page.markup import chance
 from pyport.page.notes import notes
 from pyport.page.picture import Layer, Picture, Side, sides
-from pyport.page.story import Bar, Card, Rival, Row, Source, Story, Turn
+from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
 from pyport.recordings.schema import Recordings
 
 #: Labels that tell recordings apart when one is pointed at.
@@ -93,7 +93,7 @@ def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Sto
         warnings=_warnings(diagnosis),
         bars=_bars(diagnosis),
         bars_how=diagnosis.heldout.scheme,
-        rows=_rows(diagnosis),
+        rows=rows_of(completed(diagnosis)),
         correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
         condition=diagnosis.after.solution.condition,
         turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
@@ -156,6 +156,7 @@ def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str]
     if not picture.layers:
         value = f"{held.before / ARCSEC:.3g}"
     facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
+    facts += sky_rms(completed(diagnosis))
     aside = len(recordings.set_aside)
     facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"))
     return tuple(facts)
@@ -208,32 +209,6 @@ def _bars(diagnosis: Diagnosis) -> tuple[Bar, ...]:
             if not row["drowns_in_noise"]
         ]
     return tuple(bars)
-
-
-def _rows(diagnosis: Diagnosis) -> tuple[Row, ...]:
-    """Return all coefficients of the joint fit, the model's first."""
-    setup, joint = diagnosis.setup, diagnosis.after
-    sigma = sigmas(joint, len(setup.residual))
-    rows = []
-    for n, chosen in enumerate(joint.choices):
-        start = int(joint.starts[n])
-        width = len(chosen.candidate.columns)
-        for group, name in enumerate(setup.blocks.names(chosen.scope)):
-            for k, which in enumerate(chosen.candidate.coefficients):
-                at = start + group * width + k
-                coefficient = chosen.candidate.effect.coefficients[which]
-                known = bool(joint.solution.known[at])
-                rows.append(
-                    Row(
-                        coefficient.name,
-                        name,
-                        float(joint.solution.values[at] / coefficient.scale) if known else None,
-                        float(sigma[at] / abs(coefficient.scale)) if known else None,
-                        coefficient.unit,
-                        found=n >= len(setup.base),
-                    )
-                )
-    return tuple(rows)
 
 
 def _turn(diagnosis: Diagnosis, step: Step) -> Turn:

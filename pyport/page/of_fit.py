@@ -8,11 +8,11 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.fitting import advice
+from pyport.fitting.completed import completed
 from pyport.fitting.fit import Fit
-from pyport.fitting.table import fixed
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
-from pyport.page.story import Bar, Row, Story
+from pyport.page.story import Bar, Row, Story, rows_of, sky_rms
 
 #: A heat map of more coefficients than this cannot be read.
 MOST_NAMES = 40
@@ -62,6 +62,7 @@ def _story(fit: Fit, picture: Picture) -> Story:
     condition = "not bounded" if not math.isfinite(fit.condition) else f"{fit.condition:.3g}"
     aside = len(recordings.set_aside)
     facts += [
+        *sky_rms(completed(fit)),
         ("condition number", condition, "columns of unit length"),
         ("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"),
     ]
@@ -88,20 +89,7 @@ def _story(fit: Fit, picture: Picture) -> Story:
 
 
 def _rows(fit: Fit) -> tuple[Row, ...]:
-    return tuple(
-        Row(
-            coefficient.name,
-            " ".join(one.labels),
-            _number(one.value[n] / coefficient.scale),
-            _number(one.sigma[n] / abs(coefficient.scale)),
-            coefficient.unit,
-        )
-        for one in fit.coefficients
-        for n, coefficient in enumerate(one.term.effect.coefficients)
-    ) + tuple(
-        Row(one.name, "", value / one.scale, None, f"{one.unit}, fixed")
-        for one, value in fixed(fit)
-    )
+    return rows_of(completed(fit))
 
 
 def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
@@ -123,7 +111,3 @@ def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:
         off_by(int(fit.recordings.line[fit.stack.row[n]]), fit.stack.is_y[n], fit.residual[n])
         for n in np.flatnonzero(~fit.noise.used)
     )
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

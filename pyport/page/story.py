@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pyport.effects.fields import UNKNOWN
+from pyport.fitting.models import Model
+from pyport.models.words import has_before
+
 
 @dataclass(frozen=True)
 class Card:
@@ -35,7 +39,8 @@ class Bar:
 class Row:
     """A coefficient: value and sigma in its unit; no value where the data leave it open.
 
-    One without sigma was held.
+    One without sigma was held. `before` is what the model that was given had, None where that
+    had no values at all.
     """
 
     name: str
@@ -44,6 +49,39 @@ class Row:
     sigma: float | None
     unit: str
     found: bool = False
+    before: float | None = None
+
+
+def rows_of(model: Model) -> tuple[Row, ...]:
+    """Return the coefficients of a completed model."""
+    if model.completed is None:
+        return ()
+    values = model.completed.values
+    told = has_before(values)
+    return tuple(
+        Row(
+            one.name,
+            " ".join(one.labels.values()),
+            one.value if one.determined else None,
+            one.sigma,
+            one.unit + (", fixed" if one.sigma is None else ""),
+            one.finding is not None,
+            one.before if told else None,
+        )
+        for one in values
+        if one.effect != UNKNOWN
+    )
+
+
+def sky_rms(model: Model) -> tuple[tuple[str, str, str], ...]:
+    """Return the rms on the sky as TPOINT counts it: both axes together, by the star."""
+    made = {} if model.completed is None else model.completed.made
+    if not made.get("stars"):
+        return ()
+    said = f"arcsec as TPOINT counts it, {made['stars']} pointings"
+    if "sky_rms_arcsec" in model.told:
+        said += f"; the model's file says {model.told['sky_rms_arcsec']:.4f}"
+    return (("sky rms", f"{made['sky_rms_arcsec']:.4f}", said),)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pyport.models.words import CHANGE, ENTER, IN_FILE
 from pyport.page.markup import Markup, chance, tag
 from pyport.page.sections import CUT, section
 from pyport.page.story import Row, Story, Turn
@@ -47,18 +48,24 @@ def _scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None 
 def _listed(rows: Sequence[Row]) -> Markup:
     """Return one line for each coefficient."""
     grouped = any(row.group for row in rows)
-    numeric = {"value", "sigma", "value / sigma"}
-    names = ["coefficient", *(["of"] if grouped else []), "value", "sigma", "unit", "value / sigma"]
+    told_before = any(row.before is not None for row in rows)
+    against = [IN_FILE, CHANGE] if told_before else []
+    numeric = {ENTER, "sigma", "value / sigma", *against}
+    of = ["of"] if grouped else []
+    names = ["coefficient", *of, ENTER, "sigma", "unit", *against, "value / sigma"]
 
     def cells(row: Row) -> list[str]:
         name = [row.name.replace("_", " "), *([row.group] if grouped else [])]
         if row.value is None:
-            return [*name, "not determined", "", row.unit, ""]
-        if row.sigma is None:
-            return [*name, _signed(row.value, 3), "", row.unit, ""]
-        digits = _digits(row.sigma)
-        size = f"{abs(row.value) / row.sigma:.1f}" if row.sigma > 0 else ""
-        return [*name, _signed(row.value, digits), f"{row.sigma:.{digits}f}", row.unit, size]
+            return [*name, "not determined", "", row.unit, *("" for _ in against), ""]
+        digits = 3 if row.sigma is None else _digits(row.sigma)
+        sigma = "" if row.sigma is None else f"{row.sigma:.{digits}f}"
+        size = f"{abs(row.value) / row.sigma:.1f}" if row.sigma else ""
+        old = row.before or 0.0
+        change = _signed(row.value - old, digits)
+        moved = [_signed(old, digits), change if change[0] == "−" else f"+{change}"]
+        moved = moved[: len(against)]
+        return [*name, _signed(row.value, digits), sigma, row.unit, *moved, size]
 
     def line(row: Row) -> Markup:
         told = zip(names, cells(row), strict=True)

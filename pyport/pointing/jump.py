@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -27,6 +29,15 @@ def jump_altitude(az_south: ArrayLike) -> Array:
     """
     az_south = np.asarray(az_south, dtype=float)
     return np.where(az_south <= 0, _east(az_south), _west(az_south))
+
+
+def has_jumped_one(az_south: float, altitude: float) -> bool:
+    """Tell what `has_jumped` does, for one direction [rad]."""
+    if altitude < 0:
+        return True
+    if az_south <= 0:
+        return altitude >= (65 + 7 * math.cos(az_south / 2)) * DEG
+    return altitude >= (((az_south / DEG - 95) / 90) ** 2 * 15 + 55) * DEG
 
 
 def _east(az_south: Array) -> Array:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.recordings import gmrt
+from pyport.recordings import gmrt, nearly
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
@@ -80,7 +81,19 @@ def read(
         recordings = read_data_set(path, given, spread, beside)
     else:
         recordings = interpret(read_raw(path, given))
-    return where(recordings, given.where) if given.where else recordings
+    kept = where(recordings, given.where) if given.where else recordings
+    if not len(kept):
+        raise BadInput(_nothing_left(recordings, given.where), path)
+    return kept
+
+
+def _nothing_left(recordings: Recordings, expression: str) -> str:
+    """Return why no recording is left to use."""
+    if len(recordings):
+        return f"--where {expression!r} holds for none of the {len(recordings)} recordings"
+    reasons = Counter(one.reason for one in recordings.set_aside).most_common(2)
+    told = "; ".join(f"{count} rows: {reason}" for reason, count in reasons)
+    return f"no row can be used: {told or 'there is none'}"
 
 
 def read_raw(path: Path, given: Given = NOTHING) -> Raw:
@@ -93,7 +106,13 @@ def read_raw(path: Path, given: Given = NOTHING) -> Raw:
     """
     from pyport.formats import tables
 
-    raw = tables.read(path, given.format, given.columns)
+    raw = tables.read(path, given.format, given.columns, given.mapping)
+    try:
+        nearly.refuse_keys(given.keys, "--set ")
+        nearly.refuse_keys(raw.meta, "header key ")
+        nearly.refuse_columns(raw.columns)
+    except BadInput as error:
+        raise raw.error(error.message) from None
     return masked(replace(raw, meta=raw.meta | dict(given.keys)))
 
 

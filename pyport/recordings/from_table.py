@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
-from pyport.recordings.columns import ANGLES
+from pyport.errors import BadInput
+from pyport.recordings import nearly
+from pyport.recordings.columns import ANGLES, SCAN_RATE, TIME, angle_of
 from pyport.recordings.files import read
 from pyport.recordings.given import Given
 from pyport.recordings.interpret import interpret
@@ -31,15 +33,38 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
     BadInput
         Columns are missing, unknown or hold what they should not; rows count from 1.
     """
-    keys = {str(key): str(value) for key, value in (header or {}).items()}
+    keys = _keys(header or {})
     if isinstance(table, Recordings):
         return table
     if isinstance(table, str | Path):
         return read(table, Given(keys))
-    columns = {_named(name, table[name]): _cells(table[name]) for name in _names(table)}
+    return interpret(raw_table(table, keys))
+
+
+def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
+    """Return the cells of a table in memory; `keys` are header keys that it does not have."""
+    columns = dict(_column(name, table[name]) for name in _names(table))
+    nearly.refuse_columns(columns)
     rows = max((len(cells) for cells in columns.values()), default=0)
     meta = {str(k): str(v) for k, v in (getattr(table, "meta", None) or {}).items()}
-    return interpret(Raw(Path("table"), meta | keys, 0, columns, np.arange(1, rows + 1)))
+    return Raw(Path("table"), meta | dict(keys or {}), 0, columns, np.arange(1, rows + 1))
+
+
+def _keys(header: Header) -> dict[str, str]:
+    """Return header keys as text; `location` may be astropy's EarthLocation."""
+    found = {}
+    for key, value in header.items():
+        if key == "location" and hasattr(value, "to_geodetic"):
+            place = value.to_geodetic()
+            found["latitude_deg"] = repr(float(place.lat.to_value("deg")))
+            found["longitude_deg"] = repr(float(place.lon.to_value("deg")))
+            found["height_m"] = repr(float(place.height.to_value("m")))
+        elif getattr(value, "unit", None) is not None and key.endswith("_deg"):
+            found[key] = repr(float(value.to_value("deg")))  # type: ignore[attr-defined]
+        else:
+            found[str(key)] = str(value)
+    nearly.refuse_keys(found, "header ")
+    return found
 
 
 def _names(table: Table) -> list[str]:
@@ -50,11 +75,66 @@ def _names(table: Table) -> list[str]:
     return [str(name) for name in table]
 
 
-def _named(name: str, column: Any) -> str:  # noqa: ANN401 - a column of any table
-    """Return a column's name with the unit that an astropy column bears beside it."""
-    unit = str(getattr(column, "unit", None) or "")
-    unit = "h" if unit == "hourangle" else unit
-    return f"{name}_{unit}" if name in ANGLES and unit in RADIANS_PER else name
+def _column(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: ANN401 - of any table
+    """Return a column under the contract's name, in the unit that the name tells.
+
+    Raises
+    ------
+    BadInput
+        Astropy's unit of the column is none that its name could have.
+    """
+    if hasattr(column, "utc") and hasattr(column, "unix"):
+        when = np.asarray(column.utc.datetime64)
+        return (TIME if name == "time" else name), when
+    unit = getattr(column, "unit", None)
+    if unit is None or not str(unit):
+        return name, _cells(column)
+    told = angle_of(name)
+    if name in ANGLES:
+        own = "h" if str(unit) == "hourangle" else str(unit)
+        own = own if own in RADIANS_PER else "deg"
+        wanted, name = _ASTROPY[own], f"{name}_{own}"
+    elif told is not None:
+        wanted = _ASTROPY[name.rpartition("_")[2]]
+    elif name in _QUANTITIES:
+        name, wanted = _QUANTITIES[name]
+    else:
+        wanted = dict(_QUANTITIES.values()).get(name, "")
+    return name, _cells(column) if not wanted else _converted(name, column, unit, wanted)
+
+
+#: The contract's units of angle as astropy spells them.
+_ASTROPY = {"mdeg": "mdeg", "h": "hourangle"} | {
+    one: one for one in RADIANS_PER if one not in {"mdeg", "h"}
+}
+#: Quantities whose unit is a fixed part of their name: without it -> the name, and the unit.
+_QUANTITIES = {
+    "temperature": ("temperature_c", "deg_C"),
+    "pressure": ("pressure_hpa", "hPa"),
+    "humidity": ("humidity_pct", "percent"),
+    "wind_speed": ("wind_speed_m_s", "m/s"),
+    "frequency": ("frequency_mhz", "MHz"),
+    "scan_rate": (SCAN_RATE, "arcmin/min"),
+}
+
+
+def _converted(
+    name: str,
+    column: Any,  # noqa: ANN401 - a column of any table
+    unit: object,
+    wanted: str,
+) -> NDArray[Any]:
+    """Return the numbers of a column of astropy's in another unit."""
+    from astropy import units
+
+    numbers = np.asarray(_cells(column), float)
+    if str(unit) == wanted:
+        return numbers
+    try:
+        there = units.Unit(str(unit)).to(units.Unit(wanted), numbers, units.temperature())
+    except (units.UnitConversionError, ValueError):
+        raise BadInput(f"table: column {name!r} is in {unit}, expected {wanted}") from None
+    return np.asarray(there, float)
 
 
 def _cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column of any table

@@ -16,6 +16,8 @@ class Given:
         Header keys such as `latitude_deg`; they win over the file's own.
     columns
         Names of the columns of a CSV file without a line of names.
+    mapping
+        The contract's columns by what this file calls them: see `pyport.formats.mapped`.
     format
         The file's format, where its suffix does not tell it.
     where
@@ -26,6 +28,7 @@ class Given:
     columns: tuple[str, ...] = ()
     format: str = ""
     where: str = ""
+    mapping: Mapping[str, str] = field(default_factory=dict)
 
 
 NOTHING = Given()

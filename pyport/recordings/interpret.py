@@ -35,6 +35,9 @@ LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 100
 #: (a zenith distance, an azimuth in the wrong column) is not.
 PLUNGE = "highest_el_deg"
 LARGEST_OFFSET_DEG = 180
+#: On the sky no telescope that found its source is further off; an azimuth in place of an offset,
+#: or a record of another format, is. A file whose encoders have no zero says so by the key.
+LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
 #: Angles that are offsets, of which a file has one or more.
 OFFSETS = frozenset({"d_az", "d_xel", "d_el", "d_zd"})
@@ -52,25 +55,16 @@ def interpret(raw: Raw) -> Recordings:
         Required columns are missing, two say the same, a cell is no number or
         out of range, a header key is no number.
     """
-    site = _site(raw)
     angles = angles_of(raw)
-    columns = _columns(raw)
-    south = _azimuth_from_south(raw)
-    check_ranges(raw, angles)
-    if south:
-        for name in {"az", "sun_az", "wind_az"} & set(angles):
-            angles[name] = angles[name] + np.pi
-    az, el = _position(raw, angles, site)
-    x, y = offsets_of(raw, angles, el)
+    at = _circumstances(raw, angles)
+    x, y = offsets_of(raw, angles, at.el)
+    _refuse_far_off(raw, x, y)
     blank = np.full(len(raw.line), np.nan)
-    columns |= {name: angles[name] for name in DIRECTIONS & set(angles)}
-    if site is not None:
-        _add_equatorial(columns, az, el, site)
     everything = Recordings(
-        at=Circumstances(az, el, site, columns),
+        at=at,
         x=x,
         y=y,
-        sigma_x=angles["sigma_az"] * np.cos(el)
+        sigma_x=angles["sigma_az"] * np.cos(at.el)
         if "sigma_az" in angles
         else angles.get("sigma_xel", blank),
         sigma_y=angles.get("sigma_el", blank),
@@ -79,6 +73,45 @@ def interpret(raw: Raw) -> Recordings:
         meta=raw.meta,
     )
     return _quarantine(everything, raw)
+
+
+def _refuse_far_off(raw: Raw, x: Array, y: Array) -> None:
+    """Refuse offsets larger on the sky than any telescope's, unless the header allows them."""
+    largest = _key(raw, FAR_OFF, LARGEST_OFFSET_DEG) or LARGEST_ON_SKY_DEG
+    size = np.hypot(np.nan_to_num(x), np.nan_to_num(y)) / DEG
+    if np.any(far := size > largest):
+        row = int(np.argmax(far))
+        wrong = f"offset of {size[row]:.4g} deg on the sky, expected less than {largest:g} deg"
+        raise raw.error(f"{wrong}, or a line '# {FAR_OFF}: {np.ceil(size[row]):g}'", row)
+
+
+def targets(raw: Raw) -> Circumstances:
+    """Return where the cells of a file point, whether or not an offset was measured there.
+
+    Angles are NaN in a row that tells no direction.
+
+    Raises
+    ------
+    BadInput
+        As `interpret`, but for columns of offsets.
+    """
+    return _circumstances(raw, angles_of(raw, measured=False))
+
+
+def _circumstances(raw: Raw, angles: dict[str, Array]) -> Circumstances:
+    """Return where, when and in which conditions; azimuths become those from north."""
+    site = _site(raw)
+    columns = _columns(raw)
+    south = azimuth_from_south(raw)
+    check_ranges(raw, angles)
+    if south:
+        for name in {"az", "sun_az", "wind_az"} & set(angles):
+            angles[name] = angles[name] + np.pi
+    az, el = _position(raw, angles, site)
+    columns |= {name: angles[name] for name in DIRECTIONS & set(angles)}
+    if site is not None:
+        _add_equatorial(columns, az, el, site)
+    return Circumstances(az, el, site, columns)
 
 
 def _site(raw: Raw) -> Site | None:
@@ -108,7 +141,7 @@ def _key(raw: Raw, key: str, largest: float) -> float | None:
     return value
 
 
-def _azimuth_from_south(raw: Raw) -> bool:
+def azimuth_from_south(raw: Raw) -> bool:
     """Tell whether the file counts azimuth from south through west."""
     zero = raw.meta.get("azimuth_zero", "north").lower()
     if zero not in {"north", "south"}:
@@ -116,8 +149,11 @@ def _azimuth_from_south(raw: Raw) -> bool:
     return zero == "south"
 
 
-def angles_of(raw: Raw) -> dict[str, Array]:
-    """Return all angles of the contract that the file has, in radians."""
+def angles_of(raw: Raw, *, measured: bool = True) -> dict[str, Array]:
+    """Return all angles of the contract that the file has, in radians.
+
+    One of the offsets has to be there unless `measured` is false.
+    """
     found: dict[str, tuple[str, float]] = {}
     for name in raw.columns:
         angle = angle_of(name)
@@ -135,7 +171,7 @@ def angles_of(raw: Raw) -> dict[str, Array]:
         if one in found and other in found:
             both = f"{found[one][0]!r} and {found[other][0]!r}"
             raise raw.error(f"{both} say the same, expected one")
-    if not OFFSETS & set(found):
+    if measured and not OFFSETS & set(found):
         raise raw.error("no offset column, expected d_az_deg or d_xel_deg, d_el_deg or d_zd_deg")
     return {quantity: raw.numbers(name) * radians for quantity, (name, radians) in found.items()}
 

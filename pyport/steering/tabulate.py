@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,28 @@ _RT32 = {
 }
 
 
+#: So near to the zenith the exact form alone says where azimuth goes [deg].
+BLIND_DEG = 0.1
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What a table holds for: `north` or `south`, where azimuth starts, and conditions.
+
+    Attributes
+    ----------
+    azimuth_zero
+        None for the model's own: south for the RT32's.
+    columns
+        Conditions under the names of columns inside the program: `temperature_c`, ...
+    """
+
+    azimuth_zero: str | None = None
+    columns: Mapping[str, Any] = field(default_factory=dict)
+
+
+NOTHING = Beside()
+
 #: Azimuth and zenith distance [deg] -> their offsets [deg].
 OffsetsDeg = Callable[[Array, Array], tuple[Array, Array]]
 
@@ -39,43 +63,66 @@ def tabulate(
     refraction_name: str | None = None,
     grid: Grid = RT32_GRID,
     reading: str = "as-written",
+    beside: Beside = NOTHING,
 ) -> Table:
     """Return the table of a model with a refraction.
 
     Parameters
     ----------
     model
-        `rt32-3model`, `rt32-exact` or `rt32-approximate`, azimuth from south through west;
-        or any other model with coefficients (a TOML file), azimuth from north through east.
+        `rt32-3model`, `rt32-exact` or `rt32-approximate`, or one of them completed by a fit or
+        a diagnosis (a TOML file), azimuth from south through west; or any other model with
+        coefficients, azimuth from north through east.
     refraction_name
         One of :data:`pyport.effects.refraction.FORMULAE`; by default the RT32's own for its models
         and Bennett's for others.
     grid
         Where.
     reading
-        One of :data:`READINGS`, for the RT32's models; others are computed in float64.
+        One of :data:`READINGS`, for the RT32's models; others are computed in float64. What
+        completes a model is added to what the reading gives.
+    beside
+        Where azimuth is counted from, and the conditions that the whole table is for.
 
     Raises
     ------
     BadInput
         There is no such model, refraction or reading, or the model lacks coefficients.
     """
-    if model not in _RT32:
+    base = base_of(model)
+    if base not in _RT32:
         reading = "float64"
-    name = refraction_name or (DEFAULT_REFRACTION if model in _RT32 else STANDARD_REFRACTION)
-    offsets = offsets_of(model, name, reading)(grid.az_deg[:, None], grid.zd_deg[None, :])
+    name = refraction_name or (DEFAULT_REFRACTION if base in _RT32 else STANDARD_REFRACTION)
+    offsets = offsets_of(model, name, reading, beside)(grid.az_deg[:, None], grid.zd_deg[None, :])
     return Table(grid, *offsets, model, name, reading)
 
 
-def offsets_of(model: str, refraction_name: str, reading: str) -> OffsetsDeg:
+def base_of(model: str) -> str:
+    """Return the model of the RT32 that a model is or completes, "" for any other."""
+    if model in _RT32:
+        return model
+    from pyport.fitting import models
+
+    return models.load(model).base
+
+
+def offsets_of(
+    model: str, refraction_name: str, reading: str, beside: Beside = NOTHING
+) -> OffsetsDeg:
     """Return a model as a function of azimuth and zenith distance; arguments as for `tabulate`."""
     if model in _RT32:
-        parameters, exact = _RT32[model]
-        p = parameters()
-        return lambda az_deg, zd_deg: rt32_offsets(
-            az_deg, zd_deg, p, refraction_name, reading, exact=exact
-        )
-    return lambda az_deg, zd_deg: _any_offsets(model, refraction_name, az_deg, zd_deg)
+        return lambda az_deg, zd_deg: _published(model, az_deg, zd_deg, refraction_name, reading)
+    return lambda az_deg, zd_deg: _any_offsets(
+        model, refraction_name, reading, beside, az_deg, zd_deg
+    )
+
+
+def _published(
+    name: str, az_deg: Array, zd_deg: Array, refraction_name: str, reading: str
+) -> tuple[Array, Array]:
+    """Return the offsets [deg] of one of the RT32's models with a refraction."""
+    parameters, exact = _RT32[name]
+    return rt32_offsets(az_deg, zd_deg, parameters(), refraction_name, reading, exact=exact)
 
 
 def zenith_refraction(name: str, zd_deg: Array, iterations: int = ITERATIONS) -> Array:
@@ -166,26 +213,40 @@ def refraction4(name: str, zd_deg: Array) -> NDArray[np.float32]:
 
 
 def _any_offsets(
-    model: str, refraction_name: str, az_deg: Array, zd_deg: Array
+    model: str,
+    refraction_name: str,
+    reading: str,
+    beside: Beside,
+    az_deg: Array,
+    zd_deg: Array,
 ) -> tuple[Array, Array]:
     """Return the offsets [deg] of any model of the program that has coefficients."""
-    from pyport.effects import Circumstances, MissingColumn
+    from pyport.effects import Circumstances
     from pyport.fitting import models
 
-    az_deg, zd_deg = np.broadcast_arrays(az_deg, zd_deg)
     loaded = models.load(model)
-    if loaded.given is None and all(term.values is None for term in loaded.terms):
+    if loaded.given is None and not any(term.has_values for term in loaded.terms):
         raise BadInput(f"model {model!r} has no coefficients to make a table from")
-    at = Circumstances(az=az_deg.ravel() * DEG, el=math.pi / 2 - zd_deg.ravel() * DEG)
+    if loaded.base in _RT32:
+        d_az_deg, d_zd_deg = _published(loaded.base, az_deg, zd_deg, refraction_name, reading)
+    else:
+        d_az_deg, d_zd_deg = np.zeros(()), -zenith_refraction(refraction_name, zd_deg)
+    az_deg, zd_deg = np.broadcast_arrays(az_deg, zd_deg)
+    south = loaded.base in _RT32 if beside.azimuth_zero is None else beside.azimuth_zero == "south"
+    turn = math.pi if south else 0.0
+    at = Circumstances(
+        az=az_deg.ravel() * DEG + turn,
+        el=math.pi / 2 - zd_deg.ravel() * DEG,
+        columns={name: np.full(az_deg.size, one) for name, one in beside.columns.items()},
+    )
     try:
-        x, y = loaded.offsets(at)
-    except MissingColumn as lack:
-        raise BadInput(
-            f"model {model!r} needs {lack.column}, which a table of azimuth and zenith "
-            "distance does not have"
-        ) from None
-    # at the zenith azimuth has no meaning; a quarter turn is as far as the blind spot asks for
-    d_az_deg = np.clip(x / np.cos(at.el) / DEG, -90, 90)
-    d_alt_deg = y / DEG
-    d_zd_deg = -d_alt_deg.reshape(az_deg.shape) - zenith_refraction(refraction_name, zd_deg)
-    return d_az_deg.reshape(az_deg.shape), d_zd_deg
+        x, y = replace(loaded, given=None).offsets(at)
+    except BadInput as error:
+        wanted = "a table of azimuth and zenith distance is for one condition: --set COLUMN=VALUE"
+        raise BadInput(f"{error.message}; {wanted}", model) from None
+    # at the zenith azimuth has no meaning; a quarter turn is as far as the blind spot asks for,
+    # and the RT32's form has turned by that already
+    more_az_deg = np.clip(x / np.cos(at.el) / DEG, -90, 90).reshape(az_deg.shape)
+    if loaded.base in _RT32:
+        more_az_deg = np.where(np.abs(zd_deg) < BLIND_DEG, 0.0, more_az_deg)
+    return d_az_deg + more_az_deg, d_zd_deg - (y / DEG).reshape(az_deg.shape)

@@ -13,10 +13,11 @@ from pyport.diagnosis.case import prepare
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting import advice
+from pyport.fitting.completed import completed
 from pyport.fitting.fit import fit
 from pyport.fitting.models import load
 from pyport.formats import models
-from pyport.formats.fitted import save_fit
+from pyport.formats.completed import write_model
 from pyport.formats.terms.editing import edited, named
 from pyport.recordings import read
 
@@ -153,7 +154,7 @@ def test_a_fit_from_an_old_model_gives_whole_values(night, tmp_path):
 def test_a_fit_is_saved_in_any_format(night, tmp_path, name):
     """From composite effects, with what was fixed: the file points as the fit does."""
     done = fit(read(night), edited(load("altaz"), fix=["NPAE=0"]))
-    save_fit(done, tmp_path / name)
+    write_model(completed(done), tmp_path / name)
 
     x, y = load(str(tmp_path / name)).offsets(done.recordings.at)
 
@@ -164,7 +165,7 @@ def test_a_fit_is_saved_in_any_format(night, tmp_path, name):
 def test_a_saved_fit_starts_the_next_one(night, tmp_path):
     """TPOINT's line of statistics tells the stars and the rms on the sky."""
     done = fit(read(night), load("altaz"))
-    save_fit(done, tmp_path / "x.mod")
+    write_model(completed(done), tmp_path / "x.mod")
 
     told = models.read(tmp_path / "x.mod").details["statistics"]
 
@@ -176,10 +177,10 @@ def test_a_term_that_a_format_cannot_name_is_refused(night, tmp_path):
     """Nothing is left out of a saved model."""
     done = fit(read(night), edited(load("altaz"), add=["HESE3"]))
 
-    with pytest.raises(BadInput, match="no counterpart of HESE3"):
-        save_fit(done, tmp_path / "x.ctl")
+    with pytest.raises(BadInput, match="no name for HESE3"):
+        write_model(completed(done), tmp_path / "x.ctl")
     with pytest.raises(BadInput, match="suffix is none of a model"):
-        save_fit(done, tmp_path / "x.dat")
+        write_model(completed(done), tmp_path / "x.dat")
 
 
 def test_warnings_name_what_is_weak_tied_or_open(night):

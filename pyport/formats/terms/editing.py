@@ -6,14 +6,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from pyport.angles import RADIANS_PER, Array
-from pyport.effects import CATALOGUE, Circumstances, Effect
-from pyport.effects.base import Basis, stack
+from pyport.angles import RADIANS_PER
+from pyport.effects import CATALOGUE, Effect
 from pyport.errors import BadInput
 from pyport.fitting.models import Model, Term
 from pyport.formats.terms import field_system, tpoint
 from pyport.formats.terms.alike import ratio, seen
 from pyport.formats.terms.words import Word
+from pyport.models.members import apart
+from pyport.recordings.columns import LABELS
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
 
@@ -24,6 +25,7 @@ def edited(
     fix: Sequence[str] = (),
     add: Sequence[str] = (),
     drop: Sequence[str] = (),
+    per: Sequence[str] | None = None,
 ) -> Model:
     """Return a model with terms dropped, added and fixed, in this order.
 
@@ -36,6 +38,8 @@ def edited(
         of its own behind the number; NAME alone holds what the model gives.
     add, drop
         Names: TPOINT's, P1..P30, an effect's id or one of its coefficients.
+    per
+        Labels each value of which has coefficients of its own; None leaves that to the model.
 
     Raises
     ------
@@ -43,7 +47,7 @@ def edited(
         A name is none, or is (or is not) in the model already.
     """
     if not (fix or add or drop):
-        return model
+        return _split(model, per)
     terms = [one for term in model.terms for one in _apart(term)]
     for name in drop:
         found = _places(terms, name)
@@ -60,6 +64,23 @@ def edited(
     for assignment in fix:
         name, equals, value = assignment.partition("=")
         _fix(terms, name.strip(), value.strip() if equals else None)
+    return _split(replace(model, terms=tuple(terms), completed=None), per)
+
+
+def _split(model: Model, per: Sequence[str] | None) -> Model:
+    """Return a model whose fitted terms have coefficients for each value of some labels.
+
+    Raises
+    ------
+    BadInput
+        A name is no label.
+    """
+    if per is None:
+        return model
+    for name in per:
+        if name not in LABELS:
+            raise BadInput(f"--per {name}: expected labels among {', '.join(sorted(LABELS))}")
+    terms = [one if one.fixed or one.by else replace(one, per=tuple(per)) for one in model.terms]
     return replace(model, terms=tuple(terms))
 
 
@@ -136,29 +157,15 @@ def word_of(name: str) -> Word | None:
 
 def _apart(term: Term) -> list[Term]:
     """Return a term for each coefficient of one."""
-    effect = term.effect
-    if len(effect.coefficients) <= 1:
-        return [term]
     return [
         replace(
             term,
-            effect=replace(
-                effect, coefficients=(coefficient,), basis=_column(effect, n), profile=None
-            ),
+            effect=effect,
             values=None if term.values is None else (term.values[n],),
+            by={labels: (values[n],) for labels, values in term.by.items()},
         )
-        for n, coefficient in enumerate(effect.coefficients)
+        for n, effect in enumerate(apart(term.effect))
     ]
-
-
-def _column(effect: Effect, n: int) -> Basis:
-    """Return the basis of one of an effect's coefficients."""
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        x, y = effect.columns(at)
-        return stack(at, (x[:, n], y[:, n]))
-
-    return basis
 
 
 def _places(terms: Sequence[Term], name: str) -> list[int]:

@@ -7,9 +7,9 @@ own are told by that name, so that two programs' words for one thing are one sha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,7 +34,10 @@ FAMILIES: dict[str, Callable[[int], Effect]] = {
 
 
 class Wave(NamedTuple):
-    """Sine ("S") or cosine ("C") of k times azimuth ("A") or elevation ("E")."""
+    """Sine ("S") or cosine ("C") of k times azimuth ("A") or elevation ("E").
+
+    Or the k-th power ("P") of elevation or zenith distance ("Z") in radians.
+    """
 
     function: str
     of: str
@@ -42,11 +45,15 @@ class Wave(NamedTuple):
 
     def __call__(self, at: Circumstances) -> Array:
         """Return the wave at the pointings, shape (n,)."""
+        if self.function == "P":
+            return np.asarray((np.pi / 2 - at.el if self.of == "Z" else at.el) ** self.k)
         angle = self.k * (at.az if self.of == "A" else at.el)
         return np.sin(angle) if self.function == "S" else np.cos(angle)
 
     def __str__(self) -> str:
         """Return it as a formula: `sin 2A`."""
+        if self.function == "P":
+            return self.of if self.k == 1 else f"{self.of}^{self.k}"
         return f"{'sin' if self.function == 'S' else 'cos'} {self.k if self.k > 1 else ''}{self.of}"
 
 
@@ -72,6 +79,30 @@ class Shape:
     k: int = 0
     axis: str = ""
     waves: tuple[Wave, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        effect: str,
+        column: int = 0,
+        k: int = 0,
+        axis: str = "",
+        waves: Sequence[Sequence[Any]] = (),
+    ) -> Shape:
+        """Return the shape that `told` gave."""
+        return cls(effect, column, k, axis, tuple(Wave(*one) for one in waves))
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """Return it as a file holds it."""
+        whole = {
+            "effect": self.effect,
+            "column": self.column,
+            "k": self.k,
+            "axis": self.axis,
+            "waves": [list(one) for one in self.waves],
+        }
+        return {key: value for key, value in whole.items() if value}
 
     def parent(self) -> Effect:
         """Return the effect that this is a column of."""
@@ -151,7 +182,7 @@ def product(axis: str, *waves: Wave) -> Shape:
     known = _KNOWN.get((axis, waves))
     if known is not None:
         return known
-    if len(waves) == 1 and (axis, waves[0].of) in _FAMILY:
+    if len(waves) == 1 and waves[0].function != "P" and (axis, waves[0].of) in _FAMILY:
         function, of, k = waves[0]
         return Shape(_FAMILY[axis, of], 0 if function == "S" else 1, k)
     return Shape(PRODUCT, axis=axis, waves=waves)

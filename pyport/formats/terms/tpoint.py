@@ -32,13 +32,16 @@ NAMED: dict[str, tuple[Shape, int]] = {
 _NAME_OF = {shape: (name, sign) for name, (shape, sign) in reversed(NAMED.items())}
 
 #: Result, then one wave or two: function, angle, multiple (nothing for one).
-_HARMONIC = re.compile(r"H([AES])([SC])([AE])([1-9]?)(?:([SC])([AE])([1-9]?))?")
+_HARMONIC = re.compile(r"H([AESZ])([SC])([AEZ])([1-9]?)(?:([SC])([AEZ])([1-9]?))?")
+#: Result, coordinate and power, of one coordinate or two; the power one may be left out. A
+#: polynomial of azimuth is none of a mount's that turns round, and not read.
+_POLYNOMIAL = re.compile(r"P([AESZ])([EZ])([0-9]?)(?:([EZ])([0-9]?))?")
 _TX = re.compile(r"TX\d*")
 
 #: What a harmonic's result is of, and its sign: an azimuth is counted the other way round (-1)
 #: and taken off (-1), an elevation is taken off.
-_RESULT = {"A": ("az", 1), "S": ("xel", 1), "E": ("el", -1)}
-_LETTER = {axis: letter for letter, (axis, _) in _RESULT.items()}
+_RESULT = {"A": ("az", 1), "S": ("xel", 1), "E": ("el", -1), "Z": ("el", 1)}
+_LETTER = {"az": "A", "xel": "S", "el": "E"}
 
 
 def word(name: str) -> Word | None:
@@ -52,20 +55,48 @@ def word(name: str) -> Word | None:
         return Word(name, ((shape, sign),), "arcsec")
     match = _HARMONIC.fullmatch(name)
     if match is None:
-        return None
+        return _polynomial(name)
     result, *rest = match.groups()
     axis, sign = _RESULT[result]
     waves = []
     for function, of, k in (rest[:3], rest[3:]):
         if function is not None:
-            waves.append(Wave(function, of, int(k or 1)))
-            sign *= turned(waves[-1])
+            wave, turn = _upward(Wave(function, of, int(k or 1)))
+            waves.append(wave)
+            sign *= turn * turned(wave)
     return Word(name, ((product(axis, *waves), sign),), "arcsec")
+
+
+def _upward(wave: Wave) -> tuple[Wave, int]:
+    """Return a wave of zenith distance as one of elevation, with its sign."""
+    if wave.of != "Z":
+        return wave, 1
+    # of k (90 deg - E): after each quarter turn sine and cosine change places
+    quarter, other = wave.k % 4, {"S": "C", "C": "S"}[wave.function]
+    sine = ((wave.function, -1), (other, 1), (wave.function, 1), (other, -1))
+    cosine = ((wave.function, 1), (other, 1), (wave.function, -1), (other, -1))
+    function, sign = (sine if wave.function == "S" else cosine)[quarter]
+    return Wave(function, "E", wave.k), sign
+
+
+def _polynomial(name: str) -> Word | None:
+    """Return the word of a polynomial in elevation or zenith distance [rad], `PZZ2`, `PSZ2`."""
+    match = _POLYNOMIAL.fullmatch(name)
+    if match is None:
+        return None
+    result, *rest = match.groups()
+    axis, sign = _RESULT[result]
+    powers = [
+        Wave("P", of, int(k or 1)) for of, k in (rest[:2], rest[2:]) if of is not None and k != "0"
+    ]
+    if not powers:
+        return None
+    return Word(name, ((product(axis, *powers), sign),), "arcsec")
 
 
 def turned(wave: Wave) -> int:
     """Return the sign that a wave of azimuth has when 180 deg - A stands for A."""
-    if wave.of == "E":
+    if wave.of != "A":
         return 1
     even = wave.k % 2 == 0
     return 1 if (wave.function == "C") == even else -1
@@ -79,6 +110,9 @@ def name_of(shape: Shape) -> tuple[str, int] | None:
     if not 1 <= len(waves) <= 2 or any(wave.k > 9 for wave in waves):
         return None
     sign = _RESULT[_LETTER[axis]][1]
+    if waves[0].function == "P":
+        powers = "".join(f"{wave.of}{wave.k if wave.k > 1 else ''}" for wave in waves)
+        return f"P{_LETTER[axis]}{powers}", sign
     name = f"H{_LETTER[axis]}"
     for wave in waves:
         sign *= turned(wave)

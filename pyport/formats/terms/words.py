@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -53,6 +55,7 @@ class Word:
         the model has.
         """
         parent = self.parts[0][0].parent()
+        parts = [{**shape.told, "weight": weight} for shape, weight in self.parts]
         several = len({shape.effect for shape, _ in self.parts}) > 1
         return Effect(
             PRODUCT if several else parent.id,
@@ -65,4 +68,21 @@ class Word:
             variant=parent.variant,
             formula=parent.formula,
             parameter=parent.parameter,
+            member={"word": self.name, "unit": self.unit, "parts": parts},
         )
+
+    @classmethod
+    def of_member(cls, member: Mapping[str, Any]) -> Word:
+        """Return the word that an effect's `member` tells.
+
+        Raises
+        ------
+        KeyError, TypeError
+            It tells none.
+        """
+        parts = [dict(one) for one in member["parts"]]
+        weights = [float(one.pop("weight")) for one in parts]
+        shapes = [Shape.of(**one) for one in parts]
+        if member["unit"] not in SCALES or not parts:
+            raise KeyError(member["unit"])
+        return cls(member["word"], tuple(zip(shapes, weights, strict=True)), member["unit"])

@@ -1,0 +1,145 @@
+"""Fields: sums of bumps over the sky, along a column or in time, for what has no name.
+
+A diagnosis lays them through what no effect explains. Each field is told by a few
+numbers, so that a file can hold it and it has a value at any place, not only where
+recordings were made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.effects.base import Circumstances, Coefficient, Effect
+
+#: The id of what no effect of the catalogue explains.
+UNKNOWN = "unknown"
+
+Bumps = Mapping[str, Any]
+
+
+def sky(at: Circumstances, width_rad: float) -> Array:
+    """Return bumps on the sphere, as far apart as they are wide, shape (n, K)."""
+    bumps = []
+    for height in np.arange(width_rad / 2, np.pi / 2 + width_rad / 2, width_rad):
+        around = max(1, round(2 * np.pi * abs(np.cos(height)) / width_rad))
+        for centre in np.arange(around) * 2 * np.pi / around:
+            cosine = np.sin(at.el) * np.sin(height)
+            cosine = cosine + np.cos(at.el) * np.cos(height) * np.cos(at.az - centre)
+            bumps.append(np.exp((cosine - 1) / width_rad**2))
+    return np.stack(bumps, axis=1)
+
+
+def wave(at: Circumstances, around: int, upward: int) -> Array:
+    """Return waves that go around the sky and up it so often, shape (n, 2 or 4)."""
+    circle = [np.cos(around * at.az), np.sin(around * at.az)]
+    arc = [np.cos(upward * at.el), np.sin(upward * at.el)] if upward else [np.ones(len(at))]
+    return np.stack([a * e for a in circle for e in arc], axis=1)
+
+
+def azimuth(at: Circumstances, width_rad: float) -> Array:
+    """Return bumps around the circle of azimuth, as far apart as they are wide, shape (n, K)."""
+    centres = np.arange(0, 2 * np.pi, width_rad)
+    return np.asarray(np.exp((np.cos(at.az[:, None] - centres) - 1) / width_rad**2))
+
+
+def elevation(at: Circumstances, width_rad: float, centres_rad: Sequence[float]) -> Array:
+    """Return bumps along elevation, shape (n, K)."""
+    return _normal(at.el, np.asarray(centres_rad, float), width_rad)
+
+
+def column(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
+    """Return bumps over the ranks that a column's numbers have among `values`, shape (n, K)."""
+    ordered, here = np.sort(np.asarray(values, float)), at.numbers(name)
+    rank = np.searchsorted(ordered, here) / len(ordered)
+    bumps = _normal(rank, np.linspace(0, 1, count), 1 / (count - 1))
+    return np.where(np.isfinite(here)[:, None], bumps, 0.0)
+
+
+def time(at: Circumstances, length_s: float, centres_s: Sequence[float]) -> Array:
+    """Return bumps in time, shape (n, K)."""
+    return np.nan_to_num(_normal(at.numbers("time"), np.asarray(centres_s, float), length_s))
+
+
+def box(at: Circumstances, az_rad: Sequence[float], el_rad: Sequence[float]) -> Array:
+    """Return 1 inside a stretch of azimuth and of elevation, shape (n, 1)."""
+    return inside(at.az % (2 * np.pi), at.el, (*az_rad, *el_rad))[:, None].astype(float)
+
+
+def inside(az: Array, el: Array, edges: Sequence[float]) -> NDArray[np.bool_]:
+    """Tell which places are between two azimuths and two elevations [rad], shape (n,)."""
+    left, right, low, high = edges
+    return ((az - left) % (2 * np.pi) <= right - left) & (el >= low) & (el <= high)
+
+
+def _normal(values: Array, centres: Array, width: float) -> Array:
+    return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
+
+
+KINDS: dict[str, Callable[..., Array]] = {
+    one.__name__: one for one in (sky, wave, azimuth, elevation, column, time, box)
+}
+
+
+def values(bumps: Bumps, at: Circumstances) -> Array:
+    """Return the bumps that `{"kind": one of KINDS, ...}` stands for, shape (n, K)."""
+    return KINDS[bumps["kind"]](at, **{key: one for key, one in bumps.items() if key != "kind"})
+
+
+def field(
+    bumps: Bumps,
+    axes: Sequence[int],
+    which: Sequence[int],
+    directions: Sequence[Sequence[float]],
+    family: str,
+    variant: str,
+) -> Effect:
+    """Return a field as an effect that nobody may name.
+
+    Parameters
+    ----------
+    bumps
+        See `values`.
+    axes, which
+        Of each of k terms the axis that it acts on (0 across, 1 along elevation), and its bump.
+    directions
+        How many of each term one of each coefficient is, shape (k, dof).
+    family, variant
+        What kind of field it is, and which of its kind.
+    """
+    along = np.asarray(axes)[:, None] == (0, 1)
+    mix = np.asarray(directions, float)
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        terms = values(bumps, at)[:, list(which)]
+        return terms @ (mix * along[:, :1]), terms @ (mix * along[:, 1:])
+
+    return Effect(
+        UNKNOWN,
+        f"{family}, {variant}",
+        "a field, no physics",
+        tuple(Coefficient(f"field_{n + 1}") for n in range(mix.shape[1])),
+        basis,
+        physical=False,
+        variant=variant,
+        needs=_needs(bumps),
+        member={
+            "bumps": dict(bumps),
+            "axes": [int(one) for one in axes],
+            "which": [int(one) for one in which],
+            "directions": mix.tolist(),
+            "family": family,
+            "variant": variant,
+        },
+        make=field,
+    )
+
+
+def _needs(bumps: Bumps) -> tuple[str, ...]:
+    if bumps["kind"] == "time":
+        return ("time_utc",)
+    return (bumps["name"],) if bumps["kind"] == "column" else ()

@@ -1,0 +1,160 @@
+"""TPOINT's equatorial records: a star's catalogue place, the place that was observed, the time.
+
+Right ascension and declination as they are in the catalogue and as the telescope, which corrected
+nothing, stood, and the local sidereal time. Where proper motions and an equinox stand behind the
+catalogue's place it is a mean one, otherwise an apparent one of the date. The run's record tells
+the weather, by which the catalogue's place is refracted: the telescope saw through the air.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG, wrap
+from pyport.formats.lines import Line
+from pyport.recordings.sky import horizon
+
+#: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.
+APPARENT = 14
+#: With two proper motions and an equinox.
+MEAN = APPARENT + 3
+#: Weather behind the date of the run's record: temperature [C], pressure [hPa], height [m],
+#: relative humidity, wavelength [um].
+WEATHER = ("temperature_c", "pressure_hpa", "height_m", "humidity", "wavelength_um")
+
+
+@dataclass(frozen=True)
+class Star:
+    """A record, in degrees.
+
+    Attributes
+    ----------
+    az, el
+        Where the star stood, refracted where the weather is known.
+    d_az, d_el
+        Where the telescope stood, less that.
+    ra, dec
+        Of the catalogue, apparent.
+    rest
+        The words behind.
+    """
+
+    az: float
+    el: float
+    d_az: float
+    d_el: float
+    ra: float
+    dec: float
+    rest: tuple[str, ...]
+
+
+def is_star(words: Sequence[str]) -> bool:
+    """Tell whether a line is such a record: hours and minutes are whole, degrees are not."""
+    return len(words) >= APPARENT and all("." not in word for word in (*words[:2], *words[3:5]))
+
+
+def star(line: Line, words: Sequence[str], site: Sequence[str]) -> Star:
+    """Return the star of a record.
+
+    Parameters
+    ----------
+    line, words
+        Where it stands, and its words.
+    site
+        The words of the run's record: latitude, date, weather.
+
+    Raises
+    ------
+    BadInput
+        A word is no number, or an angle is none.
+    """
+    mean = len(words) >= MEAN and _is_equinox(words[8])
+    latitude = _sexagesimal(line, site[:3], "the latitude", 90) * DEG
+    ra, dec = _place(line, words[:6], "the catalogue's place")
+    if mean:
+        ra, dec = _apparent(line, ra, dec, words[6:9], site)
+    seen = words[9:] if mean else words[6:]
+    seen_ra, seen_dec = _place(line, seen[:6], "the observed place")
+    lst = _sexagesimal(line, (*seen[6:8], "0"), "the sidereal time", 24) * 15
+    places = [
+        horizon(np.array([(lst - r) * DEG]), np.array([d * DEG]), latitude)
+        for r, d in ((ra, dec), (seen_ra, seen_dec))
+    ]
+    (az, el), (seen_az, seen_el) = ((float(a[0]), float(e[0])) for a, e in places)
+    el += _refraction(site, el)
+    return Star(
+        az / DEG % 360,
+        el / DEG,
+        float(wrap(seen_az - az)) / DEG,
+        (seen_el - el) / DEG,
+        ra,
+        dec,
+        tuple(seen[8:]),
+    )
+
+
+def _place(line: Line, words: Sequence[str], what: str) -> tuple[float, float]:
+    """Return right ascension and declination [deg]."""
+    return _sexagesimal(line, words[:3], what, 24) * 15, _sexagesimal(line, words[3:6], what, 90)
+
+
+def _sexagesimal(line: Line, words: Sequence[str], what: str, largest: float) -> float:
+    """Return hours or degrees from three words."""
+    whole, minutes, seconds = (float(line.decimal(word, what)) for word in words)
+    value = abs(whole) + minutes / 60 + seconds / 3600
+    if not (0 <= minutes < 60 and 0 <= seconds < 60 and value <= largest):
+        raise line.error(f"{what} is {' '.join(words)}, expected up to {largest:g} 59 59.9")
+    return -value if words[0].startswith("-") else value
+
+
+def _is_equinox(word: str) -> bool:
+    try:
+        return 1800 < float(word.lstrip("JBjb")) < 2200
+    except ValueError:
+        return False
+
+
+def _apparent(
+    line: Line, ra: float, dec: float, further: Sequence[str], site: Sequence[str]
+) -> tuple[float, float]:
+    """Return the apparent place of date of a mean place [deg], by ERFA's IAU 2006 astrometry.
+
+    Proper motions are those of TPOINT: seconds of time, and of arc, in a year.
+    """
+    import erfa
+
+    pm_ra, pm_dec = (float(line.decimal(word, "a proper motion")) for word in further[:2])
+    if not 1999.9 < float(further[2].lstrip("JBjb")) < 2000.1:
+        wrong = f"the equinox is {further[2]}, expected 2000.0 or an apparent place"
+        raise line.error(wrong)
+    if len(site) < 6:
+        raise line.error("the run's record tells no date, by which the mean place moves")
+    date = erfa.cal2jd(*(int(float(line.decimal(word, "the date"))) for word in site[3:6]))
+    star_ra, star_dec, origins = erfa.atci13(
+        ra * DEG, dec * DEG, pm_ra * 15 * ARCSEC, pm_dec * ARCSEC, 0.0, 0.0, *date
+    )
+    return math.degrees(float(star_ra) - float(origins)) % 360, math.degrees(float(star_dec))
+
+
+def _refraction(site: Sequence[str], el: float) -> float:
+    """Return how much higher a star stands in the run's weather [rad]; 0 where it tells none."""
+    import erfa
+
+    try:
+        told = [float(word) for word in site[6 : 6 + len(WEATHER)]]
+    except ValueError:
+        return 0.0
+    if len(told) < len(WEATHER) or told[1] <= 0:
+        return 0.0
+    celsius, hpa, _, humidity, micron = told
+    a, b = erfa.refco(hpa, celsius, humidity, micron)
+    # the constants are for what is seen: come to rest from the true place
+    seen = el
+    for _ in range(5):
+        tan_z = 1 / math.tan(max(seen, 0.05))
+        seen = el + a * tan_z + b * tan_z**3
+    return float(seen - el)

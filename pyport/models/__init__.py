@@ -1,0 +1,1 @@
+"""Pointing models beyond a fit: completed, kept in files, applied to directions, compared."""

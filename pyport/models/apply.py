@@ -1,0 +1,163 @@
+"""A model applied to a file of targets or recordings: offsets, mount positions, residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.effects import Circumstances
+from pyport.errors import BadInput
+from pyport.formats.convert import table_of
+from pyport.models.use import PointingModel
+from pyport.recordings.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
+from pyport.recordings.interpret import angles_of, azimuth_from_south, offsets_of, targets
+from pyport.recordings.nights import with_nights
+from pyport.recordings.raw import Raw
+from pyport.recordings.schema import Recordings
+from pyport.recordings.tabulate import Table
+
+
+@dataclass(frozen=True)
+class Applied:
+    """A table with what a model says in each row.
+
+    Attributes
+    ----------
+    table
+        The columns of the file and the new ones.
+    added
+        Names of those.
+    rows, skipped
+        How many rows, and how many of them tell no direction.
+    unknown
+        Conditions that the model follows, with the number of rows that do not tell them: what
+        follows them counts as zero there.
+    rms
+        Of what is left of recordings, by axis and over the sky [arcsec]; empty without offsets.
+    """
+
+    table: Table
+    added: tuple[str, ...]
+    rows: int
+    skipped: int
+    unknown: dict[str, int]
+    rms: dict[str, float]
+
+
+def applied(
+    model: PointingModel, raw: Raw, *, inverse: bool = False, residuals: bool = False
+) -> Applied:
+    """Return a table with a model's offsets, and where to drive, in each row.
+
+    Parameters
+    ----------
+    model
+        With coefficients.
+    raw
+        A file's cells: directions, and whatever the model needs beside them.
+    inverse
+        The file's azimuth and elevation are the mount's readings: the true ones are added.
+    residuals
+        The file holds measured offsets: what the model leaves of them is added.
+
+    Raises
+    ------
+    BadInput
+        The file tells no directions, or lacks something that the model needs.
+    """
+    at = targets(raw)
+    there = np.isfinite(at.az) & np.isfinite(at.el)
+    if not there.any():
+        raise raw.error("no row tells an azimuth and an elevation")
+    nothing = np.full(len(at), np.nan)
+    rows = Recordings(at, nothing, nothing, nothing, nothing, raw.line, raw.file)
+    known = with_nights(rows).at.take(there) if residuals else at.take(there)
+    try:
+        found = _inverse(model, known) if inverse else _forward(model, known)
+        if residuals:
+            found |= _residuals(raw, at, there, found)
+    except BadInput as error:
+        raise BadInput(error.message, raw.file) from None
+    turn = np.pi if azimuth_from_south(raw) else 0.0
+    columns = dict(table_of(raw).columns)
+    for name, values in found.items():
+        whole = np.full(len(at), np.nan)
+        whole[there] = values - turn / DEG if name.endswith("az_deg") else values
+        columns[name] = whole
+    return Applied(
+        Table(raw.meta, columns),
+        tuple(found),
+        len(at),
+        int((~there).sum()),
+        _unknown(model, known),
+        _rms(found) if residuals else {},
+    )
+
+
+def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:
+    """Return a file's cells with columns for conditions that were told for all rows."""
+    n = len(raw.line)
+    columns = {
+        key: np.full(n, text, object)
+        for key, text in told.items()
+        if key in NUMBERS | LABELS | {TIME, SCAN_RATE} or angle_of(key) is not None
+    }
+    for key in set(columns) & set(raw.columns):
+        raise BadInput(f"--set {key}: the file has a column of this name", raw.file)
+    return replace(raw, columns=raw.columns | columns)
+
+
+def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:
+    x, y = model.at(at)
+    turn = x / np.cos(at.el)
+    return {
+        "model_d_xel_arcsec": x / ARCSEC,
+        "model_d_az_arcsec": turn / ARCSEC,
+        "model_d_el_arcsec": y / ARCSEC,
+        "mount_az_deg": (at.az + turn) / DEG,
+        "mount_el_deg": (at.el + y) / DEG,
+    }
+
+
+def _inverse(model: PointingModel, at: Circumstances) -> dict[str, Array]:
+    az, el = model.inverse_at(at)
+    return {"true_az_deg": az / DEG, "true_el_deg": el / DEG}
+
+
+def _residuals(
+    raw: Raw, at: Circumstances, there: NDArray[np.bool_], found: dict[str, Array]
+) -> dict[str, Array]:
+    """Return what is left of the measured offsets [arcsec]."""
+    if "model_d_xel_arcsec" not in found:
+        raise BadInput("residuals are of true directions: leave --inverse out")
+    x, y = offsets_of(raw, angles_of(raw), at.el)
+    return {
+        "residual_xel_arcsec": x[there] / ARCSEC - found["model_d_xel_arcsec"],
+        "residual_el_arcsec": y[there] / ARCSEC - found["model_d_el_arcsec"],
+    }
+
+
+def _unknown(model: PointingModel, at: Circumstances) -> dict[str, int]:
+    found = {}
+    for name in model.columns_needed():
+        values = at.columns.get(name)
+        if values is not None and values.dtype.kind == "f" and np.isnan(values).any():
+            found[name] = int(np.isnan(values).sum())
+    return found
+
+
+def _rms(found: dict[str, Array]) -> dict[str, float]:
+    """Return the rms of what is left by axis, and over both axes by the row [arcsec]."""
+    out, total = {}, 0.0
+    left = [found["residual_xel_arcsec"], found["residual_el_arcsec"]]
+    for name, one in zip(("xel", "el"), left, strict=True):
+        own = one[np.isfinite(one)]
+        if len(own):
+            out[name] = float(np.sqrt(np.mean(own**2)))
+            total += float((own**2).sum())
+    rows = int(np.isfinite(np.stack(left)).any(axis=0).sum())
+    return out | {"sky": float(np.sqrt(total / max(rows, 1)))}

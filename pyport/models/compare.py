@@ -1,0 +1,264 @@
+"""Two models held against each other before the mount is given the new one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.effects import Circumstances, MissingColumn
+from pyport.models.completed import Value
+from pyport.models.conditions import Columns
+from pyport.models.use import PointingModel
+from pyport.recordings.nights import with_nights
+from pyport.recordings.schema import Recordings
+
+#: The sky is compared in steps of so many degrees, down to this elevation.
+STEP_DEG, LOWEST_DEG = 3.0, 5.0
+#: Beyond this distance from every recording a direction was not observed [deg]: terms of a
+#: pointing model change by a few percent over it.
+REACH_DEG = 15.0
+#: A change within so many sigmas of nothing has no significance.
+SIGNIFICANT = 2.0
+#: The bands where an unsound term does its harm: the horizon and the zenith [deg].
+HORIZON_DEG, ZENITH_DEG = (5.0, 15.0), (80.0, 89.0)
+
+
+@dataclass(frozen=True)
+class Sky:
+    """How far commanded positions move over the sky.
+
+    Attributes
+    ----------
+    az_deg, el_deg
+        Directions, shape (n,).
+    x_arcsec, y_arcsec
+        New minus old, across and along elevation, shape (n,).
+    observed
+        Whether a recording is near; all True where there are none to tell.
+    conditions
+        What the comparison is for beside directions, by column.
+    """
+
+    az_deg: Array
+    el_deg: Array
+    x_arcsec: Array
+    y_arcsec: Array
+    observed: NDArray[np.bool_]
+    conditions: Mapping[str, str]
+
+    @property
+    def size_arcsec(self) -> Array:
+        """Return how far each direction moves."""
+        return np.hypot(self.x_arcsec, self.y_arcsec)
+
+    def rms_arcsec(self, where: NDArray[np.bool_] | None = None) -> float:
+        """Return the rms of the move over the sky, or a part of it, by area."""
+        weight = np.cos(self.el_deg * DEG) * (1.0 if where is None else where)
+        return float(np.sqrt((self.size_arcsec**2 * weight).sum() / max(weight.sum(), 1e-300)))
+
+    def share(self, beyond_arcsec: float) -> float:
+        """Return the share of the sky that moves by more than some size."""
+        weight = np.cos(self.el_deg * DEG)
+        return float((weight * (self.size_arcsec > beyond_arcsec)).sum() / weight.sum())
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What both models leave of recordings.
+
+    Attributes
+    ----------
+    line
+        Of the file, shape (n,).
+    before_arcsec, after_arcsec
+        Size of what is left of each recording, both axes together, shape (n,).
+    rms_before, rms_after
+        By axis, and `sky` over both by the recording [arcsec].
+    """
+
+    line: NDArray[np.int64]
+    before_arcsec: Array
+    after_arcsec: Array
+    rms_before: dict[str, float]
+    rms_after: dict[str, float]
+
+    @property
+    def worse(self) -> NDArray[np.intp]:
+        """Return the rows that get worse, the worst first."""
+        change = self.after_arcsec - self.before_arcsec
+        order = np.argsort(-change, kind="stable")
+        return order[change[order] > 0]
+
+
+@dataclass(frozen=True)
+class Unsound:
+    """A change without significance that moves the horizon or the zenith."""
+
+    value: Value
+    horizon_arcsec: float
+    zenith_arcsec: float
+
+    def words(self, scatter_arcsec: float) -> str:
+        """Return it as a sentence."""
+        one = self.value
+        most = max(self.horizon_arcsec, self.zenith_arcsec)
+        where = "horizon" if self.horizon_arcsec >= self.zenith_arcsec else "zenith"
+        return (
+            f"{one.name} changes by {one.change:+.3g} +- {one.sigma:.3g} {one.unit}, which is not "
+            f"significant, and moves the {where} by {most:.3g} arcsec, more than the scatter of "
+            f"{scatter_arcsec:.3g}: drop or fix it"
+        )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How a new model differs from an old one.
+
+    `scatter_arcsec` is that of the data about the new model, None where nothing tells it.
+    """
+
+    sky: Sky
+    rows: Rows | None
+    unsound: tuple[Unsound, ...]
+    scatter_arcsec: float | None
+
+
+def compare(
+    old: PointingModel,
+    new: PointingModel,
+    recordings: Recordings | None = None,
+    conditions: Columns | None = None,
+) -> Comparison:
+    """Return how far a new model moves commanded positions, and what it does to recordings.
+
+    Parameters
+    ----------
+    old, new
+        Models with coefficients.
+    recordings
+        Measured offsets; also where the sky was observed and in which conditions.
+    conditions
+        What holds for the whole sky beside directions, by column.
+
+    Raises
+    ------
+    BadInput
+        A model needs a condition that neither the recordings nor `conditions` tell.
+    """
+    recordings = None if recordings is None else with_nights(recordings)
+    rows = None if recordings is None else _rows(old, new, recordings)
+    scatter = None if rows is None else rows.rms_after["sky"]
+    if scatter is None and new.model.completed is not None:
+        scatter = new.model.completed.made.get("sky_rms_arcsec")
+    sky = _sky(old, new, recordings, conditions or {})
+    return Comparison(sky, rows, _unsound(new, scatter), scatter)
+
+
+def _sky(
+    old: PointingModel, new: PointingModel, recordings: Recordings | None, told: Columns
+) -> Sky:
+    az_deg, el_deg = (
+        one.ravel()
+        for one in np.meshgrid(
+            np.arange(0.0, 360.0, STEP_DEG), np.arange(LOWEST_DEG, 90.0, STEP_DEG), indexing="ij"
+        )
+    )
+    given = {name: np.asarray(one).reshape(-1)[:1] for name, one in told.items()}
+    for name in {*old.columns_needed(), *new.columns_needed()} - set(given):
+        usual = None if recordings is None else _usual(recordings, name)
+        if usual is not None:
+            given[name] = usual
+    columns = {name: np.repeat(one, len(az_deg)) for name, one in given.items()}
+    site = None if recordings is None else recordings.at.site
+    at = Circumstances(az_deg * DEG, el_deg * DEG, site, columns)
+    x, y = (n - o for n, o in zip(new.at(at), old.at(at), strict=True))
+    observed = np.ones(len(az_deg), bool)
+    if recordings is not None:
+        observed = _near(az_deg * DEG, el_deg * DEG, recordings.at.az, recordings.at.el)
+    shown = {
+        name: f"{one[0]:.6g}" if one.dtype.kind == "f" else str(one[0])
+        for name, one in given.items()
+    }
+    return Sky(az_deg, el_deg, x / ARCSEC, y / ARCSEC, observed, shown)
+
+
+def _usual(recordings: Recordings, name: str) -> NDArray[Any] | None:
+    """Return a column's median, of times the last, of labels the one of most rows."""
+    if name not in recordings.at:
+        return None
+    values = recordings.at.column(name)
+    if values.dtype.kind in "fiu":
+        known = np.asarray(values, float)[np.isfinite(np.asarray(values, float))]
+        if not len(known):
+            return None
+        return np.array([known.max() if name == "time" else np.median(known)])
+    names, count = np.unique(values.astype(str), return_counts=True)
+    return names[[int(np.argmax(count))]]
+
+
+def _near(az: Array, el: Array, seen_az: Array, seen_el: Array) -> NDArray[np.bool_]:
+    """Tell which directions have a recording within reach, shape (n,)."""
+    from scipy.spatial import KDTree
+
+    def vectors(a: Array, e: Array) -> Array:
+        return np.stack([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)], axis=1)
+
+    chord = 2 * np.sin(REACH_DEG * DEG / 2)
+    distance = KDTree(vectors(seen_az, seen_el)).query(vectors(az, el))[0]
+    return np.asarray(distance <= chord)
+
+
+def _rows(old: PointingModel, new: PointingModel, recordings: Recordings) -> Rows:
+    measured = np.stack([recordings.x, recordings.y])
+    left = [(measured - np.stack(one.at(recordings.at))) / ARCSEC for one in (old, new)]
+    sizes = [np.sqrt(np.nansum(one**2, axis=0)) for one in left]
+    return Rows(recordings.line, *sizes, *(_rms(one) for one in left))
+
+
+def _rms(left: Array) -> dict[str, float]:
+    """Return the rms by axis, and over both by the recording [arcsec]."""
+    found = {
+        name: float(np.sqrt(np.nanmean(one**2)))
+        for name, one in zip(("xel", "el"), left, strict=True)
+        if np.isfinite(one).any()
+    }
+    there = np.isfinite(left).any(axis=0)
+    return found | {"sky": float(np.sqrt(np.nansum(left**2) / max(int(there.sum()), 1)))}
+
+
+def _unsound(new: PointingModel, scatter: float | None) -> tuple[Unsound, ...]:
+    """Return the changes without significance that move horizon or zenith beyond the scatter."""
+    if scatter is None:
+        return ()
+    rows = iter(new.values)
+    found = []
+    for term in new.model.terms:
+        for _ in range(max(1, len(term.by))):
+            for n, coefficient in enumerate(term.effect.coefficients):
+                one = next(rows, None)
+                if one is None or one.sigma is None or abs(one.change) >= SIGNIFICANT * one.sigma:
+                    continue
+                size = one.change * coefficient.scale / ARCSEC
+                moved = [
+                    _moves(new, term.effect, n, band) * abs(size)
+                    for band in (HORIZON_DEG, ZENITH_DEG)
+                ]
+                if max(moved) > scatter:
+                    found.append(Unsound(one, *moved))
+    return tuple(found)
+
+
+def _moves(new: PointingModel, effect: Any, n: int, band: tuple[float, float]) -> float:  # noqa: ANN401
+    """Return how far one of a coefficient moves a band of elevations at most, 0 if unknown."""
+    az, el = np.meshgrid(np.arange(0, 360, 10.0) * DEG, np.linspace(*band, 5) * DEG)
+    at = Circumstances(az.ravel(), el.ravel(), new.model.site)
+    try:
+        x, y = effect.columns(at)
+    except MissingColumn:
+        return 0.0
+    return float(np.hypot(x[:, n], y[:, n]).max())

@@ -1,0 +1,196 @@
+"""Complete a model: from what was solved for each term to a model that holds it all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport import __version__
+from pyport.angles import ARCSEC, Array
+from pyport.errors import BadInput
+from pyport.files import sha256
+from pyport.fitting.models import Model, Term, rt32_values
+from pyport.fitting.stacking import Stack
+from pyport.models.completed import Completed, Value
+from pyport.models.members import frozen
+from pyport.recordings.schema import Recordings
+
+Labels = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What was solved for one term and one set of its labels.
+
+    Attributes
+    ----------
+    term, labels
+        Which; a term that a finding added has its number in `finding`.
+    change
+        What is added to the values that the term has, in internal units, shape (k,).
+    sigma
+        One-sigma errors, shape (k,).
+    places
+        Where its coefficients stand in the covariance, shape (k,); -1 for what was not fitted.
+    known
+        Whether the recordings determine each, shape (k,).
+    """
+
+    term: Term
+    labels: Labels
+    change: Array
+    sigma: Array
+    places: Sequence[int]
+    known: Sequence[bool]
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a fit leaves of m measured offsets [rad], and which of them count, shape (m,) each."""
+
+    residual: Array
+    counted: NDArray[np.bool_]
+    stack: Stack
+
+    def sizes(self) -> dict[str, Any]:
+        """Return the rms of each axis, and stars and sky rms as TPOINT counts them [arcsec]."""
+        found: dict[str, Any] = {}
+        for name, axis in (("xel", ~self.stack.is_y), ("el", self.stack.is_y)):
+            own = self.residual[axis & self.counted]
+            if len(own):
+                found[f"rms_{name}_arcsec"] = float(np.sqrt(np.mean(own**2))) / ARCSEC
+        stars = len(np.unique(self.stack.row[self.counted]))
+        whole = float((self.residual[self.counted] ** 2).sum())
+        found["stars"] = stars
+        found["sky_rms_arcsec"] = float(np.sqrt(whole / max(stars, 1))) / ARCSEC
+        return found
+
+
+def complete(
+    model: Model,
+    recordings: Recordings,
+    solved: Sequence[Solved],
+    covariance: Array,
+    *,
+    by: str,
+    left: Left,
+    findings: Sequence[Mapping[str, Any]] = (),
+) -> Model:
+    """Return a model with what was solved for in its terms.
+
+    Parameters
+    ----------
+    model
+        As it was given.
+    recordings
+        What it was fitted to.
+    solved
+        The model's fitted terms, one for each set of labels, then those of findings.
+    covariance
+        Of everything that was fitted, in internal units, shape (P, P).
+    by
+        What made it: fit or diagnose.
+    left
+        What is left of the measured offsets.
+    findings
+        As `report.json` spells them.
+    """
+    terms: list[Term] = []
+    values: list[Value] = []
+    places: list[int] = []
+    scales: list[float] = []
+    unsaved: list[str] = []
+    about = rt32_values(model.base)
+    fitted = {id(one.term) for one in solved}
+    held = [term for term in model.terms if id(term) not in fitted]
+    for first in _once([*[one.term for one in solved], *held]):
+        own = [one for one in solved if one.term is first] or _held(first)
+        try:
+            effect = frozen(first.effect, recordings.at)
+        except BadInput:
+            effect = first.effect
+            unsaved.append(effect.id)
+        after: dict[Labels, tuple[float, ...]] = {}
+        for one in own:
+            before = np.array(first.given(one.labels))
+            after[one.labels] = tuple((before + one.change).tolist())
+            for n, coefficient in enumerate(effect.coefficients):
+                zero = about.get(effect.member.get("rt32", 0), 0.0)
+                scale, place = coefficient.scale, one.places[n]
+                labels = zip(first.per, one.labels, strict=False)
+                values.append(
+                    Value(
+                        name=coefficient.name,
+                        effect=effect.id,
+                        unit=coefficient.unit,
+                        value=(after[one.labels][n] + zero) / scale,
+                        sigma=float(one.sigma[n]) / abs(scale) if place >= 0 else None,
+                        before=(float(before[n]) + zero) / scale,
+                        labels={key: text for key, text in labels if text},
+                        finding=first.finding,
+                        determined=bool(one.known[n]),
+                    )
+                )
+                places.append(place)
+                scales.append(scale)
+        terms.append(_with(replace(first, effect=effect), after))
+    return replace(
+        model,
+        terms=tuple(terms),
+        site=recordings.at.site or model.site,
+        completed=Completed(
+            made=_made(model, recordings, by) | left.sizes(),
+            values=tuple(values),
+            covariance=_picked(covariance, places, scales),
+            findings=tuple(findings),
+            unsaved=tuple(unsaved),
+        ),
+    )
+
+
+def _once(terms: Sequence[Term]) -> list[Term]:
+    """Return terms in their order, each once."""
+    return list({id(term): term for term in terms}.values())
+
+
+def _held(term: Term) -> list[Solved]:
+    """Return a term that was not fitted, with the values that it has."""
+    k = len(term.effect.coefficients)
+    return [
+        Solved(term, labels, np.zeros(k), np.zeros(k), [-1] * k, [True] * k)
+        for labels in (term.by or {(): ()})
+    ]
+
+
+def _with(term: Term, after: Mapping[Labels, tuple[float, ...]]) -> Term:
+    """Return a term with its new values: one set of them holds for every label."""
+    if len(after) == 1:
+        return replace(term, values=next(iter(after.values())), by={})
+    return replace(term, values=None, by=dict(after))
+
+
+def _picked(covariance: Array, places: Sequence[int], scales: Sequence[float]) -> Array:
+    """Return the covariance of some values in their units, zero for what was not fitted."""
+    which = np.array(places, int)
+    there = which >= 0
+    out = np.zeros((len(which), len(which)))
+    rows = np.flatnonzero(there)
+    out[np.ix_(rows, rows)] = covariance[np.ix_(which[rows], which[rows])]
+    unit = np.array(scales)
+    return out / np.outer(unit, unit)
+
+
+def _made(model: Model, recordings: Recordings, by: str) -> dict[str, Any]:
+    file = recordings.file
+    return {
+        "by": f"pyport {__version__} {by}",
+        "recordings": file.name,
+        "sha256": sha256(file) if file.is_file() else None,
+        "rows": len(recordings),
+        "model": model.name,
+        "telescope": recordings.meta.get("telescope"),
+    }

@@ -1,0 +1,188 @@
+"""What a model is told by name beside a direction: a time, the weather, labels; with units."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import DEG, HOUR
+from pyport.effects.base import Site
+from pyport.errors import BadInput
+from pyport.recordings.columns import LABELS, SCAN_RATE, SCAN_RATE_UNIT, angle_of
+
+#: Name without a unit -> the column inside the program, the unit of a bare number, and how many
+#: of the column's numbers one of it is.
+_QUANTITIES: dict[str, tuple[str, str, float]] = {
+    "temperature": ("temperature_c", "deg_C", 1.0),
+    "pressure": ("pressure_hpa", "hPa", 1.0),
+    "humidity": ("humidity_pct", "percent", 1.0),
+    "wind_speed": ("wind_speed_m_s", "m/s", 1.0),
+    "frequency": ("frequency_mhz", "MHz", 1.0),
+    "wind_az": ("wind_az", "deg", DEG),
+    "sun_az": ("sun_az", "deg", DEG),
+    "sun_el": ("sun_el", "deg", DEG),
+    "ra": ("ra", "deg", DEG),
+    "dec": ("dec", "deg", DEG),
+    "hour_angle": ("hour_angle", "hourangle", HOUR),
+    "scan_rate": ("scan_rate", "arcmin/min", SCAN_RATE_UNIT),
+}
+#: The contract's names, unit and all: bare numbers in that unit.
+_SPELLED = {
+    "temperature_c": "temperature",
+    "pressure_hpa": "pressure",
+    "humidity_pct": "humidity",
+    "wind_speed_m_s": "wind_speed",
+    "frequency_mhz": "frequency",
+    SCAN_RATE: "scan_rate",
+}
+_PLAIN = frozenset({"scan_direction"})
+_TIMES = frozenset({"time", "time_utc"})
+NAMES = frozenset({*_QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"})
+
+Columns = dict[str, NDArray[Any]]
+
+
+def known(name: str) -> bool:
+    """Tell whether a condition is called so."""
+    angle = angle_of(name)
+    return name in NAMES or (angle is not None and angle[0] in _QUANTITIES)
+
+
+def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns:
+    """Return what was given by name as columns of the program, scalars of shape ().
+
+    `others` are further columns that may be given as bare numbers.
+
+    Raises
+    ------
+    BadInput
+        A name is none, or its value is no number, unit or time that it can be.
+    """
+    return {
+        name: column for key, value in told.items() for name, column in [_one(key, value, others)]
+    }
+
+
+def _one(
+    key: str,
+    value: Any,  # noqa: ANN401 - whatever is given
+    others: Collection[str],
+) -> tuple[str, NDArray[Any]]:
+    if key in _TIMES:
+        return "time", seconds(value)
+    if key in LABELS:
+        return key, np.asarray(value).astype(str)
+    if key in _PLAIN:
+        return key, _numbers(key, value)
+    name = _SPELLED.get(key, key)
+    angle = angle_of(key)
+    if angle is not None and angle[0] in _QUANTITIES:
+        name = angle[0]
+    if name in _QUANTITIES:
+        column, unit, scale = _QUANTITIES[name]
+        if angle is not None and not has_unit(value):
+            scale = angle[1]
+        return column, _in_unit(key, value, unit) * scale
+    if key in others:
+        return key, _numbers(key, value)
+    near = difflib.get_close_matches(key, sorted(NAMES | set(others)), 1)
+    meant = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(sorted(NAMES))}"
+    raise BadInput(f"no condition is called {key!r}: {meant}")
+
+
+def has_unit(value: Any) -> bool:  # noqa: ANN401 - whatever is given
+    """Tell whether a value is a Quantity, or a column that has a unit."""
+    return getattr(value, "unit", None) is not None
+
+
+def _numbers(key: str, value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - whatever is given
+    if has_unit(value) and str(value.unit):
+        raise BadInput(f"{key} is in {value.unit}, expected a bare number")
+    try:
+        return np.asarray(value).astype(float)
+    except (TypeError, ValueError):
+        raise BadInput(f"{key} is {value!r:.60}, expected a number") from None
+
+
+def _in_unit(key: str, value: Any, unit: str) -> NDArray[np.float64]:  # noqa: ANN401
+    """Return a quantity, or a bare number, in a unit."""
+    if not has_unit(value):
+        return _numbers(key, value)
+    from astropy import units
+
+    try:
+        converted = units.Quantity(value).to_value(unit, equivalencies=units.temperature())
+    except units.UnitConversionError:
+        raise BadInput(f"{key} is in {value.unit}, expected {unit}") from None
+    return np.asarray(converted, float)
+
+
+def seconds(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a time of any kind
+    """Return times as seconds UTC since 1970.
+
+    Parameters
+    ----------
+    value
+        astropy `Time`, numpy `datetime64`, `datetime`, ISO 8601 text, or arrays of them.
+
+    Raises
+    ------
+    BadInput
+        It is none of them: a bare number could be counted from anything.
+    """
+    if hasattr(value, "utc") and hasattr(value, "unix"):
+        return np.asarray(value.utc.unix, float)
+    cells = np.asarray(value)
+    if cells.dtype.kind == "M":
+        since = cells.astype("datetime64[us]").astype(float) / 1e6
+        return np.where(np.isnat(cells), np.nan, since)
+    if cells.dtype.kind in "UO":
+        return np.array([_moment(one) for one in cells.ravel().tolist()]).reshape(cells.shape)
+    wanted = "expected astropy's Time, datetime64, datetime or ISO 8601 text"
+    raise BadInput(f"time is {value!r:.40}, {wanted}")
+
+
+def _moment(one: Any) -> float:  # noqa: ANN401 - a time of any kind
+    if isinstance(one, str):
+        try:
+            one = datetime.fromisoformat(one)
+        except ValueError:
+            raise BadInput(f"time is {one!r:.40}, expected ISO 8601") from None
+    if not isinstance(one, datetime):
+        raise BadInput(f"time is {one!r:.40}, expected ISO 8601")
+    return (one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp()
+
+
+def site_of(location: Any) -> Site | None:  # noqa: ANN401 - astropy is not typed
+    """Return the site that an astropy `EarthLocation` is, None for None."""
+    if location is None or isinstance(location, Site):
+        return location
+    place = location.to_geodetic()
+    return Site(
+        float(place.lat.to_value("rad")),
+        float(place.lon.to_value("rad")),
+        float(place.height.to_value("m")),
+    )
+
+
+def location_of(site: Site | None) -> Any:  # noqa: ANN401 - astropy is not typed
+    """Return a site as astropy's `EarthLocation`.
+
+    Raises
+    ------
+    BadInput
+        There is none, or it has no longitude.
+    """
+    if site is None or site.longitude is None:
+        raise BadInput("the telescope's place is not known: give location=EarthLocation(...)")
+    from astropy import units
+    from astropy.coordinates import EarthLocation
+
+    return EarthLocation.from_geodetic(
+        site.longitude * units.rad, site.latitude * units.rad, site.height_m * units.m
+    )

@@ -1,0 +1,131 @@
+"""Members of families as files hold them: from an effect's id and a few numbers, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+from pyport.effects.base import Basis, stack
+from pyport.effects.fields import UNKNOWN, field
+from pyport.errors import BadInput
+
+#: Columns that differ by no more than this share are the same ones.
+SAME = 1e-12
+
+
+def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
+    """Return the effect that an id and what distinguishes its member stand for.
+
+    Raises
+    ------
+    BadInput
+        There is no such effect, or the member is none of it.
+    """
+    told = dict(member)
+    column = told.pop("coefficient", None)
+    try:
+        effect = _whole(identity, told)
+        if column is not None:
+            effect = apart(effect)[column]
+    except BadInput:
+        raise
+    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+        wrong = f"{identity}: {told!r:.80} tells no member of it ({error})"
+        raise BadInput(wrong) from None
+    return effect
+
+
+def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
+    if "word" in told:
+        from pyport.formats.terms.words import Word
+
+        return Word.of_member(told).effect()
+    if "rt32" in told:
+        from pyport.fitting.models import rt32_parameter
+
+        return rt32_parameter(int(told["rt32"]))
+    if identity == UNKNOWN:
+        return field(**told)
+    effect = CATALOGUE.get(identity)
+    if effect is None:
+        raise BadInput(f"no effect is called {identity!r}")
+    if not told:
+        return effect
+    if effect.make is None:
+        raise BadInput(f"{identity} is no family, expected no member")
+    return effect.make(**told)
+
+
+def apart(effect: Effect) -> list[Effect]:
+    """Return an effect for each coefficient of one."""
+    if len(effect.coefficients) <= 1:
+        return [effect]
+    return [
+        replace(
+            effect,
+            coefficients=(coefficient,),
+            basis=_column(effect, n),
+            profile=None,
+            member={**effect.member, "coefficient": n},
+        )
+        for n, coefficient in enumerate(effect.coefficients)
+    ]
+
+
+def _column(effect: Effect, n: int) -> Basis:
+    """Return the basis of one of an effect's coefficients."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        x, y = effect.columns(at)
+        return stack(at, (x[:, n], y[:, n]))
+
+    return basis
+
+
+def frozen(effect: Effect, at: Circumstances) -> Effect:
+    """Return an effect as it acts in some recordings, so that it acts so in any others.
+
+    A mean temperature, a span of time, the names of sessions are those of these recordings.
+
+    Raises
+    ------
+    BadInput
+        A file could not hold it: what it gives back differs.
+    """
+    told = dict(effect.member)
+    column = told.pop("coefficient", None)
+    if column is not None:
+        whole = frozen(_whole(effect.id, told), at)
+        return apart(whole)[column]
+    known = CATALOGUE.get(effect.id)
+    if known is not None and known.profile is not None and not {"word", "rt32"} & set(told):
+        for one in _members(known, at):
+            if one.member and _same(one, effect, at):
+                return one
+    if not _same(effect_of(effect.id, effect.member), effect, at):
+        raise BadInput(f"{effect.id} ({effect.variant}) cannot be kept in a file")
+    return effect
+
+
+def _members(effect: Effect, at: Circumstances) -> Sequence[Effect]:
+    try:
+        return effect.variants(at)
+    except MissingColumn:
+        return ()
+
+
+def _same(one: Effect, other: Effect, at: Circumstances) -> bool:
+    """Tell whether two effects give the same columns in some circumstances."""
+    if one is other:
+        return True
+    if len(one.coefficients) != len(other.coefficients):
+        return False
+    mine, others = (np.concatenate(each.columns(at)) for each in (one, other))
+    if mine.shape != others.shape:
+        return False
+    return bool(np.abs(mine - others).max(initial=0.0) <= SAME * np.abs(others).max(initial=0.0))

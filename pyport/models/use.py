@@ -1,0 +1,312 @@
+"""Pointing models as a control system uses them: offsets, where to drive, and back to the sky."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.effects import Circumstances, Effect, MissingColumn, Site
+from pyport.effects.base import SPELLED
+from pyport.errors import BadInput
+from pyport.fitting.models import Model
+from pyport.models import words
+from pyport.models.completed import Value
+from pyport.models.conditions import Columns
+from pyport.models.directions import Pointing, directions, formed
+from pyport.models.kernel import Kernel, kernel
+from pyport.recordings.columns import LABELS
+
+if TYPE_CHECKING:
+    from pyport.formats.completed import Rest
+
+#: The mount is inverted to this [rad]: a millionth of an arcsecond.
+SETTLED = 1e-6 * ARCSEC
+#: Offsets change by a hundredth of the way at most, but near the zenith: a few turns settle it.
+TURNS = 60
+#: Later than any row of recordings.
+LATEST = 1e18
+#: No effect needs more columns than this.
+MOST_NEEDS = 6
+
+
+class Offsets(NamedTuple):
+    """Offsets across elevation (on the sky) and along it, to be added to a direction."""
+
+    d_xel: Any
+    d_el: Any
+
+
+@dataclass(frozen=True, repr=False)
+class PointingModel:
+    """A pointing model with coefficients, ready to be asked.
+
+    Attributes
+    ----------
+    model
+        Its terms.
+    """
+
+    model: Model
+    _ready: dict[tuple[tuple[str, str], ...], Kernel] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse a model without coefficients."""
+        known = self.model.given is not None or any(t.has_values for t in self.model.terms)
+        if not known and self.model.terms:
+            raise BadInput(f"the model {self.model.name} has no coefficients: fit it first")
+
+    @property
+    def name(self) -> str:
+        """Return the model's name."""
+        return self.model.name
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """Return its coefficients with errors and what they were, if a fit completed it."""
+        return () if self.model.completed is None else self.model.completed.values
+
+    @property
+    def findings(self) -> tuple[Any, ...]:
+        """Return what a diagnosis added, as `report.json` spells it."""
+        return () if self.model.completed is None else self.model.completed.findings
+
+    @property
+    def covariance(self) -> Array:
+        """Return the covariance of `values` in their units, shape (P, P)."""
+        completed = self.model.completed
+        return np.zeros((0, 0)) if completed is None else completed.covariance
+
+    def offsets(self, *where: Any, **conditions: Any) -> Offsets:  # noqa: ANN401 - see below
+        """Return what has to be added to true directions.
+
+        Parameters
+        ----------
+        where
+            Azimuth (from north through east) and elevation: Quantities, or bare numbers in
+            degrees, scalars or arrays that broadcast. Or an astropy `AltAz` or `SkyCoord`, which
+            knows its time and location or is given them. Or a table with the columns of
+            recordings.
+        conditions
+            What else the model needs, by name: `time`, `temperature`, `wind_speed`, `wind_az`,
+            `antenna`, `session`, `location`, ...; Quantities, or bare numbers in the units of
+            the columns of recordings (deg C, m/s, deg, ...).
+
+        Returns
+        -------
+        d_xel, d_el
+            Quantities, on the sky across elevation, and along it.
+
+        Raises
+        ------
+        BadInput
+            The model needs something that was not given; the message names it all.
+        """
+        from astropy import units
+
+        if len(where) == 2 and not conditions and type(where[0]) is type(where[1]) is float:
+            one = self.offsets_rad(where[0] * DEG, where[1] * DEG)
+            return Offsets(one[0] / ARCSEC * units.arcsec, one[1] / ARCSEC * units.arcsec)
+        there = directions(where, conditions, self.model.site, self._others)
+        x, y = self._asked(there)
+        return Offsets(*(one.reshape(there.shape) / ARCSEC * units.arcsec for one in (x, y)))
+
+    def offsets_rad(self, az_rad: float, el_rad: float, **columns: Any) -> tuple[float, float]:  # noqa: ANN401
+        """Return the offsets (across, along elevation) of one direction, all in radians.
+
+        The quickest way to ask: numbers in, numbers out. `columns` are bare numbers and labels
+        under the names that recordings have inside the program (`time` in seconds since 1970,
+        `temperature_c`, ...).
+        """
+        ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
+        if self._by_row:
+            columns.setdefault("order", LATEST)
+        try:
+            return ready.one(az_rad, el_rad, columns, self.model.site)
+        except MissingColumn:
+            raise self._lacking(set(columns)) from None
+
+    def correct(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
+        """Return where to drive the mount for true directions.
+
+        Arguments as for `offsets`. The answer has the form of what was given: azimuth and
+        elevation as Quantities, or an `AltAz`.
+        """
+        there = directions(where, conditions, self.model.site, self._others)
+        x, y = self._asked(there)
+        return formed(there, there.az + x / np.cos(there.el), there.el + y)
+
+    def inverse(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
+        """Return the true direction that a mount points at, from its readings.
+
+        Arguments as for `offsets`, azimuth and elevation being the mount's. Between the two
+        sides of an edge no direction has some readings, and others have two: the nearest is
+        given.
+        """
+        there = directions(where, conditions, self.model.site, self._others)
+        return formed(there, *self._solved(there))
+
+    def at(self, there: Circumstances) -> tuple[Array, Array]:
+        """Return the offsets across and along elevation of n pointings [rad], shape (n,)."""
+        site = there.site or self.model.site
+        return self._offsets(there.az, there.el, dict(there.columns), site)
+
+    def inverse_at(self, there: Circumstances) -> tuple[Array, Array]:
+        """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
+        site = there.site or self.model.site
+        return self._solved(Pointing(there.az, there.el, there.az.shape, dict(there.columns), site))
+
+    def columns_needed(self) -> list[str]:
+        """Return the columns that the model follows, as they are called inside the program."""
+        inside = {told: own for own, told in SPELLED.items()}
+        return [inside.get(name, name) for name in self.needs()]
+
+    def save(
+        self,
+        path: str | Path,
+        *,
+        rest_as: str | Path | None = None,
+        leave_out: bool = False,
+        **conditions: float,
+    ) -> Rest:
+        """Write the model: .toml whole, or in another program's format by its suffix.
+
+        Parameters
+        ----------
+        path
+            The file: .toml .mod .ctl .txt .xml .json.
+        rest_as
+            A CSV file for the corrections, on a grid, by terms that the format cannot name.
+        leave_out
+            Leave those out.
+        conditions
+            What holds for that grid beside directions, such as `temperature_c`.
+
+        Returns
+        -------
+        Rest
+            What the file does not hold, with its rms.
+
+        Raises
+        ------
+        BadInput
+            The format cannot hold a term, which is named.
+        """
+        from pyport.formats.completed import write_model
+
+        rest = None if rest_as is None else Path(rest_as)
+        return write_model(
+            self.model, Path(path), rest_as=rest, leave_out=leave_out, conditions=conditions
+        )[2]
+
+    def needs(self) -> list[str]:
+        """Return what the model has to be told beside a direction, as the contract names it."""
+        missing: dict[str, None] = {}
+        for term in self.model.terms:
+            if term.has_values:
+                missing |= dict.fromkeys(_missing(term.effect, self.model.site))
+        return [*missing, *(label for label in self._labels if self._varies(label))]
+
+    def __repr__(self) -> str:
+        """Return the coefficients as a table."""
+        completed = self.model.completed
+        told = [f"{self.name}: {', '.join(one.effect.id for one in self.model.terms)}"]
+        more = words.lines(completed, self.model.terms) if completed else []
+        return "\n".join([*told, *more])
+
+    @cached_property
+    def _labels(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(label for term in self.model.terms for label in term.per))
+
+    @cached_property
+    def _by_row(self) -> bool:
+        """Tell whether a term changes at a row of its recordings, which told no time."""
+        return any("since_row" in term.effect.member for term in self.model.terms)
+
+    def _varies(self, label: str) -> bool:
+        """Tell whether coefficients differ between values of a label."""
+        found = set()
+        for term in self.model.terms:
+            if label in term.per:
+                found |= {key[term.per.index(label)] for key in term.by}
+        return len(found) > 1
+
+    def _kernel(self, labels: tuple[tuple[str, str], ...]) -> Kernel:
+        ready = self._ready.get(labels)
+        if ready is None:
+            ready = self._ready[labels] = kernel(self.model, dict(labels), self.model.site)
+        return ready
+
+    def _asked(self, there: Pointing) -> tuple[Array, Array]:
+        """Return the offsets at some directions [rad], shape (n,)."""
+        return self._offsets(there.az, there.el, there.columns, there.site)
+
+    def _offsets(
+        self, az: Array, el: Array, columns: Columns, site: Site | None
+    ) -> tuple[Array, Array]:
+        if self._by_row and "order" not in columns:
+            # what changed at some row of the recordings is as it was after the last of them
+            columns = columns | {"order": np.full(len(az), LATEST)}
+        known = {key: columns[key] for key in self._labels if key in columns}
+        single = {
+            key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()
+        }
+        try:
+            if len(single) < len(known) or site != self.model.site:
+                return self.model.offsets(Circumstances(az, el, site, columns))
+            return self._kernel(tuple(single.items())).many(az, el, columns, site)
+        except MissingColumn:
+            raise self._lacking(set(columns)) from None
+
+    def _lacking(self, given: set[str]) -> BadInput:
+        """Return an error that names everything that is needed and not given."""
+        missing = [
+            name for name in self.needs() if name not in {SPELLED.get(one, one) for one in given}
+        ]
+        names = ", ".join(missing) or "more than was given"
+        return BadInput(f"the model {self.name} needs {names}: give it by name")
+
+    @cached_property
+    def _others(self) -> frozenset[str]:
+        """Return columns beyond the contract's that terms of this model follow."""
+        return frozenset(name for term in self.model.terms for name in term.effect.needs)
+
+    def _solved(self, there: Pointing) -> tuple[Array, Array]:
+        """Return the true directions of a mount's readings [rad], by fixed-point iteration."""
+        az, el = there.az.copy(), there.el.copy()
+        for _ in range(TURNS):
+            x, y = self._offsets(az, el, there.columns, there.site)
+            new_az, new_el = there.az - x / np.cos(el), there.el - y
+            moved = np.hypot((new_az - az) * np.cos(el), new_el - el)
+            az, el = new_az, new_el
+            if not np.nanmax(moved, initial=0.0) > SETTLED:
+                break
+        return az, el
+
+
+def _missing(effect: Effect, site: Site | None) -> list[str]:
+    """Return all that an effect lacks where only a direction is known."""
+    found: list[str] = []
+    columns: Columns = {}
+    while len(found) <= MOST_NEEDS:
+        at = Circumstances(np.array([1.0]), np.array([math.pi / 4]), site, columns)
+        try:
+            effect.columns(at)
+        except MissingColumn as lack:
+            found.append(lack.column)
+            inside = next(
+                (own for own, told in SPELLED.items() if told == lack.column), lack.column
+            )
+            if inside in columns or not inside.isidentifier() or inside == "latitude_deg":
+                break  # a site, or one of several: nothing more can be said
+            columns[inside] = np.array([""] if inside in LABELS else [1.0])
+        else:
+            break
+    return found

@@ -1,0 +1,105 @@
+"""Names that are nearly the contract's: refused with the right one, never passed over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pyport.errors import BadInput
+
+#: Header keys of the contract.
+KEYS = frozenset(
+    {
+        "latitude_deg",
+        "longitude_deg",
+        "height_m",
+        "azimuth_zero",
+        "telescope",
+        "highest_el_deg",
+        "largest_offset_deg",
+    }
+)
+#: What other programs call them.
+_KEY = {
+    **dict.fromkeys(
+        ("latitude", "lat", "lat_deg", "site_latitude", "phi", "phi_deg"), "latitude_deg"
+    ),
+    **dict.fromkeys(("longitude", "lon", "long", "lon_deg", "east_longitude"), "longitude_deg"),
+    **dict.fromkeys(("height", "altitude_m", "elevation_m", "site_height"), "height_m"),
+    **dict.fromkeys(("az_zero", "azimuth_origin", "zero_azimuth", "azimuth_from"), "azimuth_zero"),
+    **dict.fromkeys(("highest_elevation_deg", "max_el_deg", "highest_el"), "highest_el_deg"),
+}
+#: What other programs call columns, and what is expected.
+_COLUMN = {
+    **dict.fromkeys(("azimuth", "azimuth_deg", "az_true_deg"), "az_deg"),
+    **dict.fromkeys(
+        ("elevation", "elevation_deg", "alt", "alt_deg", "altitude", "altitude_deg", "el_true_deg"),
+        "el_deg",
+    ),
+    **dict.fromkeys(("dxel_deg", "d_x_deg", "d_cross_el_deg"), "d_xel_deg"),
+    **dict.fromkeys(("dxel_arcsec", "d_x_arcsec", "d_cross_el_arcsec"), "d_xel_arcsec"),
+    **dict.fromkeys(("daz_deg", "d_azimuth_deg"), "d_az_deg"),
+    **dict.fromkeys(("daz_arcsec", "d_azimuth_arcsec"), "d_az_arcsec"),
+    **dict.fromkeys(("d_alt_deg", "dalt_deg", "del_deg", "d_elevation_deg"), "d_el_deg"),
+    **dict.fromkeys(
+        ("d_alt_arcsec", "dalt_arcsec", "del_arcsec", "d_elevation_arcsec"), "d_el_arcsec"
+    ),
+    **dict.fromkeys(
+        ("temperature", "temp_c", "temperature_deg_c", "air_temperature_c"), "temperature_c"
+    ),
+    **dict.fromkeys(("pressure", "pressure_mbar", "pressure_mb"), "pressure_hpa"),
+    **dict.fromkeys(("humidity", "humidity_percent", "relative_humidity_pct"), "humidity_pct"),
+    **dict.fromkeys(("wind_speed", "wind_m_s", "wind_speed_ms"), "wind_speed_m_s"),
+    **dict.fromkeys(("wind_direction_deg", "wind_dir_deg", "wind_azimuth_deg"), "wind_az_deg"),
+    **dict.fromkeys(("frequency", "freq_mhz"), "frequency_mhz"),
+    **dict.fromkeys(("polarization", "pol"), "polarisation"),
+}
+#: Other counts of time, and how a map reads them.
+_TIMES = {
+    **dict.fromkeys(("time_mjd", "mjd", "mjd_utc", "time_mjd_utc"), "mjd"),
+    **dict.fromkeys(("time_jd", "jd", "jd_utc", "time_jd_utc"), "jd"),
+    **dict.fromkeys(("time_unix", "time_s", "unix_time", "timestamp"), "unix"),
+    **dict.fromkeys(("utc", "time_iso", "time_ut", "datetime_utc", "date_obs"), ""),
+}
+
+
+def meant(name: str) -> str | None:
+    """Return the contract's name that a column's is nearly, None for none."""
+    key = name.lower()
+    if key in _COLUMN:
+        return _COLUMN[key]
+    return "time_utc" if key in _TIMES else None
+
+
+def refuse_columns(names: Iterable[str]) -> None:
+    """Refuse a column whose name is nearly one of the contract's.
+
+    Raises
+    ------
+    BadInput
+        With the right name, and how to read the column under it.
+    """
+    there = set(names)
+    for name in there:
+        right = meant(name)
+        if right is None or right in there:
+            continue
+        part = _TIMES.get(name.lower(), "")
+        way = f"--columns '{right}={name}{f'|{part}' if part else ''}, ...' reads it"
+        expected = "time_utc in ISO 8601" if right == "time_utc" else right
+        raise BadInput(f"column {name!r} is not known, did you mean {expected}? {way}")
+
+
+def refuse_keys(keys: Iterable[str], how: str) -> None:
+    """Refuse a header key that is nearly one of the contract's; `how` says where it was given.
+
+    Raises
+    ------
+    BadInput
+        With the right key.
+    """
+    for key in keys:
+        right = _KEY.get(key.lower())
+        if right is not None:
+            raise BadInput(f"{how}{key!r} is no key, did you mean {right!r}?")
+        if key not in KEYS and key.lower() in KEYS:
+            raise BadInput(f"{how}{key!r} is no key, did you mean {key.lower()!r}?")

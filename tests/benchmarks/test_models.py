@@ -1,0 +1,59 @@
+"""A model as a control loop asks it, and over a million directions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pyport.effects import CATALOGUE
+from pyport.effects.structure import curved_jump
+from pyport.fitting.models import Term, load
+from pyport.models.use import PointingModel
+
+DIRECTIONS = 1_000_000
+ONE, MANY = "one direction of a model", "a million directions of a model"
+
+
+def model(*, jump):
+    """Return the classical terms with coefficients, and refraction and a jump where wanted."""
+    own = [
+        replace(term, values=(1e-4,) * len(term.effect.coefficients))
+        for term in load("altaz").terms
+    ]
+    edge = curved_jump((0.9, 0.1, 0.05, 0.0, 0.02))
+    more = [Term(edge, values=(1e-4,)), Term(CATALOGUE["refraction"], values=(3e-4,))]
+    return PointingModel(replace(load("altaz"), terms=(*own, *(more if jump else ()))))
+
+
+@pytest.fixture(params=[False, True], ids=["classical", "with a jump and refraction"])
+def asked(request):
+    """Return a model that was asked before."""
+    one = model(jump=request.param)
+    one.offsets_rad(0.1, 0.5)
+    return one
+
+
+@pytest.mark.benchmark(group=ONE)
+def test_one_direction(benchmark, asked):
+    """Numbers in, numbers out."""
+    x, y = benchmark(asked.offsets_rad, 1.0, 0.7)
+
+    assert x != 0 != y
+
+
+@pytest.mark.benchmark(group=ONE)
+def test_one_direction_in_quantities(benchmark, asked):
+    """Degrees in, Quantities out."""
+    found = benchmark(asked.offsets, 57.0, 40.0)
+
+    assert found.d_el.unit == "arcsec"
+
+
+@pytest.mark.benchmark(group=MANY)
+def test_a_million_directions(benchmark, asked):
+    """Arrays of degrees in, arrays of Quantities out."""
+    rng = np.random.default_rng(1)
+    az, el = rng.uniform(0, 360, DIRECTIONS), rng.uniform(5, 88, DIRECTIONS)
+    found = benchmark.pedantic(asked.offsets, (az, el), rounds=3, warmup_rounds=1)
+
+    assert np.isfinite(found.d_xel.value).all()

@@ -1,0 +1,152 @@
+"""TPOINT files as they are met: equatorial records, remarks above the title, generic terms."""
+
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from samples import sample
+
+import pyport
+from pyport.effects import Circumstances
+from pyport.errors import BadInput
+from pyport.formats.model_file import Entry, ModelFile, translated
+from pyport.formats.terms import tpoint
+from pyport.formats.terms.editing import named
+from pyport.recordings import read
+
+TERMS = ["IA", "IE", "CA", "AN", "AW", "TF", "TX"]
+AT = Circumstances(np.linspace(-3, 3, 41), np.linspace(0.1, 1.5, 41))
+RUN = "+19 49 33.03  2007 07 02"
+WEATHER = "     6.25  627.90   4111.00   0.034   866.963"
+STAR = "21 02 37.996 +36 43 15.36  21 02 26.679 +36 44 41.42   21 15.84437   92.680 HARPB"
+
+
+def written(tmp_path, *stars, run=RUN + WEATHER, above=""):
+    """Return the path of a file of stars."""
+    path = tmp_path / "stars.dat"
+    path.write_text(
+        f"{above}a title\n: ALTAZ\n{run}\n" + "".join(f"{s}\n" for s in stars) + "END\n"
+    )
+    return path
+
+
+def test_right_ascensions_become_azimuths(tmp_path):
+    """A star near the zenith of 19.8 deg: its place by the hour angle, its offset in arcminutes."""
+    found = read(written(tmp_path, STAR))
+    hour_angle = np.radians(15 * (21 + 15.84437 / 60 - (21 + 2 / 60 + 37.996 / 3600)))
+
+    assert np.degrees(found.at.el[0]) == pytest.approx(72.9, abs=0.05)
+    assert found.at.column("hour_angle")[0] == pytest.approx(hour_angle, abs=1e-4)
+    assert np.degrees(found.x[0]) * 3600 == pytest.approx(-117.7, abs=0.2)
+    assert np.degrees(found.at.column("ra")[0]) == pytest.approx(315.6583, abs=1e-3)
+    assert found.at.column("auxiliary_2").tolist() == ["HARPB"]
+
+
+def test_the_weather_of_the_run_lifts_the_star(tmp_path):
+    """36.3 arcsec times tan z, by ERFA, at 628 hPa; without the weather nothing is lifted."""
+    thin = read(written(tmp_path, STAR))
+    none = read(written(tmp_path, STAR, run=RUN))
+    lift = np.degrees(none.y[0] - thin.y[0]) * 3600
+
+    assert lift == pytest.approx(36.29 / np.tan(np.radians(72.9)), rel=0.01)
+
+
+def test_a_mean_place_moves_to_the_date(tmp_path):
+    """Precession of seven years is some 140 arcsec along the equator: the offset holds it not."""
+    apparent = read(written(tmp_path, STAR))
+    mean = STAR.replace("+36 43 15.36 ", "+36 43 15.36  0.0 0.0 2000.0 ")
+    moved = read(written(tmp_path, mean))
+    shift = np.degrees(moved.at.column("ra")[0] - apparent.at.column("ra")[0]) * 3600
+
+    assert shift == pytest.approx(7.5 * 50.3 * 0.9, rel=0.35)
+    with pytest.raises(BadInput, match=r"equinox is 1950\.0"):
+        read(written(tmp_path, mean.replace("2000.0", "1950.0")))
+
+
+def test_the_jcmts_night_needs_no_refraction():
+    """16 stars: the catalogue's places are refracted by the run's weather, TX comes out nothing."""
+    done = pyport.fit(sample("jcmt/harp20070702.dat"), "none", add=TERMS, weights="equal")
+    tx = done.coefficients["TX"]
+
+    assert len(done.result.recordings) == 16
+    assert abs(tx.value) < 2 * tx.sigma
+    assert done.rms["sky"].to_value("arcsec") < 8
+    assert np.nanmax(np.abs(np.degrees(done.result.recordings.x))) < 0.2
+
+
+def test_remarks_above_the_title_and_the_published_model():
+    """The MMT's 80 stars of 2021-08-21 as format 4: the published AW, TF and TX."""
+    done = pyport.fit(sample("mmt/k_and_e.dat"), "none", add=TERMS, weights="equal")
+    published = {"AW": -10.33, "TF": 21.41, "TX": -2.72}
+
+    for name, value in published.items():
+        assert done.coefficients[name].value == pytest.approx(value, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("star", "said"),
+    [
+        (STAR.replace("21 02 37.996", "21 62 37.996"), "the catalogue's place is 21 62 37.996"),
+        (STAR.replace("21 15.84437", "25 15.84437"), "the sidereal time is 25 15.84437"),
+        (f"{STAR}\n121.5 45.2 121.6 45.3", "a record of another kind than the first"),
+    ],
+)
+def test_a_spoilt_record_is_one_line(tmp_path, star, said):
+    """With file and line."""
+    with pytest.raises(BadInput, match=said) as error:
+        read(written(tmp_path, star))
+    assert "stars.dat:" in str(error.value)
+
+
+def test_an_offset_of_35_degrees_is_never_silent(tmp_path):
+    """It is refused with its line, or allowed by name."""
+    path = tmp_path / "far.csv"
+    rows = "az_deg,el_deg,d_xel_deg,d_el_deg\n10,45,0.1,0.1\n20,45,35,0.1\n"
+    path.write_text(rows)
+
+    with pytest.raises(BadInput, match=r"far.csv:3: offset of 35 deg on the sky"):
+        read(path)
+    path.write_text("# largest_offset_deg: 36\n" + rows)
+    assert len(read(path)) == 2
+
+
+@pytest.mark.parametrize("k", range(1, 10))
+def test_waves_of_zenith_distance(k):
+    """Z is 90 deg less E: each is a wave of E, with the sign that a quarter turn gives."""
+    z = np.pi / 2 - AT.el
+    for letter, function in (("S", np.sin), ("C", np.cos)):
+        across, along = (tpoint.word(f"H{axis}{letter}Z{k}").columns(AT) for axis in "SZ")
+        np.testing.assert_allclose(across[0], function(k * z), atol=1e-12)
+        np.testing.assert_allclose(along[1], function(k * z), atol=1e-12)
+
+
+def test_polynomials_of_zenith_distance():
+    """PZZ2 adds to a zenith distance as TF does, that is to an elevation offset; PSZ2 across."""
+    z = np.pi / 2 - AT.el
+    across, along = tpoint.word("PSZ2").columns(AT)
+
+    np.testing.assert_allclose(tpoint.word("PZZ2").columns(AT)[1], z**2)
+    np.testing.assert_allclose(tpoint.word("PEE").columns(AT)[1], -AT.el)
+    np.testing.assert_allclose(across, z**2)
+    assert not along.any()
+    assert named("PZZ3")[0].effect.coefficients[0].name == "PZZ3"
+    shape, sign = tpoint.word("PZZ2").parts[0]
+    name, back = tpoint.name_of(shape)
+    np.testing.assert_allclose(
+        back * tpoint.word(name).columns(AT)[1], sign * tpoint.word("PZZ2").columns(AT)[1]
+    )
+
+
+@pytest.mark.parametrize("name", ["HVSA3", "PZA2", "PXZ2"])
+def test_terms_whose_formula_is_not_known_are_refused(name):
+    """By name, with where to look."""
+    assert tpoint.word(name) is None
+    with pytest.raises(BadInput, match=f"no term is called '{name}'"):
+        named(name)
+
+
+def test_a_polynomial_is_none_of_another_programs():
+    """The Field System has no name for it and says so."""
+    file = ModelFile("tpoint", (Entry("PZZ2", Decimal(3), "arcsec"),))
+    with pytest.raises(BadInput, match="no counterpart of PZZ2"):
+        translated(file, "field-system")

@@ -1,0 +1,260 @@
+"""A completed model leaves what the fit or diagnosis leaves; every table prints one number."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from samples import sample
+
+from pyport import api
+from pyport.angles import ARCSEC, DEG
+from pyport.cli import pyport
+from pyport.diagnosis import joint
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.completed import completed
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.record import as_json
+from pyport.effects import CATALOGUE
+from pyport.fitting.completed import completed as completed_fit
+from pyport.fitting.fit import fit
+from pyport.fitting.models import Model, Term, load
+from pyport.fitting.table import as_json as fit_json
+from pyport.fitting.table import text
+from pyport.formats.terms.editing import edited
+from pyport.models import toml
+from pyport.page import of_diagnosis, of_fit
+from pyport.pointing import printed
+from pyport.recordings import read, write
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
+from made import recordings
+
+TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
+OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])
+#: How closely the saved model's offsets repeat what was found.
+PROMISED = 1e-9 * DEG
+
+
+def far(at, centre_deg):
+    """Return how far azimuths are from a centre [rad]."""
+    return (at.az - np.radians(centre_deg) + np.pi) % (2 * np.pi) - np.pi
+
+
+CAUSES = {
+    "refraction": {"y": lambda at: 30 / np.tan(at.el)},
+    "temperature": {"y": lambda at: 1.5 * (at.columns["temperature_c"] - 8)},
+    "subreflector_jump": {"y": lambda at: 25.0 * (at.el > np.radians(55 + 10 * np.cos(at.az)))},
+    "azimuth_track": {
+        "x": lambda at: 12 * np.sin(at.el) * np.sin(3 * at.az),
+        "y": lambda at: 14 * np.cos(3 * at.az),
+    },
+    "unknown": {"y": lambda at: 9 * np.exp(np.sin(2 * at.az) * np.sin(3 * at.el))},
+}
+
+
+@pytest.fixture(scope="module")
+def old(tmp_path_factory):
+    """Return TPOINT's file of the model in force."""
+    path = tmp_path_factory.mktemp("model") / "old.mod"
+    path.write_text(OLD)
+    return path
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_new_minus_old_is_before_minus_after(cause, old, tmp_path):
+    """At the recordings, from the file: a plain term, a curve, a column, a moment, a field."""
+    measured = recordings(900, 5, **CAUSES[cause])
+    given = load(str(old))
+    found = diagnose(measured, given)
+    path = tmp_path / "new.toml"
+    toml.write(completed(found), path)
+    new = load(str(path))
+    x, y = (
+        n - o for n, o in zip(new.offsets(measured.at), given.offsets(measured.at), strict=True)
+    )
+    told = found.setup.stack.spread(x, y)
+
+    assert found.findings[0].effect == cause
+    np.testing.assert_allclose(
+        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
+    )
+    assert new.completed.values == completed(found).completed.values
+
+
+@pytest.fixture(scope="module")
+def searched(old):
+    """Return a diagnosis whose candidates are at hand."""
+    antenna = np.array(["a", "b"])[np.arange(500) % 2]
+    return diagnose(recordings(500, 4, antenna=antenna), load(str(old)))
+
+
+@pytest.mark.parametrize("scope", ["all", "antenna", "session", "antenna and session"])
+@pytest.mark.parametrize(
+    "effect", ["epoch_offset", "epoch_tilt", "tilt", "drift", "elevation_scale"]
+)
+def test_whatever_is_chosen_is_carried(effect, scope, searched, tmp_path):
+    """A step in time, coefficients by session and antenna: every member, as if it were found."""
+    setup, given = searched.setup, searched.setup.model
+    for candidate in (one for one in setup.candidates if one.effect.id == effect):
+        after = joint.fit(setup, searched.weighed, [Chosen(candidate, scope)])
+        new = completed(replace(searched, after=after))
+        toml.write(new, tmp_path / "new.toml")
+        back = load(str(tmp_path / "new.toml"))
+        at = setup.recordings.at
+        x, y = (n - o for n, o in zip(back.offsets(at), given.offsets(at), strict=True))
+
+        np.testing.assert_allclose(setup.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0)
+
+
+@pytest.mark.parametrize("cause", ["subreflector_jump", "temperature"])
+def test_three_commands_carry_a_finding_to_the_mount(cause, old, tmp_path):
+    """Diagnose, and what a fresh start from the saved model finds: nothing more of it."""
+    night = tmp_path / "night.csv"
+    write(recordings(900, 5, **CAUSES[cause]), night)
+    new = tmp_path / "new.toml"
+    run = CliRunner().invoke(
+        pyport, ["diagnose", str(night), "--model", str(old), "--save", str(new)]
+    )
+    again = diagnose(read(night), load(str(new)), refit=())
+
+    assert run.exit_code == 0, run.output
+    assert "enter this into the control system" in run.output
+    assert "change against the file" in run.output
+    assert not again.mismatch
+
+
+def test_every_table_prints_the_same_number(old):
+    """A diagnosis: page, report and file; a fit: page, fit.json, text and file."""
+    measured = recordings(600, 3, **CAUSES["refraction"])
+    found, done = diagnose(measured, load(str(old))), fit(measured, load(str(old)))
+
+    of_model = {one.name: one for one in completed(found).completed.values}
+    rows = {row.name: row for row in of_diagnosis(found)[1].rows}
+    report = {
+        row["name"]: row
+        for term in as_json(found)["completed_model"]["term"]
+        for row in term["coefficients"]
+    }
+    assert set(of_model) == set(rows) == set(report) >= {"IA", "refraction"}
+    for name, one in of_model.items():
+        assert rows[name].value == report[name]["value"] == one.value
+        assert rows[name].before == report[name]["before"] == one.before
+        assert one.change == one.value - one.before
+    fitted = {one.name: one for one in completed_fit(done).completed.values}
+    shown = {row.name: row.value for row in of_fit(done)[1].rows}
+    written = {row["name"]: row["value"] for row in fit_json(done)["parameters"]}
+    assert shown == written == {name: one.value for name, one in fitted.items()}
+    assert f"{fitted['IA'].value:10.2f}" in text(done)
+
+
+def test_labels_and_what_was_held_come_back(tmp_path):
+    """Coefficients of each antenna, one fixed for all, errors and covariance."""
+    antenna = np.array(["a", "b", "c"])[np.arange(600) % 3]
+    measured = recordings(
+        600, 3, antenna=antenna, y=lambda at: 40.0 * (at.column("antenna") == "b")
+    )
+    model = edited(load("altaz"), fix=["NPAE=30"])
+    done = fit(measured, model)
+    path = tmp_path / "each.toml"
+    toml.write(completed_fit(done), path)
+    back = load(str(path))
+    x, y = back.offsets(measured.at)
+    left = done.stack.value - done.stack.spread(x, y)
+    values = back.completed.values
+    zeros = {one.labels["antenna"]: one.value for one in values if one.name == "elevation_zero"}
+
+    np.testing.assert_allclose(left, done.residual, atol=PROMISED, rtol=0)
+    assert zeros["b"] - zeros["a"] == pytest.approx(40, abs=3)
+    assert [one.sigma for one in values if one.name == "NPAE"] == [None]
+    sigma = np.array([one.sigma or 0.0 for one in values])
+    np.testing.assert_allclose(np.sqrt(np.diag(back.completed.covariance)), sigma, rtol=1e-6)
+    with pytest.raises(
+        ValueError, match="no coefficients for antenna 'd': it has them for a, b, c"
+    ):
+        back.offsets(recordings(5, 1, antenna=np.array(["d"] * 5)).at)
+
+
+def test_what_the_recordings_leave_open_keeps_what_the_file_had(tmp_path):
+    """Collimation and skew at one elevation: not determined, and said so in the file."""
+    measured = recordings(300, 2)
+    flat = np.full(300, 0.8)
+    measured = replace(measured, at=replace(measured.at, el=flat))
+    done = fit(measured, load("altaz"))
+    path = tmp_path / "open.toml"
+    toml.write(completed_fit(done), path)
+    values = {one.name: one for one in load(str(path)).completed.values}
+
+    assert not values["collimation"].determined
+    assert values["collimation"].value == values["collimation"].before == 0
+    assert values["tilt_north"].determined
+
+
+def test_the_rt32s_parameters_are_absolute(tmp_path):
+    """p1..p12 as the control system has them; the offsets are those of the exact form and more."""
+    base = load("rt32-exact")
+    measured = recordings(400, 6)
+    x, y = base.offsets(measured.at)
+    measured = replace(measured, x=measured.x + x, y=measured.y + y)
+    found = diagnose(measured, base)
+    path = tmp_path / "rt32.toml"
+    toml.write(completed(found), path)
+    back = load(str(path))
+    new_x, new_y = back.offsets(measured.at)
+    told = found.setup.stack.spread(new_x - x, new_y - y)
+    values = {one.name: one for one in back.completed.values}
+    np.testing.assert_allclose(
+        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
+    )
+    assert values["p2"].before == pytest.approx(printed()[1] / ARCSEC)
+    assert values["p2"].change == pytest.approx(found.after.solution.values[1] / ARCSEC)
+
+
+def test_a_term_made_in_python_is_refused_by_name(tmp_path):
+    """What no file can hold is said before anything is written; the diagnosis itself stands."""
+    bent = replace(CATALOGUE["skew"], basis=lambda at: (at.el[:, None] ** 2, 0 * at.el[:, None]))
+    done = completed_fit(fit(recordings(200, 1), Model("mine", (Term(bent),))))
+
+    with pytest.raises(ValueError, match="no file can hold the model's terms skew"):
+        toml.write(done, tmp_path / "x.toml")
+    assert not (tmp_path / "x.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('schema = "pyport.model/1"', 'schema = "pyport.model/9"', "schema is 'pyport.model/9'"),
+        ("value = ", "value = true, was = ", "expected a number"),
+        ('effect = "skew"', 'effect = "skow"', "no effect is called 'skow'"),
+        ('unit = "arcsec"', 'unit = "parsec"', "expected 'arcsec'"),
+        ("[[term]]", "[[turn]]", "not a model as pyport writes it"),
+        ("lower_triangle = [", "lower_triangle = [ [1.0],", "no lower triangle"),
+    ],
+)
+def test_a_spoilt_file_is_one_line(tmp_path, old, new, said):
+    """With the file's name, and no traceback."""
+    path = tmp_path / "new.toml"
+    toml.write(completed_fit(fit(recordings(200, 1), load("altaz"))), path)
+    text = path.read_text()
+    path.write_text(text.replace(old, new) if old == "[[term]]" else text.replace(old, new, 1))
+
+    with pytest.raises(ValueError, match=said) as error:
+        load(str(path))
+    assert str(error.value).startswith(str(path))
+
+
+def test_auxtels_published_rms_is_told():
+    """TPOINT's sky rms of 2022-04-06, 3.1416 arcsec over 54 stars, and its coefficients."""
+    night = sample("auxtel/AT_point_data_20220406_tw004_corr.dat")
+    done = api.fit(night, "none", add=["IA", "IE", "AN", "AW", "TX", "CA"], weights="equal")
+    published = {"IA": -292.0, "IE": -213.05, "AN": 39.16, "AW": 70.89, "TX": -6.86, "CA": 90.93}
+
+    assert done.rms["sky"].to_value("arcsec") == pytest.approx(3.1416, abs=5e-4)
+    for name, value in published.items():
+        assert done.coefficients[name].value == pytest.approx(value, abs=0.05)
+    file = sample("auxtel/at_20220406_ia_ie_an_aw_tx10_ca.mod")
+    facts = {one[0]: one for one in api.fit(night, file, weights="equal").drawn[1].facts}
+    assert facts["sky rms"][1] == "3.1412"
+    assert facts["sky rms"][2].endswith("the model's file says 3.1416")

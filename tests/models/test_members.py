@@ -1,0 +1,142 @@
+"""Every member of every family comes back from a file as it was, for any directions."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+from effects import heavens, mechanics
+from effects.cases import AT
+
+from pyport.effects import CATALOGUE, Circumstances, MissingColumn
+from pyport.effects.fields import KINDS, field, values
+from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
+from pyport.errors import BadInput
+from pyport.formats.model_file import WORDS
+from pyport.models.members import apart, effect_of, frozen
+from pyport.models.toml import spelled
+
+CASES = [*mechanics.CASES, *heavens.CASES]
+
+
+def there_and_back(member):
+    """Return a member as JSON and then TOML give it back."""
+    table = json.loads(json.dumps({"member": dict(member)}))
+    return tomllib.loads(spelled({"term": [table]}))["term"][0]["member"]
+
+
+def place(identity):
+    """Return circumstances in which an effect can be seen: those of its case."""
+    return next((case.at for case in CASES if case.effect == identity), AT)
+
+
+@pytest.mark.parametrize("identity", CATALOGUE)
+def test_every_variant_comes_back(identity):
+    """What a file tells of each member of a family gives its columns where it was not tried."""
+    at = place(identity)
+    try:
+        tried = CATALOGUE[identity].variants(at)
+    except MissingColumn:
+        pytest.skip("these circumstances cannot show it")
+    elsewhere = at.take(np.arange(len(at)) % 3 > 0)
+    for one in tried:
+        back = effect_of(identity, there_and_back(one.member))
+
+        assert [c.name for c in back.coefficients] == [c.name for c in one.coefficients]
+        for mine, others in zip(back.columns(elsewhere), one.columns(elsewhere), strict=True):
+            np.testing.assert_array_equal(mine, others)
+
+
+def test_a_mean_of_the_recordings_is_kept():
+    """A temperature is counted from the mean where it was fitted, wherever it is applied."""
+    at = place("temperature")
+    kept = frozen(CATALOGUE["temperature"], at)
+    warm = at.take(at.column("temperature_c") > kept.member["reference_c"])
+
+    assert (
+        np.abs(kept.columns(warm)[0]).sum()
+        > 2 * np.abs(CATALOGUE["temperature"].columns(warm)[0]).sum() * 0.99 / 2
+    )
+    assert kept.columns(warm)[0][:, 0].min() > 0
+    alone = frozen(apart(CATALOGUE["temperature"])[1], at)
+    np.testing.assert_array_equal(alone.columns(warm)[1][:, 0], kept.columns(warm)[1][:, 1])
+
+
+@pytest.mark.parametrize("vocabulary", WORDS)
+def test_words_of_other_programs_come_back(vocabulary):
+    """A harmonic, a term with a sign, a ratio: by their shapes, whatever they are called."""
+    names = {"tpoint": ["IE", "AW", "HESA2", "HSCA5CE8"], "ska-mid": ["ECEC", "HESE8"]}
+    for name in names.get(vocabulary, ["P3", "P6", "P12", "P15"]):
+        effect = WORDS[vocabulary](name).effect()
+        back = effect_of(effect.id, there_and_back(effect.member))
+
+        assert back.coefficients == effect.coefficients
+        for mine, others in zip(back.columns(AT), effect.columns(AT), strict=True):
+            np.testing.assert_array_equal(mine, others)
+
+
+def bumps():
+    """Return an example of every kind of field."""
+    time = AT.numbers("time")
+    return {
+        "sky": {"width_rad": 0.5},
+        "wave": {"around": 2, "upward": 1},
+        "azimuth": {"width_rad": 0.3},
+        "elevation": {"width_rad": 0.1, "centres_rad": [0.2, 0.3, 0.4]},
+        "column": {
+            "name": "temperature_c",
+            "count": 10,
+            "values": AT.numbers("temperature_c").tolist(),
+        },
+        "time": {"length_s": 3600.0, "centres_s": [time.min(), time.mean()]},
+        "box": {"az_rad": [6.0, 6.6], "el_rad": [0.3, 0.9]},
+    }
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_field_comes_back(kind):
+    """Its bumps, mixed into fewer directions, on both axes."""
+    told = {"kind": kind, **bumps()[kind]}
+    k = values(told, AT).shape[1]
+    which = [0, k - 1, k - 1]
+    one = field(told, [0, 0, 1], which, [[1.0, 0.5], [0.25, -1.0], [2.0, 0.0]], "a", "b")
+    back = effect_of("unknown", there_and_back(one.member))
+    x, y = back.columns(AT)
+
+    np.testing.assert_array_equal(x, one.columns(AT)[0])
+    np.testing.assert_array_equal(y, one.columns(AT)[1])
+    np.testing.assert_array_equal(y[:, 0], 2 * values(told, AT)[:, k - 1])
+    assert np.abs(x).max() > 0
+
+
+def test_a_soft_edge_comes_back_and_knows_whole_turns():
+    """Between columns of azimuth it steps; 350 deg is -10 deg where the cable was counted so."""
+    rng = np.random.default_rng(1)
+    width = np.radians(5)
+    share = np.sort(rng.uniform(size=(36, 92)), axis=1).round(2)
+    share[:, :30], share[:, 70:] = 0.0, 1.0
+    edge = FreeEdge((-1.5, 1.5), (0.5, 0.9))
+    one = jump_above(edge, SoftEdge(-18 * width, width, share))
+    back = effect_of(one.id, there_and_back(one.member))
+    az, el = rng.uniform(-1.5, 1.5, 500), rng.uniform(0, 1.5, 500)
+    inside, turned = Circumstances(az, el), Circumstances(az + 2 * np.pi, el)
+
+    np.testing.assert_array_equal(back.columns(inside)[1], one.columns(inside)[1])
+    np.testing.assert_allclose(back.columns(turned)[1], one.columns(inside)[1])
+    assert 0 < np.median(one.columns(inside)[1]) < 1
+
+
+@pytest.mark.parametrize(
+    ("identity", "member", "said"),
+    [
+        ("nothing", {}, "no effect is called 'nothing'"),
+        ("skew", {"k": 2}, "no family"),
+        ("azimuth_track", {"j": 2}, "tells no member"),
+        ("tilt", {"coefficient": 5}, "tells no member"),
+        ("unknown", {"bumps": {"kind": "hills"}}, "tells no member"),
+    ],
+)
+def test_a_member_that_is_none_is_refused(identity, member, said):
+    """One line says which effect it is about."""
+    with pytest.raises(BadInput, match=said):
+        effect_of(identity, member)
