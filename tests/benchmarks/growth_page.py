@@ -56,7 +56,7 @@ def large_array(grown: dict[str, Any], million_rows_s: float) -> list[str]:
         f"## An array of {ANTENNAS:,} antennas, a year of recordings",
         "",
         f"A reading every ten seconds makes {year_rows:.2g} rows. They lie in folders",
-        "`antenna=NAME`, which every worker sees under the same name; the extra `pyport[dask]`",
+        "`antenna=NAME`, which every worker sees under the same name; the extra `pyport-pointing[dask]`",
         "brings Dask:",
         "",
         "```",
