@@ -53,7 +53,7 @@ $(VENV)/docs: $(BIN)/pyport
 docs: $(VENV)/docs
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
 	  --doctree-dir $(OUT)/doctrees docs $(OUT)/docs
-	$(BIN)/linkchecker --config docs/linkchecker.ini $(OUT)/docs/index.html
+	$(BIN)/python docs/check_site.py $(OUT)/docs
 	@echo "read $(OUT)/docs/index.html"
 
 # What is published: a wheel and a source archive.

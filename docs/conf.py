@@ -11,7 +11,6 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
     "sphinx_click",
 ]
 exclude_patterns = ["proof/proof"]
@@ -25,8 +24,8 @@ html_copy_source = False
 myst_heading_anchors = 3
 myst_enable_extensions = ["deflist"]
 
-# The tutorial is run when it or its surroundings have changed, and the site is not built if it fails.
-nb_execution_mode = "cache"
+# The tutorial is run each time: what it shows is what this version answers. It must not fail.
+nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 # The diagnosis of 1,000 recordings may take half a minute on a busy machine.
 nb_execution_timeout = 600

@@ -98,3 +98,11 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
     assert wrong.exit_code == 2
     assert "no panel 'nothing'" in wrong.output
+
+
+def test_a_notebook_shows_a_panel_as_a_picture(panels):
+    """A figure has its PNG at hand: no interactive matplotlib need be set up."""
+    picture = panels["sky"]()._repr_png_()
+
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 1000
