@@ -1,4 +1,4 @@
-"""Check a built site offline: links and anchors lead somewhere, and nothing is loaded from elsewhere.
+"""Check a built site offline: every link leads somewhere, nothing is loaded from elsewhere.
 
 Run by `make docs` as `python docs/check_site.py out/docs`.
 """
@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-#: Element -> its attribute that a browser fetches without being asked. `link rel=canonical` is none.
+#: Element -> the attribute that a browser fetches without being asked; a canonical link is none.
 LOADED = {"script": "src", "img": "src", "iframe": "src", "source": "src", "link": "href"}
 
 

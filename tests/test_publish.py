@@ -76,6 +76,17 @@ def test_the_notice_names_every_file_that_is_not_ours():
     assert PROJECT["project"]["license-files"] == ["LICENSE", "NOTICE"]
 
 
+def test_the_wheel_holds_what_links_in_the_source_tree_lead_to():
+    """A build follows no link: each is named, with the folder that it leads to."""
+    links = [one for one in (ROOT / "pyport").rglob("*") if one.is_symlink()]
+    named = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+
+    assert {
+        one.resolve().relative_to(ROOT).as_posix(): one.relative_to(ROOT).as_posix()
+        for one in links
+    } == named
+
+
 def test_a_sound_site_has_no_fault(tmp_path, faults):
     """Links to files and anchors of the site, links to other sites, pictures in the page itself."""
     (tmp_path / "other.html").write_text('<h1 id="there">x</h1>', encoding="utf-8")

@@ -9,7 +9,7 @@ in the spread already. What is left is derived output by output, not chosen:
   error, 1.1e-7 of up to 270 deg, times the curve's slope there, 0.65, is 2.5 ulp of 64 deg.
 
 At a zero ulp lose their meaning: taking the azimuth offset into half a turn costs 5e-14 deg, and
-DASIN costs the altitude 1e-10 deg at the rim of the region that the ledger sets aside around the
+DASIN costs the altitude 1e-10 deg at the rim of the region that the ledger excludes around the
 zenith. Answers ``ABSOLUTE_DEG`` apart are equal.
 """
 

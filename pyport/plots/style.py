@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.ticker import Locator
 
-#: Okabe and Ito's colours, told apart by every eye and in grey.
+#: Okabe and Ito's colours, which every eye can distinguish, also in grey.
 BEFORE, AFTER, GREY, REGION = "#D55E00", "#0072B2", "#8A8A8A", "#F0E442"
 #: Pixels per inch of a figure in a notebook: seven inches fill its column.
 SCREEN_DPI = 110
@@ -131,5 +131,5 @@ def candidates(story: Story) -> Figure:
             [f"{r.effect} {r.variant}".strip().replace("_", " ")[:60] for r in turn.rivals],
         )
         axes.set_title(f"turn {n}: {turn.winner.replace('_', ' ')}", loc="left")
-        axes.set_xlabel("gain in BIC; in orange, what cannot be told apart")
+        axes.set_xlabel("gain in BIC; in orange, what cannot be distinguished")
     return made

@@ -65,7 +65,7 @@ def test_drawing_leaves_no_trace(panels):
 
 
 def test_the_colours_differ_in_grey():
-    """Before and after can be told apart on a black and white printer."""
+    """Before and after can be distinguished on a black and white printer."""
     grey = [
         np.dot([int(c[n : n + 2], 16) for n in (1, 3, 5)], [0.299, 0.587, 0.114])
         for c in (BEFORE, AFTER)
