@@ -122,7 +122,7 @@ def _first_three(findings: list[Finding]) -> list[Finding]:
 def _pulls(findings: list[Finding], cause: Cause) -> list[tuple[str, str, float]]:
     """Return (effect, parameter, pull) of what both sides give a number for.
 
-    Of several findings of one name the strongest stands for it; only catalogued causes have numbers.
+    Of several findings of one name the strongest stands for it; the uncatalogued have no numbers.
     """
     effect = cause["effect"]
     meant = [one for one in findings if one["effect"] == effect != "unknown"][:1]
