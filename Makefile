@@ -6,7 +6,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
+.PHONY: demo test lint format proof proof-small detective docs physics api tutorial screenshots golden
+.PHONY: dist clean
 .PHONY: nulls real
 .PHONY: fuzz torture lock audit
 .PHONY: bench bench-record growth FORCE
@@ -40,8 +41,25 @@ format: $(BIN)/tox
 	$(BIN)/ruff check --fix pyport tests legacy_fortran
 	$(BIN)/ruff format pyport tests legacy_fortran
 
-docs: $(BIN)/pyport
+# The page on the effects, from the catalogue.
+physics: $(BIN)/pyport
 	$(BIN)/pyport effects --markdown -o docs/physics.md
+
+# The documentation as a site that needs no network: every warning is an error, every link is followed.
+$(VENV)/docs: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	@touch $@
+
+docs: $(VENV)/docs
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
+	  --doctree-dir $(OUT)/doctrees docs $(OUT)/docs
+	$(BIN)/python docs/check_site.py $(OUT)/docs
+	@echo "read $(OUT)/docs/index.html"
+
+# What is published: a wheel and a source archive.
+dist: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet 'build>=1.2'
+	$(BIN)/python -m build --outdir dist
 
 # The reference of every public name, from the docstrings.
 api: $(BIN)/pyport

@@ -90,7 +90,7 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
     try:
         from distributed import Client
     except ImportError:
-        raise BadInput("--cluster needs Dask: pip install 'pyport[dask]'") from None
+        raise BadInput("--cluster needs Dask: pip install 'pyport-pointing[dask]'") from None
     try:
         client = Client(address, timeout=PATIENCE_S, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -37,7 +37,7 @@ COMMANDS = {
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
-    "trials": "Hide causes in simulated recordings, and find out whether they are found.",
+    "trials": "Put causes into simulated recordings, and check whether a diagnosis finds them.",
     "verify": "Tell whether the files of a diagnosis are all of one run.",
 }
 

@@ -14,11 +14,11 @@ from pyport.trials.world import World, believed
 
 _DAY_S = 86400.0
 
-#: A column that no effect knows, on which one stranger depends; every case carries it.
-STRANGE_COLUMN = "hydraulic_bar"
+#: A column that no effect knows, on which one of them depends; every case carries it.
+UNKNOWN_COLUMN = "hydraulic_bar"
 
 
-def _stranger(across: Array | float, up: Array | float, **more: Any) -> Fault:  # noqa: ANN401
+def _uncatalogued(across: Array | float, up: Array | float, **more: Any) -> Fault:  # noqa: ANN401
     def apply(world: World, size: float) -> World:
         unit = size * ARCSEC
         return replace(world, across=world.across + unit * across, up=world.up + unit * up)
@@ -34,7 +34,7 @@ def dip(world: World, rng: np.random.Generator) -> Fault:
     width = rng.uniform(6, 14) * DEG
     depth = np.exp(-0.5 * (wrap(believed(world).az - centre) / width) ** 2)
     low, high = np.degrees(centre - 2 * width) % 360, np.degrees(centre + 2 * width) % 360
-    return _stranger(
+    return _uncatalogued(
         0.0,
         depth,
         where={"region": [{"column": "az_deg", "low": low, "high": high}]},
@@ -47,7 +47,9 @@ def mixed_wave(world: World, rng: np.random.Generator) -> Fault:
     place = believed(world)
     start, sin, cos = phase(rng)
     wave = np.sin(3 * place.az + 2 * place.el + start)
-    return _stranger(sin * wave, cos * wave, facts={"shape": "sin(3A + 2E)", "phase_rad": start})
+    return _uncatalogued(
+        sin * wave, cos * wave, facts={"shape": "sin(3A + 2E)", "phase_rad": start}
+    )
 
 
 def smooth_field(world: World, rng: np.random.Generator) -> Fault:
@@ -63,7 +65,7 @@ def smooth_field(world: World, rng: np.random.Generator) -> Fault:
             )
             total += rng.standard_normal() * np.exp((cos - 1) / (25 * DEG) ** 2)
         fields.append(total)
-    return _stranger(*fields, facts={"shape": "smooth field"})
+    return _uncatalogued(*fields, facts={"shape": "smooth field"})
 
 
 def oscillation(world: World, rng: np.random.Generator) -> Fault:
@@ -71,7 +73,7 @@ def oscillation(world: World, rng: np.random.Generator) -> Fault:
     period_s = rng.uniform(1.7, 6.3) * _DAY_S
     start, sin, cos = phase(rng)
     swing = np.sin(2 * np.pi * world.plan.time_s / period_s + start)
-    return _stranger(
+    return _uncatalogued(
         sin * swing, cos * swing, facts={"shape": "oscillation", "period_s": float(period_s)}
     )
 
@@ -81,14 +83,14 @@ def strange_column(world: World, rng: np.random.Generator) -> Fault:
     pressure = 100 + 10 * wander(rng, world.plan.time_s, 4 * 3600.0)
     bent = np.tanh((pressure - 100) / 8)
     _, sin, cos = phase(rng)
-    fault = _stranger(
-        sin * bent, cos * bent, facts={"shape": "depends on a column", "column": STRANGE_COLUMN}
+    fault = _uncatalogued(
+        sin * bent, cos * bent, facts={"shape": "depends on a column", "column": UNKNOWN_COLUMN}
     )
     spoil = fault.apply
 
     def apply(world: World, size: float) -> World:
         plan = world.plan
-        logged = replace(plan, weather={**plan.weather, STRANGE_COLUMN: pressure})
+        logged = replace(plan, weather={**plan.weather, UNKNOWN_COLUMN: pressure})
         return spoil(replace(world, plan=logged), size)
 
     return replace(fault, apply=apply)
@@ -111,7 +113,7 @@ def region(world: World, rng: np.random.Generator) -> Fault:
         {"column": "el_deg", "low": low, "high": high},
     ]
     sign = float(rng.choice([-1, 1]))
-    return _stranger(
+    return _uncatalogued(
         0.0, np.where(inside, sign, 0.0), where={"region": bounds}, facts={"shape": "patch"}
     )
 
