@@ -6,11 +6,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small detective docs api tutorial screenshots golden clean
+.PHONY: demo test lint format proof proof-small detective docs physics api tutorial screenshots golden
+.PHONY: dist clean
 .PHONY: nulls real
 .PHONY: fuzz torture lock audit
 .PHONY: bench bench-record growth FORCE
-.PHONY: parity-long parity-matrix mutants coverage parity-report
+.PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
 
 $(BIN)/pyport: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -40,8 +41,25 @@ format: $(BIN)/tox
 	$(BIN)/ruff check --fix pyport tests legacy_fortran
 	$(BIN)/ruff format pyport tests legacy_fortran
 
-docs: $(BIN)/pyport
+# The page on the effects, from the catalogue.
+physics: $(BIN)/pyport
 	$(BIN)/pyport effects --markdown -o docs/physics.md
+
+# The documentation as a site that needs no network: every warning is an error, every link is followed.
+$(VENV)/docs: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	@touch $@
+
+docs: $(VENV)/docs
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet \
+	  --doctree-dir $(OUT)/doctrees docs $(OUT)/docs
+	$(BIN)/python docs/check_site.py $(OUT)/docs
+	@echo "read $(OUT)/docs/index.html"
+
+# What is published: a wheel and a source archive.
+dist: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet 'build>=1.2'
+	$(BIN)/python -m build --outdir dist
 
 # The reference of every public name, from the docstrings.
 api: $(BIN)/pyport
@@ -59,33 +77,42 @@ screenshots: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet playwright
 	$(BIN)/python docs/pictures/screenshots.py
 
-# The compiled Fortran, and what the long checks of parity need.
-$(VENV)/oracle: $(BIN)/pyport $(shell find legacy_fortran -type f)
+# What the long checks of parity need beside the program.
+$(VENV)/oracle: $(BIN)/pyport
 	@sh .ci/install gfortran
-	$(BIN)/python -m pip install --quiet --editable '.[test]' ./legacy_fortran
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
+CONFIG ?= legacy_fortran/parity.toml
+ANSWERS := $(dir $(CONFIG))answers
+
 golden: $(VENV)/oracle
-	$(BIN)/python -m pyport.parity.golden
+	$(BIN)/pyport parity golden --config $(CONFIG)
 	$(BIN)/python -m pyport.steering.golden
 
 # Each long check leaves its figures among the stored answers; parity-report shows them.
 parity-long: $(VENV)/oracle
-	$(BIN)/pyport parity --points 10000000 --json > $(VENV)/run.json
-	mv $(VENV)/run.json golden_tables/oracle/run.json
+	$(BIN)/pyport parity --config $(CONFIG) --points 10000000 --json > $(VENV)/run.json
+	mv $(VENV)/run.json $(ANSWERS)/run.json
 
 parity-matrix: $(VENV)/oracle
-	@sh legacy_fortran/checks/install-flang
-	$(BIN)/python legacy_fortran/checks/matrix.py
+	@sh .ci/install-flang
+	$(BIN)/pyport parity matrix --config $(CONFIG)
 
 mutants: $(VENV)/oracle
-	$(BIN)/python legacy_fortran/checks/mutants.py
+	$(BIN)/pyport parity mutants --config $(CONFIG)
 
 coverage: $(VENV)/oracle
-	$(BIN)/python legacy_fortran/checks/coverage.py
+	$(BIN)/pyport parity coverage --config $(CONFIG)
 
 parity-report: $(BIN)/pyport
 	$(BIN)/pyport parity --stored --report docs/parity.md
+
+# SLALIB, fetched from the package index, held against pyerfa; then its tests.
+parity-slalib: $(VENV)/oracle
+	$(BIN)/python tests/parity/slalib/fetch.py $(VENV)/slalib
+	$(BIN)/pyport parity --config $(VENV)/slalib/parity.toml --points 20000
+	PYPORT_SLALIB=$(VENV)/slalib $(BIN)/python -m pytest -q tests/parity/test_slalib.py
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport
@@ -129,7 +156,7 @@ lock: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet 'uv>=0.5'
 	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes \
 	  --no-annotate --custom-compile-command 'make lock' --extra test --extra lint \
-	  --output-file .ci/requirements.lock pyproject.toml .ci/oracle.in
+	  --output-file .ci/requirements.lock pyproject.toml
 
 audit: $(BIN)/tox
 	$(BIN)/tox run -e audit

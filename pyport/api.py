@@ -240,7 +240,7 @@ class Look:
     Attributes
     ----------
     result
-        Coverage, what can be told apart, and what to observe next.
+        Coverage, what can be distinguished, and what to observe next.
     """
 
     result: Found
@@ -363,7 +363,7 @@ def look(
     header: Header | None = None,
     **options: Any,  # noqa: ANN401 - those of planning.look
 ) -> Look:
-    """Tell what recordings could show: coverage, what can be told apart, what to observe next.
+    """Tell what recordings could show: coverage, what can be distinguished, what to observe next.
 
     `options` are those of `pyport.planning.look`: `noise_arcsec`, `count`,
     `elevations`, `sources`; the others as in `diagnose`.

@@ -54,11 +54,11 @@ def workers(jobs: int = 1, cluster: str | None = None) -> Iterator[Spread[Any, A
     else:
         from concurrent.futures import ProcessPoolExecutor
 
-        with ProcessPoolExecutor(jobs, initializer=_end_with_parent) as pool:
+        with ProcessPoolExecutor(jobs, initializer=end_with_parent) as pool:
             yield lambda call, items: _in_order(pool.submit, call, items, AHEAD * jobs)
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """End this process when the one that started it is killed: nobody waits for its work."""
     import multiprocessing
     import os
@@ -90,7 +90,7 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
     try:
         from distributed import Client
     except ImportError:
-        raise BadInput("--cluster needs Dask: pip install 'pyport[dask]'") from None
+        raise BadInput("--cluster needs Dask: pip install 'pyport-pointing[dask]'") from None
     try:
         client = Client(address, timeout=PATIENCE_S, set_as_default=False)
     except (OSError, ValueError) as error:

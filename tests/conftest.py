@@ -1,11 +1,11 @@
 """What tests of several packages share."""
 
 import pytest
+import rt32
 from hypothesis import settings
 
+from pyport.parity import oracle as compiled
 from pyport.parity import stored
-from pyport.parity.answers import find_oracle, of_legacy
-from pyport.parity.points import table
 
 # how long an example takes says something about the machine's other work, nothing about the program
 settings.register_profile("pyport", deadline=None)
@@ -13,23 +13,16 @@ settings.load_profile("pyport")
 
 
 @pytest.fixture(scope="session")
-def table_answers():
-    """Return what the legacy port answers over the whole table, which takes it two seconds."""
-    return of_legacy(table())
-
-
-@pytest.fixture(scope="session")
 def same_library():
     """Skip where the C library rounds otherwise than the one that the stored answers come from."""
-    made_with = stored.load("table").provenance["maths_library"]
+    made_with = rt32.known("table")[0][1].provenance["maths_library"]
     if stored.maths_library() != made_with:
         pytest.skip("this C library's sines differ in last bits from the stored answers' one")
 
 
 @pytest.fixture(scope="session")
 def oracle():
-    """Return the compiled Fortran; skip without it, fail where PYPORT_ORACLE=required."""
-    module = find_oracle()
-    if module is None:
-        pytest.skip("the compiled routines are not installed (pip install ./legacy_fortran)")
-    return module
+    """Return the compiled Fortran; skip without gfortran, fail where PYPORT_ORACLE=required."""
+    if not compiled.available(rt32.DESCRIPTION):
+        pytest.skip("no gfortran on this machine")
+    return compiled.of(rt32.DESCRIPTION.path, "reference")

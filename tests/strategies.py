@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 from hypothesis import strategies as st
+from rt32_inputs import HALF_PI, MODELA_PLUNGE
 
 from pyport.angles import DEG
-from pyport.parity.edges import HALF_PI, MODELA_PLUNGE
 
 
 def real4(low, high):

@@ -9,7 +9,14 @@ import pytest
 from pyport.cli import pyport
 
 DOCS = Path(__file__).parent.parent / "docs"
-GUIDES = ("page.md", "models.md", "from-fortran.md", "from-tpoint.md", "from-field-system.md")
+GUIDES = (
+    "how-to.md",
+    "page.md",
+    "models.md",
+    "from-fortran.md",
+    "from-tpoint.md",
+    "from-field-system.md",
+)
 #: A command in a fence or between backticks, up to its end.
 _COMMAND = re.compile(r"(?:^|`)(pyport [a-z][^`\n]*)", re.MULTILINE)
 

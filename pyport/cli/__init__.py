@@ -31,13 +31,13 @@ COMMANDS = {
     "lookup": "Answer offsets at an azimuth and zenith distance from a steering table.",
     "mask": "Mask recordings of a file, kept beside it and undone step by step.",
     "offsets": "Measure pointing offsets in scans across a source.",
-    "parity": "Hold the Python port to the published Fortran routines.",
+    "parity": "Hold Python ports to the Fortran they were made from, to the last bit.",
     "plot": "Draw the panels of a diagnosis or fit as PDF, PNG or SVG for print.",
     "predict": "Compare models by how they predict recordings that they were not fitted to.",
     "reduction": "Take nutation, aberration, UT1, ... out of offsets; print how large they are.",
     "rt32": "Repeat the RT32 document's fit and figures, on a simulated campaign or your own.",
     "table": "Write the steering table of a pointing model.",
-    "trials": "Hide causes in simulated recordings, and find out whether they are found.",
+    "trials": "Put causes into simulated recordings, and check whether a diagnosis finds them.",
     "verify": "Tell whether the files of a diagnosis are all of one run.",
 }
 

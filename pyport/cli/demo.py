@@ -30,14 +30,15 @@ RECORDINGS = (
 @in_json
 def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, the steering table, a diagnosis of real recordings."""
-    from pyport import parity, steering
+    from pyport import legacy, steering
     from pyport.diagnosis import run
+    from pyport.parity.run import summary
     from pyport.progress import working
 
     tell = click.echo if not as_json else (lambda *_, **__: None)
     tell(click.style("1. Is the port the published program?\n", bold=True))
     with working("asking both ports"):
-        agreement = parity.summary()
+        agreement = summary(legacy.PARITY)
     tell(agreement)
 
     tell(click.style("\n2. The steering table, made anew\n", bold=True))

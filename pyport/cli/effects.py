@@ -15,7 +15,7 @@ from pyport.cli.manners import effects, in_json, plain
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
 @in_json
 def command(names: tuple[str, ...], output: str | None, *, markdown: bool, as_json: bool) -> None:
-    """List the catalogue of effects: what each is, needs, and is not to be told from.
+    """List the catalogue of effects: what each is, needs, and is degenerate with.
 
     With the name of one or more effects, those alone.
     """

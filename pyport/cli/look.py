@@ -106,7 +106,7 @@ def command(
     """Tell what RECORDINGS could show, before anything is fitted to them.
 
     Coverage of the sky; which effects they could separate, from the model and
-    from each other, and which not; and what to observe next to tell those apart.
+    from each other, and which not; and what to observe next to distinguish those.
     """
     from pyport.files import write_whole
     from pyport.fitting.models import load

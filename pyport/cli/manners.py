@@ -15,8 +15,8 @@ from click.shell_completion import CompletionItem
 
 #: Exit statuses, as `pyport --help` tells them.
 STATUSES = (
-    "Exit status: 0 when the job was done, whatever it found; 2 for bad input, with one line on "
-    "standard error; 130 when interrupted."
+    "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise); 2 "
+    "for bad input, with one line on standard error; 130 when interrupted."
 )
 
 
@@ -53,7 +53,8 @@ def with_quiet(command: click.Command) -> click.Command:
     if isinstance(command, click.Group):
         for one in command.commands.values():
             with_quiet(one)
-    elif not any(parameter.name == "quiet" for parameter in command.params):
+    calls = not isinstance(command, click.Group) or command.invoke_without_command
+    if calls and not any(parameter.name == "quiet" for parameter in command.params):
         command.params.append(
             click.Option(
                 ["--quiet"],

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.argument("recordings", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option("--lines", default="", metavar="12,40-44", help="Lines (rows) of the file.")
 @click.option("--outliers", default="", metavar="MODEL", help="What a fit of MODEL leaves far out.")
-@click.option("--reason", default="", help="Why: it is told wherever these are set aside.")
+@click.option("--reason", default="", help="Why: it is told wherever these are listed as excluded.")
 @click.option("--unmask", is_flag=True, help="Use the lines again instead of masking them.")
 @click.option("--undo", is_flag=True, help="Take the last step back.")
 @about_file

@@ -38,9 +38,9 @@ def command(scans: Path, out: Path | None, *, as_json: bool) -> None:
         return
     click.echo(text(found))
     for aside in recordings.set_aside:
-        click.echo(f"{scans}:{aside.line}: set aside: {aside.reason}")
+        click.echo(f"{scans}:{aside.line}: excluded: {aside.reason}")
     if out is not None:
-        click.echo(f"{len(recordings)} recordings in {out}, {len(recordings.set_aside)} set aside")
+        click.echo(f"{len(recordings)} recordings in {out}, {len(recordings.set_aside)} excluded")
 
 
 def _told(one: Average) -> dict[str, object]:

@@ -73,7 +73,7 @@ def command(
 ) -> None:
     """Draw the panels of a diagnosis or fit of RECORDINGS, each as a file for print.
 
-    Axes bear their units; colours are told apart by every eye and in grey.
+    Axes bear their units; colours can be distinguished by every eye, also in grey.
     """
     from pyport import page, plots
     from pyport.fitting.models import load

@@ -39,7 +39,7 @@ _which = click.option(
 
 @click.group()
 def command() -> None:
-    """Hide causes in simulated recordings, and find out whether they are found.
+    """Put causes into simulated recordings, and check whether a diagnosis finds them.
 
     A sealed set is a new folder SET; its truths lie in SET.vault until they are opened.
     """

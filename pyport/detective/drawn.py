@@ -12,18 +12,18 @@ from typing import Any
 
 from pyport.progress import track
 from pyport.trials.campaign import NOISES
-from pyport.trials.faults import STRANGERS
+from pyport.trials.faults import UNCATALOGUED
 from pyport.trials.intervals import Rate
 from pyport.trials.judge import Verdict, judge
 from pyport.trials.kinds import HIDEABLE
 from pyport.trials.places import place, read_table
 from pyport.trials.protocol import Spec
 
-#: Cases without anything hidden, and of each stranger.
-NULLS, OF_STRANGER = 200, 8
+#: Cases without anything hidden, and of each uncatalogued cause.
+NULLS, OF_UNCATALOGUED = 200, 8
 #: How loud a cause is, how often each is drawn then, and the share that must come out.
 LOUDNESS = ((0.5, 2, 0.95), (0.25, 2, 0.85))
-#: Which column or place a stranger must be laid at; the others are anywhere in the sky.
+#: Column or place that an uncatalogued cause must be found at; the others are anywhere in the sky.
 _FOLLOWS = {"strange_column": "hydraulic_bar", "oscillation": "time"}
 
 
@@ -55,10 +55,10 @@ def lines(jobs: int, seed: int) -> Iterator[Line]:
         masked = [one for one in verdicts if one.group == "one" and one.spec["rho"] == rho]
         yield _at_least(f"masked, rho {rho}: named or in its class", _right(masked), least)
         yield from _missed(masked)
-    strangers = [one for one in verdicts if one.group == "unknown"]
-    yield _at_least("in no catalogue: unknown", _right(strangers), 0.8)
-    for name in STRANGERS:
-        own = [one for one in strangers if one.spec["effect"] == name]
+    uncatalogued = [one for one in verdicts if one.group == "unknown"]
+    yield _at_least("in no catalogue: unknown", _right(uncatalogued), 0.8)
+    for name in UNCATALOGUED:
+        own = [one for one in uncatalogued if one.spec["effect"] == name]
         rate = _right(own)
         yield Line(f"  {name.replace('_', ' ')}", f"{rate.hits} of {rate.of}", "shown", None)
 
@@ -69,8 +69,8 @@ def _specs() -> Iterator[Spec]:
     for rho, times, _ in LOUDNESS:
         for effect in HIDEABLE:
             yield from [Spec("one", "one", effect, rho)] * times
-    for stranger in STRANGERS:
-        yield from [Spec("unknown", "unknown", stranger, 0.5)] * OF_STRANGER
+    for name in UNCATALOGUED:
+        yield from [Spec("unknown", "unknown", name, 0.5)] * OF_UNCATALOGUED
 
 
 def _solve(task: _Task) -> Verdict:

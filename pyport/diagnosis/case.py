@@ -298,7 +298,7 @@ def weigh_alike(setup: Setup, chosen: Sequence[Chosen], known: Covariance) -> We
 
 
 def _key(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
-    return (searching, *((id(one.candidate), one.scope) for one in chosen))
+    return (searching, *sorted((id(one.candidate), one.scope) for one in chosen))
 
 
 @stage("fitting noise")

@@ -15,14 +15,16 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, noise
 from pyport.diagnosis.evidence import VISIBLE, at_best
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import directions, estimate
+from pyport.noise.estimate import estimate
 from pyport.stages import stage
+
+#: Twice the log of the Bayes factor, the noise estimated anew in both worlds and the choice among
+#: the family paid for, from which an effect is accepted: odds of twenty to one.
+CONFIRMED = 6.0
 
 
 @stage("confirming")
-def confirmed(
-    setup: Setup, others: Sequence[Chosen], one: Chosen, price: float, *, searching: bool
-) -> float:
+def confirmed(setup: Setup, others: Sequence[Chosen], one: Chosen, price: float) -> float:
     """Return twice the log of how much likelier the data are with an effect than without.
 
     The coefficients of the effect come from one normal of the best width, those of everything
@@ -37,21 +39,13 @@ def confirmed(
         What else is fitted, and the effect.
     price
         What its choice among its family costs.
-    searching
-        Whether other effects may still be hidden: what lasting ones could draw is then no noise
-        in either world.
     """
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
-    whole = noise(setup, (*others, one), searching=searching)
+    whole = noise(setup, (*others, one), searching=False)
     value, given = setup.residual, setup.frame
-    shapes = setup.possible if searching else None
-    design = np.concatenate([model, own], axis=1)
-    with_it = estimate(value, design, given, shapes, like=whole)
-    without = estimate(value, model, given, shapes, like=whole)
-    if shapes is not None:
-        model = np.concatenate([model, directions(model, given, shapes)], axis=1)
-    lack, gained = _lack(with_it, model, own, value)
+    without = estimate(value, model, given, like=whole)
+    lack, gained = _lack(whole, model, own, value)
     return _lack(without, model, own[:, :0], value)[0] - lack + gained - price
 
 

@@ -132,7 +132,7 @@ def diagnose(
     after = joint.fit(setup, weighed, outcome.chosen)
     scene = scenes.scene(setup, outcome, after, seed)
     tell("holding data out")
-    partition = holdout.folds(setup, outcome.chosen, seed)
+    partition = holdout.folds(setup, weighed, outcome.chosen)
     held = unseen(setup, (alone, weighed), (), outcome.chosen, partition)
     return Diagnosis(
         setup=setup,

@@ -13,14 +13,15 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
+from pyport.recordings.nights import NIGHT_GAP_S
 
 #: Pointings that must carry an effect's curve, and that each side of a change must have.
 FEWEST = 4
 #: Measured numbers that must be left beyond all coefficients: the scatter that names are
 #: weighed by is then known to a third of itself.
 SPARE = 20
-#: What is not measured for so long parts two nights [s].
-NIGHT_GAP_S, DAY_S = 6 * 3600.0, 86400.0
+#: A day [s].
+DAY_S = 86400.0
 #: A column of which a cubic in time draws this share went with the hour.
 SMOOTH, ORDER = 0.9, 3
 
@@ -73,6 +74,10 @@ def carriers(scene: Scene, seen: Array) -> float:
 
 def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
     if effect.changes_with != "session":
+        return None
+    at = scene.setup.recordings.at
+    if "order" in at and "session" not in at:
+        # Nothing tells one session from the next: the step itself does.
         return None
     sessions = len(np.unique(scene.setup.session))
     if max(sessions, nights(scene)) > 1:

@@ -12,6 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.fitting.gram import Gram, Part, Solution
 from pyport.fitting.stacking import Codes
+from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 
 #: Sessions from which on whole sessions are left out.
@@ -28,33 +29,42 @@ OPEN = 1e-4
 
 @dataclass(frozen=True)
 class Folds:
-    """A partition of the readings (m,) into folds, and what it is called."""
+    """A partition of the readings (m,) into folds, and what it is called.
+
+    `departing` says whether what a session or source departs by, as its other readings show it,
+    belongs to a prediction.
+    """
 
     scheme: str
     fold: Codes
+    departing: bool = False
 
 
-def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
+def folds(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Folds:
     """Choose what is left out together.
 
     Whole sessions where there are enough of them and nothing that is fitted
     belongs to a session; otherwise whole scans where they are known to be
     scans, or blocks of time within the sessions, or single pointings where
-    there is no time.
+    there is no time. Where sessions depart from each other, blocks of each are
+    predicted from its others; but a change among them must do better than the
+    model alone, for any change could be called departures.
     """
     sessions = setup.session
     choices = (*setup.base, *chosen)
     own = any("session" in one.scope for one in choices)
     epochs = any(one.candidate.effect.is_change or one.candidate.of_time for one in choices)
-    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not own and not epochs:
+    departing = any(one.of == "session" for one in weighed.covariance.departures)
+    departing = departing and not epochs
+    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not (own or epochs or departing):
         count = len(np.unique(sessions))
         if count <= MOST_FOLDS:
             return Folds("leave one session out", sessions)
         return Folds("leave whole sessions out, twenty folds", sessions * MOST_FOLDS // count)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(setup.seed)
     at = setup.recordings.at
     if "time" not in at or not np.all(np.isfinite(np.asarray(at.column("time"), float))):
-        return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng))
+        return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing)
     time = np.asarray(at.column("time"), float)[setup.stack.row]
     if "scan_direction" in at and len(np.unique(setup.blocks.antenna)) > 1:
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
@@ -64,7 +74,7 @@ def folds(setup: Setup, chosen: Sequence[Chosen], seed: int) -> Folds:
         rows = np.flatnonzero(sessions == session)
         rank = np.unique(time[rows], return_inverse=True)[1]
         fold[rows] = rank * BLOCKS // (rank.max() + 1)
-    return Folds("leave blocks of time out, five in each session", fold)
+    return Folds("leave blocks of time out, five in each session", fold, departing)
 
 
 def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
@@ -82,18 +92,20 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
     """
     expanded = setup.expanded((*setup.base, *chosen))
     left = np.full(len(setup.residual), np.nan)
-    for one, solution in _solutions(setup, weighed, chosen, partition):
+    for one, solution, covariance in _solutions(setup, weighed, chosen, partition):
         rows = np.flatnonzero(partition.fold == one)
         unknown = _left_open(solution, expanded[rows])
         predicted = expanded[rows] @ solution.values
+        if partition.departing and covariance is not None:
+            predicted += covariance.departed(setup.residual - expanded @ solution.values)[rows]
         left[rows] = np.where(unknown, np.nan, setup.residual[rows] - predicted)
     return left
 
 
 def _solutions(
     setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
-) -> Iterator[tuple[int, Solution]]:
-    """Yield each fold and the solution without it.
+) -> Iterator[tuple[int, Solution, Covariance | None]]:
+    """Yield each fold, the solution without it and the covariance of the others.
 
     The readings of an array hang together too little for it to matter that those left out were
     there when the others were whitened: a fold is taken off the products of the whole.
@@ -101,16 +113,16 @@ def _solutions(
     if len(np.unique(setup.blocks.antenna)) > 1:
         white, choices = _whitened(setup, weighed, chosen)
         for one, solution, _ in _without_each(setup, white, choices, partition):
-            yield one, solution
+            yield one, solution, None
         return
     columns = setup.expanded((*setup.base, *chosen))
     data = np.concatenate([columns, setup.residual[:, None]], axis=1)
     everything = Part(np.arange(columns.shape[1]), np.zeros(1, np.intp))
     for one in np.unique(partition.fold):
         weights = np.where(partition.fold == one, 0.0, weighed.weights)
-        white = replace(weighed.covariance, weights=weights).whiten(data)
-        gram = Gram((white.T @ white)[None])
-        yield int(one), gram.solve([everything])
+        covariance = replace(weighed.covariance, weights=weights)
+        white = covariance.whiten(data)
+        yield int(one), Gram((white.T @ white)[None]).solve([everything]), covariance
 
 
 @stage("holding data out")

@@ -142,6 +142,6 @@ def held_out(
     """Compare predictions of unseen readings with and without an effect."""
     setup, weighed = scene.setup, scene.weighed
     new = [one for one in after if not any(one is old for old in before)]
-    partition = holdout.folds(setup, new, scene.seed)
+    partition = holdout.folds(setup, weighed, new)
     found = unseen(setup, (weighed, weighed), tuple(before), tuple(after), partition)
     return found.compared(rows, weighed.covariance.floor)

@@ -9,11 +9,11 @@ import numpy as np
 
 from pyport.diagnosis import identify
 from pyport.diagnosis.case import Chosen, Setup, temporal, weigh
-from pyport.diagnosis.confirm import confirmed
+from pyport.diagnosis.confirm import CONFIRMED, confirmed
 from pyport.diagnosis.instead import IMPERFECTION, field_instead
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
-from pyport.diagnosis.winner import CONFIRMED, alone, joined, trials_of, winner_of, without_idle
+from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
 
 MOST_FINDINGS = 8
 #: An earlier choice makes way for another that has so much more evidence beside the later ones.
@@ -83,7 +83,7 @@ def _standing_of(now: Outcome, one: Chosen) -> float:
     pointings = max(step.beside.evidence.pointings, 3)
     price = max(0.0, step.winner.gain - step.winner.delta_bic - dof * float(np.log(pointings)))
     others = tuple(each for each in now.chosen if each is not one)
-    return confirmed(now.setup, others, one, price, searching=False)
+    return confirmed(now.setup, others, one, price)
 
 
 def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
@@ -160,7 +160,8 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
     """Exchange earlier choices for others that are better beside the latest one."""
     for one in now.chosen[:-1]:
         own = alone(now.setup, now.weighed, now.chosen, one)
-        if own is None or not one.candidate.effect.physical:
+        effect = one.candidate.effect
+        if own is None or not effect.physical or temporal(effect):
             continue
         others = tuple(each for each in now.chosen if each is not one)
         beside = now.weighed.evidence.beside(

@@ -17,7 +17,7 @@ from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
 from pyport.diagnosis.finding import HeldOut
 from pyport.diagnosis.joint import rms
-from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.steps import Outcome, Step
 from pyport.fitting import robust
 from pyport.stages import stage
 
@@ -93,14 +93,13 @@ def unseen(
 def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
     """Weigh with the final noise, and drop what does not predict unseen data better.
 
-    One at a time, the one that does most harm first; then, while the whole predicts worse than
-    the model alone, the weakest.
+    One at a time; then, while the whole predicts worse than the model alone, the weakest.
     """
     setup, dropped = outcome.setup, []
     chosen, steps = outcome.chosen, outcome.steps
     while True:
         weighed = weigh(setup, chosen, searching=False)
-        worst = _worst(setup, weighed, chosen)
+        worst = _worst(setup, weighed, chosen, steps)
         if worst is None:
             break
         one, reason = worst
@@ -111,28 +110,37 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
     return replace(outcome, chosen=chosen, steps=steps, weighed=weighed), tuple(dropped)
 
 
-def _worst(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> tuple[Chosen, str] | None:
-    """Return the choice without which unseen data are predicted best, and why; None if none."""
+def _worst(
+    setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], steps: tuple[Step, ...]
+) -> tuple[Chosen, str] | None:
+    """Return the choice that is to be dropped, and why; None where all of them pay.
+
+    Of several that do harm the one with the least evidence: the others may do it through it.
+    """
     everywhere = np.ones(len(setup.residual), bool)
     floor = np.zeros(len(setup.residual))
     gains = []
     for one in chosen:
         others = tuple(each for each in chosen if each is not one)
-        partition = holdout.folds(setup, (one,), setup.seed)
+        partition = holdout.folds(setup, weighed, (one,))
         found = unseen(setup, (weighed, weighed), others, chosen, partition)
         held = found.compared(everywhere, floor)
         gains.append((held.before - held.after) / max(held.before, 1e-300))
+    evidence = [
+        next(step.winner.evidence for step in reversed(steps) if step.chosen is one)
+        for one in chosen
+    ]
     if gains and min(gains) <= 0:
-        harm = int(np.argmin(gains))
+        harm = min((n for n, gain in enumerate(gains) if gain <= 0), key=lambda n: evidence[n])
         return chosen[harm], (
             f"data left out are predicted worse with it, by {-100 * gains[harm]:.2g} per cent"
         )
     if chosen:
         alone = weigh(setup, (), searching=False)
-        partition = holdout.folds(setup, chosen, setup.seed)
+        partition = holdout.folds(setup, weighed, chosen)
         held = unseen(setup, (alone, weighed), (), chosen, partition).compared(everywhere, floor)
         if held.after >= held.before:
-            return chosen[int(np.argmin(gains))], (
+            return chosen[int(np.argmin(evidence))], (
                 "with everything found data left out are predicted worse than by the model alone"
             )
     return None

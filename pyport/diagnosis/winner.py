@@ -11,7 +11,8 @@ from pyport.diagnosis import identify
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal
-from pyport.diagnosis.confirm import confirmed
+from pyport.diagnosis.changes import proposed
+from pyport.diagnosis.confirm import CONFIRMED, confirmed
 from pyport.diagnosis.evidence import Beside, Trial
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
@@ -23,14 +24,6 @@ MOST_TRIED = 4
 #: An effect whose known size does not come out leads for now, because something else may still be
 #: left out, when it beats all others by this much in evidence.
 LEADS_BY = 10.0
-#: Twice the log of the Bayes factor, the noise estimated anew in both worlds and the choice among
-#: the family paid for, from which an effect is accepted: odds of 150 to one.
-CONFIRMED = 10.0
-#: What changes with time is looked at beside its own noise when it gains so much more than it has
-#: coefficients; noise alone gains as much in one turn out of ten.
-WORTH_A_LOOK = 6.0
-#: So many kinds of change are looked at in a turn.
-MOST_CHANGES = 3
 
 
 def trials_of(setup: Setup, beside: Beside) -> list[Trial]:
@@ -95,62 +88,79 @@ def winner_of(
     a `mismatch` beside the present noise nothing else does: the noise may have swallowed a change,
     and no other effect. In a `strict` turn everything is confirmed in that way.
     """
-    ranked: list[Winner] = []
-    refined: set[str] = set()
-    worth = _worth(trials, least, banned) if mismatch else []
-    for trial in [*(_changes(trials, banned) if changes else []), *worth]:
-        effect = trial.candidate.effect
-        wider, new, price = setup, Chosen(trial.candidate, trial.scope), 0.0
-        if effect.id not in refined:
-            refined.add(effect.id)
-            wider, new, more, price = refine(setup, weighed, chosen, trial)
-            added = trial.gain * (more - 1)
-            trial = replace(  # noqa: PLW2901 - the same trial, its moment or edge moved
-                trial,
-                gain=trial.gain + added,
-                delta_bic=trial.delta_bic + added - price,
-                evidence=trial.evidence + added - price,
-            )
-        if temporal(effect) and changes:
-            sure = _confirmed(wider, chosen, new, price, searching=True)
-            trial = replace(trial, evidence=sure)  # noqa: PLW2901 - the same, beside its own noise
-            if sure <= CONFIRMED:
-                continue
-        if trial.evidence > least:
-            ranked.append(Winner(trial, wider, new, price))
+    ranked = _changes(setup, weighed, chosen, trials, banned) if changes else []
+    if mismatch:
+        ranked += _lasting(setup, weighed, chosen, trials, least, banned)
     ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
     for one in ranked[:MOST_TRIED]:
+        if temporal(one.chosen.candidate.effect):
+            return one
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        if not strict:
-            return one
-        sure = _confirmed(one.setup, chosen, one.chosen, one.price, searching=False)
-        if sure > CONFIRMED:
+        if not strict or _confirmed(one, chosen) > CONFIRMED:
             return one
     return None
 
 
-def _confirmed(
-    setup: Setup, chosen: tuple[Chosen, ...], new: Chosen, price: float, *, searching: bool
-) -> float:
-    """Return the evidence of a choice in the world that it makes, its price paid."""
-    others = joined(setup, chosen, new)[:-1]
-    price += 2 * float(np.log(new.candidate.choices))
-    return confirmed(setup, others, new, price, searching=searching)
+def _changes(
+    setup: Setup,
+    weighed: Weighed,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[Trial],
+    banned: Collection[str],
+) -> list[Winner]:
+    """Return the changes with time that are more than the noise can do."""
+    still, moved = proposed(setup, weighed, chosen, trials, banned)
+    found = []
+    for trial in moved:
+        one = _refined(setup, still, chosen, trial)
+        sure = _confirmed(one, chosen)
+        if sure > CONFIRMED:
+            # Beside noise that holds still it gained what the noise would have taken.
+            found.append(replace(one, trial=replace(one.trial, evidence=sure, gain=sure)))
+    return found
 
 
-def _changes(trials: Sequence[Trial], banned: Collection[str]) -> list[Trial]:
-    """Return the best trial of each effect that changes with time, those that gain most."""
-    best: dict[str, Trial] = {}
-    for trial in trials:
-        effect = trial.candidate.effect
-        if effect.physical and temporal(effect) and effect.id not in banned:
-            held = best.get(effect.id)
-            if held is None or trial.evidence > held.evidence:
-                best[effect.id] = trial
-    worth = [one for one in best.values() if one.gain > one.dof + WORTH_A_LOOK]
-    return sorted(worth, key=lambda one: -round(one.gain - one.dof, identify.TIE))[:MOST_CHANGES]
+def _lasting(
+    setup: Setup,
+    weighed: Weighed,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[Trial],
+    least: float,
+    banned: Collection[str],
+) -> list[Winner]:
+    """Return the lasting effects whose evidence is above the least, edges where they fit best."""
+    found = []
+    refined: set[str] = set()
+    for trial in _worth(trials, least, banned):
+        one = Winner(trial, setup, Chosen(trial.candidate, trial.scope), 0.0)
+        if trial.candidate.effect.id not in refined:
+            refined.add(trial.candidate.effect.id)
+            one = _refined(setup, weighed, chosen, trial)
+        if one.trial.evidence > least:
+            found.append(one)
+    return found
+
+
+def _refined(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], trial: Trial) -> Winner:
+    """Return a trial with its moment or edge moved to where it fits best."""
+    wider, new, more, price = refine(setup, weighed, chosen, trial)
+    added = trial.gain * (more - 1)
+    better = replace(
+        trial,
+        gain=trial.gain + added,
+        delta_bic=trial.delta_bic + added - price,
+        evidence=trial.evidence + added - price,
+    )
+    return Winner(better, wider, new, price)
+
+
+def _confirmed(one: Winner, chosen: tuple[Chosen, ...]) -> float:
+    """Return the evidence of a winner in the world that it makes, its price paid."""
+    others = joined(one.setup, chosen, one.chosen)[:-1]
+    price = one.price + 2 * float(np.log(one.chosen.candidate.choices))
+    return confirmed(one.setup, others, one.chosen, price)
 
 
 def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> list[Trial]:
@@ -187,7 +197,7 @@ def predicts(
 
     Predictions count only so far off: no effect can gain more there than all there was.
     """
-    partition = folds(setup, after, setup.seed)
+    partition = folds(setup, weighed, after)
     was, now = (unseen_misfit(setup, weighed, one, partition) for one in (before, after))
     return was - now > UNSEEN_SHARE * min(gain, was)
 

@@ -66,7 +66,7 @@ def _refraction(formula: str = "") -> Effect:
 
 
 def _shapes(at: Circumstances) -> tuple[Effect, ...]:
-    """Return r cot E, and every formula where elevations reach low enough to tell them apart."""
+    """Return r cot E, and every formula where elevations are low enough to distinguish them."""
     low = len(at) > 0 and bool(np.nanmin(np.abs(np.sin(at.el))) < np.sin(LOW_EL))
     return (_COTANGENT, *(formula_of_refraction(name) for name in SHAPES if low))
 

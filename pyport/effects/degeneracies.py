@@ -1,4 +1,4 @@
-"""Effects that look alike: which, under which circumstances, and what would tell them apart."""
+"""Effects that look alike: which, under which circumstances, and what distinguishes them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Alike:
-    """Two effects that recordings may not tell apart.
+    """Two effects that recordings may not distinguish.
 
     Attributes
     ----------
@@ -17,7 +17,7 @@ class Alike:
     where
         Under which circumstances, one of :data:`WHERE`.
     decide
-        The observation that tells them apart.
+        The observation that distinguishes them.
     beside
         Effects that are fitted together with them, as most models do.
     exact
@@ -135,7 +135,7 @@ ALIKE = (
         ("scan_direction", "scan_timing"),
         "one rate",
         "scan once more at half the rate: a time tag shifts the peak half as far, "
-        "mechanical play by the same amount; or compare days, which only a time tag tells apart",
+        "mechanical play by the same amount; or compare days: only a time tag differs between them",
     ),
     # Positions on the sky.
     _nearly("precession", "nutation", "one night", _HALF_A_YEAR),
@@ -289,12 +289,12 @@ ALIKE = (
     ),
 )
 
-#: The observation that tells two effects apart, by their ids.
+#: The observation that distinguishes two effects, by their ids.
 DECIDE_BY: dict[frozenset[str], str] = {frozenset(one.ids): one.decide for one in ALIKE}
 
 
 def decisions(members: Collection[str]) -> list[str]:
-    """Return the observations that would tell the members of a class apart, each once."""
+    """Return the observations that distinguish the members of a class, each once."""
     found = [decide for pair, decide in DECIDE_BY.items() if pair <= set(members)]
     return list(dict.fromkeys(found))
 

@@ -21,7 +21,7 @@ from pyport.fitting.stacking import Codes
 
 #: Directions with less than this share of a column's length count as fitted already.
 RANK_TOLERANCE = 1e-9
-#: What must be left of a column's squared length for products alone to tell it apart.
+#: What must be left of a column's squared length for products alone to distinguish it.
 PLAIN = 1e-4
 
 
@@ -173,7 +173,7 @@ def cholesky(scaled: Array) -> Array | None:
     """Return the triangle of products of unit columns; None where some are nearly the others'.
 
     Columns whose squared lengths, each beside those before it, stay above
-    `PLAIN` are told apart by their products to ten digits and more.
+    `PLAIN` are distinguished by their products to ten digits and more.
     """
     try:
         triangle = np.linalg.cholesky(scaled)

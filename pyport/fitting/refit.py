@@ -47,6 +47,6 @@ class Refit:
 
 
 def _told_apart(products: Array) -> bool:
-    """Tell whether products alone tell the columns apart."""
+    """Tell whether products alone distinguish the columns."""
     length = np.sqrt(np.diag(products))
     return bool(np.all(length > 0)) and cholesky(products / np.outer(length, length)) is not None

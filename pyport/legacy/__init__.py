@@ -8,8 +8,13 @@ Azimuth is counted from South through West, angles are in radians, offsets and p
 degrees. Arguments and results are REAL*4, ``numpy.float32``.
 """
 
+from pathlib import Path
+
 from pyport.legacy.hjump import hjump
 from pyport.legacy.model import model
 from pyport.legacy.modela import modela
 
-__all__ = ["hjump", "model", "modela"]
+#: The description that holds the ports to the published text; `legacy_fortran` in the source tree.
+PARITY = Path(__file__).parent / "fortran" / "parity.toml"
+
+__all__ = ["PARITY", "hjump", "model", "modela"]

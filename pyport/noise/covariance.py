@@ -149,6 +149,20 @@ class Covariance:
             found.append((rows, directions, 1 / np.sqrt(1 + power[kept]) - 1))
         return found
 
+    def departed(self, residual: Array) -> Array:
+        """Return what sessions and sources depart by, as residuals show it [rad], shape (m,).
+
+        The best linear prediction (Robinson 1991, Statistical Science 6, 15): what few readings
+        say is drawn toward zero, a session without any stays there.
+        """
+        if not self.departures:
+            return np.zeros_like(residual)
+        columns = np.concatenate([one.columns * one.sigma for one in self.departures], axis=1)
+        white = self._within_axes(np.concatenate([columns, residual[:, None]], axis=1))
+        unit = white[:, :-1]
+        known = np.eye(columns.shape[1]) + unit.T @ unit
+        return np.asarray(columns @ np.linalg.solve(known, unit.T @ white[:, -1]))
+
     @cached_property
     def log_determinant(self) -> float:
         """Return the logarithm of the covariance's determinant, that of replicates left out."""

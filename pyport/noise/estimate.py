@@ -218,15 +218,6 @@ def _joint(design: Array, columns: Sequence[Array], parts: Sequence[Series]) -> 
     return np.concatenate(wide, axis=1)
 
 
-def directions(design: Array, given: Frame, shapes: Sequence[Array]) -> Array:
-    """Return what shapes add to a design in each series, shape (m, k)."""
-    columns = [
-        _rich(design[part.rows], own, int(part.pointing.max()) + 1)
-        for part, own in zip(given.parts, shapes, strict=True)
-    ]
-    return _joint(design[:, :0], columns, given.parts)
-
-
 def _departing(covariance: Covariance, part: Series, n: int) -> Array:
     """Return what departures do to a series, in units of its scatter and deviations, (n, q)."""
     own = [

@@ -1,5 +1,5 @@
-"""Is the port the program that was published? Both ports held to the compiled Fortran."""
+"""Is a port the program that was written? Python held to the compiled Fortran, to the last bit.
 
-from pyport.parity.report import summary
-
-__all__ = ["summary"]
+A description, `parity.toml`, says which Fortran files and routines, which ports and what they
+promise; nothing here knows any program.
+"""

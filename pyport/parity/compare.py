@@ -3,37 +3,35 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.parity.answers import OUTPUTS
-from pyport.parity.points import Points, Real4
-from pyport.parity.ulp import UNLIKE, ulps
+from pyport.parity.batches import Spelling, spell, spelled
+from pyport.parity.description import Batch, Routine, Variable
+from pyport.parity.ulp import UNLIKE, distances
 
 #: Distances are counted one by one below this, by powers of two above.
 EXACT_BELOW = 1024
-
-
-def hexadecimal(value: float) -> str:
-    """Return a REAL*4 as the shortest hexadecimal literal that ``float.fromhex`` reads back."""
-    mantissa, p, exponent = float(value).hex().partition("p")
-    if "." in mantissa:
-        mantissa = mantissa.rstrip("0").rstrip(".")
-    return mantissa + p + exponent
 
 
 @dataclass(frozen=True)
 class Worst:
     """The input whose answers are farthest apart, every number as a hexadecimal literal."""
 
-    az: str
-    alt: str
-    p: tuple[str, ...]
-    expected: str
-    actual: str
+    inputs: dict[str, Spelling]
+    expected: Spelling
+    actual: Spelling
     distance: int
+
+    def input_text(self) -> str:
+        """Return the inputs in one line."""
+        return " ".join(
+            f"{name}=[{', '.join(v)}]" if isinstance(v, list) else f"{name}={v}"
+            for name, v in self.inputs.items()
+        )
 
 
 @dataclass(frozen=True)
@@ -43,20 +41,23 @@ class Comparison:
     Attributes
     ----------
     routine, output
-        Which of ``OUTPUTS``.
+        The routine's name and the label of its output.
     counts
-        Distance [ulp of REAL*4] -> number of points; by powers of two from ``EXACT_BELOW`` on.
+        Distance -> number of points; by powers of two from ``EXACT_BELOW`` on.
     worst
         The input that is farthest off, None where all answers are equal.
-    arcsec
-        The greatest distance on the sky [arcsec], of azimuths times the cosine of altitude.
+    physical
+        The greatest distance in the output's physical unit, where it has one.
+    unit
+        That unit.
     """
 
     routine: str
     output: str
     counts: Counter[int]
     worst: Worst | None
-    arcsec: float
+    physical: float = 0.0
+    unit: str = ""
 
     @property
     def points(self) -> int:
@@ -70,11 +71,11 @@ class Comparison:
 
     @property
     def most(self) -> int:
-        """The greatest distance [ulp]; ``UNLIKE`` where a NaN or infinity met a number."""
+        """The greatest distance; ``UNLIKE`` where a NaN or infinity met a number."""
         return 0 if self.worst is None else self.worst.distance
 
     def quantile(self, share: float) -> int:
-        """Return the least distance [ulp] that `share` of the points do not exceed."""
+        """Return the least distance that `share` of the points do not exceed."""
         seen = 0
         for distance in sorted(self.counts):
             seen += self.counts[distance]
@@ -89,7 +90,8 @@ class Comparison:
             self.output,
             self.counts + other.counts,
             other.worst if other.most > self.most else self.worst,
-            max(self.arcsec, other.arcsec),
+            max(self.physical, other.physical),
+            self.unit,
         )
 
     def __str__(self) -> str:
@@ -97,11 +99,29 @@ class Comparison:
         text = f"{self.routine} {self.output}: {self.differing} of {self.points} differ"
         if self.worst is None:
             return text
-        worst = self.worst
         return (
-            f"{text}, worst by {distance_text(self.most)} at az={worst.az} alt={worst.alt} "
-            f"p=[{', '.join(worst.p)}]: expected {worst.expected}, got {worst.actual}"
+            f"{text}, worst by {distance_text(self.most)} at {self.worst.input_text()}: "
+            f"expected {one_text(self.worst.expected)}, got {one_text(self.worst.actual)}"
         )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as plain data, counts and all."""
+        return vars(self) | {
+            "worst": None if self.worst is None else vars(self.worst),
+            "counts": [list(pair) for pair in self.counts.items()],
+        }
+
+    @classmethod
+    def from_json(cls, content: dict[str, Any]) -> Comparison:
+        """Return what `as_json` gave."""
+        worst = content["worst"]
+        counts = Counter(dict(content["counts"]))
+        return cls(**content | {"worst": worst and Worst(**worst), "counts": counts})
+
+
+def one_text(value: Spelling) -> str:
+    """Return a spelled value, or a list of them, as one text."""
+    return f"[{', '.join(value)}]" if isinstance(value, list) else value
 
 
 def distance_text(distance: int) -> str:
@@ -109,54 +129,68 @@ def distance_text(distance: int) -> str:
     return "NaN or infinity against a number" if distance == UNLIKE else f"{distance} ulp"
 
 
-def compare(
-    expected: Real4, actual: Real4, at: Points, distances: NDArray[np.int64] | None = None
-) -> list[Comparison]:
-    """Compare answers of shape (n, 5) column by column, in the order of ``OUTPUTS``.
+@dataclass(frozen=True)
+class Pair:
+    """The oracle's and a port's answers at the same points, by output."""
 
-    Parameters
-    ----------
-    expected, actual
-        The answers.
-    at
-        The points.
-    distances
-        What to count, shape (n, 5); the distances of the answers [ulp] unless given.
-    """
-    distances = ulps(expected, actual) if distances is None else distances
-    return [
-        _compare_one(output, expected[:, k], actual[:, k], at, distances[:, k])
-        for k, output in enumerate(OUTPUTS)
-    ]
+    routine: Routine
+    batch: Batch
+    expected: Batch
+    actual: Batch
+    raised: dict[int, str] = field(default_factory=dict)
 
+    def distances(self) -> dict[str, NDArray[np.int64]]:
+        """Return how far apart each output's answers are, shape (n,); arrays by their worst."""
+        return {one.key: self.over(one, distances(*self.both(one))) for one in self.routine.outputs}
 
-def _compare_one(
-    output: tuple[str, str],
-    expected: Real4,
-    actual: Real4,
-    at: Points,
-    distances: NDArray[np.int64],
-) -> Comparison:
-    counts: Counter[int] = Counter()
-    values, numbers = np.unique(distances, return_counts=True)
-    for value, number in zip(values.tolist(), numbers.tolist(), strict=True):
-        counts[_bin(value)] += number
-    if not distances.any():
-        return Comparison(*output, counts, None, 0.0)
-    i = int(np.argmax(distances))
-    worst = Worst(
-        az=hexadecimal(at.az[i]),
-        alt=hexadecimal(at.alt[i]),
-        p=tuple(hexadecimal(value) for value in at.parameters[at.which[i]]),
-        expected=hexadecimal(expected[i]),
-        actual=hexadecimal(actual[i]),
-        distance=int(distances[i]),
-    )
-    apart = (distances > 0) & np.isfinite(expected) & np.isfinite(actual)
-    arcsec = np.abs(actual[apart].astype(float) - expected[apart]) * 3600
-    if output[1] == "azimuth":
-        arcsec *= np.abs(np.cos(at.alt[apart].astype(float)))
-    return Comparison(*output, counts, worst, float(arcsec.max(initial=0)))
+    def both(self, one: Variable) -> tuple[NDArray, NDArray]:
+        """Return an output's answers."""
+        return self.expected[one.key], self.actual[one.key]
+
+    def over(self, one: Variable, apart: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return distances of elements as those of points; ``UNLIKE`` where the port raised."""
+        result = apart.reshape(len(apart), -1).max(axis=1) if one.shape else apart.copy()
+        result[list(self.raised)] = UNLIKE
+        return result
+
+    def compare(self, apart: dict[str, NDArray[np.int64]] | None = None) -> list[Comparison]:
+        """Return a comparison for each output, of the given distances or of the answers'."""
+        apart = self.distances() if apart is None else apart
+        return [self._one(one, apart[one.key]) for one in self.routine.outputs]
+
+    def _one(self, one: Variable, apart: NDArray[np.int64]) -> Comparison:
+        counts: Counter[int] = Counter()
+        values, numbers = np.unique(apart, return_counts=True)
+        for value, number in zip(values.tolist(), numbers.tolist(), strict=True):
+            counts[_bin(value)] += number
+        unit = one.physical[0] if one.physical else ""
+        if not apart.any():
+            return Comparison(self.routine.name, one.label, counts, None, 0.0, unit)
+        i = int(np.argmax(apart))
+        expected, actual = self.both(one)
+        worst = Worst(
+            inputs=spelled(self.routine, self.batch, i),
+            expected=spell(expected[i]),
+            actual=self.raised.get(i) or spell(actual[i]),
+            distance=int(apart[i]),
+        )
+        physical = self._physical(one, apart > 0)
+        return Comparison(self.routine.name, one.label, counts, worst, physical, unit)
+
+    def _physical(self, one: Variable, where: NDArray[np.bool_]) -> float:
+        expected, actual = self.both(one)
+        if one.type.base != "real":
+            return 0.0
+        _, factor, cosine = one.physical or ("", 1.0, "")
+        low, high = expected[where].astype(float), actual[where].astype(float)
+        finite = np.isfinite(low) & np.isfinite(high)
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(high - low) * factor
+        if one.turn is not None:
+            apart = np.minimum(apart, np.abs(one.turn * factor - apart))
+        if cosine:
+            apart = apart * np.abs(np.cos(self.batch[cosine][where].astype(float)))
+        return float(apart[finite].max(initial=0))
 
 
 def _bin(distance: int) -> int:

@@ -1,85 +1,209 @@
-"""What the vectorised port promises: the oracle's own spread, and N ulp beyond it.
+"""What a port promises: equal bits, N ulp, N ulp beyond the oracle's own spread, a tolerance.
 
-The port keeps REAL*8 throughout, and all that the promoted build shows (the roundings to REAL*4) is
-in the spread already. What is left is derived output by output, not chosen:
-
-- 1 ulp for Model and ModelA: two numbers equal but for their last REAL*8 digits may round to
-  neighbouring REAL*4;
-- 4 ulp for Hjump below the horizon: that 1, and the azimuth in degrees by way of 3.141593. Its
-  error, 1.1e-7 of up to 270 deg, times the curve's slope there, 0.65, is 2.5 ulp of 64 deg.
-
-At a zero ulp lose their meaning: taking the azimuth offset into half a turn costs 5e-14 deg, and
-DASIN costs the altitude 1e-10 deg at the rim of the region that the ledger sets aside around the
-zenith. Answers ``ABSOLUTE_DEG`` apart are equal.
+The oracle's own spread is how far apart its answers are when nothing that matters changes:
+computing with more digits (another build), and moving an input to the next number. A port that
+keeps more digits than the Fortran cannot be held to anything narrower than what these answers span.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from operator import add
+
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.parity.batches import part
+from pyport.parity.compare import Comparison, Pair
+from pyport.parity.description import Batch, Description, Port, Routine, Variable
 from pyport.parity.ledger import explained
-from pyport.parity.points import Points, Real4
-from pyport.parity.ulp import ulps
+from pyport.parity.ulp import UNLIKE, distances, neighbour
 
-#: Greatest distance beyond the oracle's own spread [ulp of REAL*4], in the order of ``OUTPUTS``.
-PROMISED_ULP = (1, 1, 1, 1, 4)
+#: Asks one of the builds: (build, routine, batch) -> answers.
+Asker = Callable[[str, Routine, Batch], Batch]
 
-#: Answers this close [deg] are equal: 0.7 microarcseconds.
-ABSOLUTE_DEG = 2e-10
-
-#: Where the promise holds: azimuth and altitude [rad], parameters [deg].
-AZ_LIMIT, ALT_LIMIT, PARAMETER_LIMIT = 10.0, 2.0, 2e4
+#: The least and the greatest of an output's answers.
+Spread = dict[str, tuple[NDArray, NDArray]]
 
 
-def promised(at: Points) -> NDArray[np.bool_]:
-    """Tell at which points the promise holds: the cable's range and some, no infinities."""
-    inside = (np.abs(at.az) <= AZ_LIMIT) & (np.abs(at.alt) <= ALT_LIMIT)
-    sane = np.all(np.abs(at.parameters) <= PARAMETER_LIMIT, axis=1)
-    return np.asarray(inside & sane[at.which])
+def spread(port: Port, routine: Routine, batch: Batch, answers: Batch, ask: Asker) -> Spread:
+    """Return the least and greatest answer, NaN left out, among
+
+    - the reference's `answers`;
+    - those of the port's other builds at the same points, rounded to the kind of the reference;
+    - the reference's with one of the port's moved inputs one ulp up or down.
+    """  # noqa: D400 - the sentence goes on as a list
+    all_answers = [answers]
+    all_answers += [ask(build, routine, batch) for build in port.builds]
+    for key in port.moved:
+        if key in routine.by_key and routine.by_key[key].is_input:
+            for side in (-np.inf, np.inf):
+                moved = batch | {key: neighbour(batch[key], side)}
+                all_answers.append(ask("reference", routine, moved))
+    result = {}
+    for one in routine.outputs:
+        with np.errstate(over="ignore"):  # what REAL*8 holds may be infinite in REAL*4
+            values = [each[one.key].astype(one.type.dtype()) for each in all_answers]
+        if one.type.base == "real":
+            result[one.key] = np.fmin.reduce(values), np.fmax.reduce(values)
+        else:
+            result[one.key] = answers[one.key], answers[one.key]
+    return result
 
 
-def distances(expected: Real4, actual: Real4) -> NDArray[np.int64]:
-    """Return the distances [ulp], shape (n, 5).
+def promised(routine: Routine, batch: Batch) -> NDArray[np.bool_]:
+    """Tell at which points a promise of less than bits holds: where inputs are in their limits."""
+    inside = np.ones(len(next(iter(batch.values()))), dtype=bool)
+    for one in routine.inputs:
+        if one.limits is not None:
+            good = (batch[one.key] >= one.limits[0]) & (batch[one.key] <= one.limits[1])
+            inside &= good.reshape(len(good), -1).all(axis=1)
+    return inside
 
-    Zero where answers are ``ABSOLUTE_DEG`` apart, and where both are half a turn: 180 and -180 deg
+
+def apart(port: Port, one: Variable, expected: NDArray, actual: NDArray) -> NDArray[np.int64]:
+    """Return the distances of a port's answers.
+
+    Zero where REALs are ``port.absolute`` apart, and where both are half a turn: 180 and -180 deg
     are one angle.
     """
+    found = distances(expected, actual)
+    if one.type.base != "real" or port.promise == "bits":
+        return found
     with np.errstate(invalid="ignore"):
-        close = np.abs(expected.astype(float) - actual) <= ABSOLUTE_DEG
-    half_turns = (np.abs(expected) == np.float32(180)) & (np.abs(actual) == np.float32(180))
-    return np.where(close | half_turns, 0, ulps(expected, actual))
+        same = np.abs(expected.astype(float) - actual) <= port.absolute
+    same |= expected == actual  # zeros of either sign
+    if one.turn is not None:
+        half = expected.dtype.type(one.turn / 2)
+        same |= (np.abs(expected) == half) & (np.abs(actual) == half)
+    return np.where(same, 0, found)
 
 
-def beyond(
-    expected: Real4, actual: Real4, spread: Real4, at: Points
-) -> tuple[NDArray[np.int64], dict[str, int]]:
-    """Return the distances beyond the oracle's own spread, and how many the ledger explains.
+def bound(port: Port, one: Variable) -> int:
+    """Return the greatest distance that keeps a port's promise."""
+    if port.promise in {"bits", "within"} or one.type.base != "real":
+        return 0
+    return port.ulp if one.ulp is None else one.ulp
 
-    Parameters
+
+def tolerance(port: Port, one: Variable) -> float:
+    """Return the tolerance of a port that promises one, in the output's unit."""
+    return port.within if one.within is None else one.within
+
+
+@dataclass(frozen=True)
+class Held:
+    """One port of one routine held to the oracle; a comparison for each output.
+
+    Attributes
     ----------
-    expected, actual
-        The answers of oracle and port, shape (n, 5).
-    spread
-        The least and greatest of the oracle's own answers, shape (2, n, 5).
-    at
-        The points.
-
-    Returns
-    -------
+    plain
+        The port's answers, where it promises anything.
+    outside
+        The same without the points that the ledger explains.
     beyond
-        Shape (n, 5) [ulp], zero within the spread and where the ledger explains the distance.
+        The same, counting only what the promise does not allow already: the spread, a tolerance.
     explained
         Entry of the ledger -> number of answers beyond the promise that it explains.
     """
-    left = distances(np.clip(actual, *spread), actual)
-    numbers = {}
-    for name, mask in explained(at, expected).items():
-        numbers[name] = int(((left > np.array(PROMISED_ULP)) & mask).sum())
-        left = np.where(mask, 0, left)
-    return left, numbers
+
+    plain: list[Comparison]
+    outside: list[Comparison]
+    beyond: list[Comparison]
+    explained: Counter[str]
+
+    def __add__(self, other: Held) -> Held:
+        """Return the same over both sets of points."""
+        lists = {
+            k: [add(*pair) for pair in zip(getattr(self, k), getattr(other, k), strict=True)]
+            for k in _LISTS
+        }
+        numbers = {k: self.explained[k] + other.explained[k] for k in self.explained}
+        return Held(**lists, explained=Counter(numbers))
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as plain data."""
+        lists = {k: [one.as_json() for one in getattr(self, k)] for k in _LISTS}
+        return {**lists, "explained": self.explained}
+
+    @classmethod
+    def from_json(cls, content: dict) -> Held:
+        """Return what `as_json` gave."""
+        lists = {k: [Comparison.from_json(one) for one in content[k]] for k in _LISTS}
+        return cls(**lists, explained=Counter(content["explained"]))
 
 
-def kept(worst: list[int]) -> bool:
-    """Tell whether the worst distances beyond the spread, output by output, keep the promise."""
-    return all(one <= bound for one, bound in zip(worst, PROMISED_ULP, strict=True))
+_LISTS = [one.name for one in fields(Held) if one.name != "explained"]
+
+
+def hold(
+    description: Description, port: Port, pair: Pair, own_spread: Spread | None = None
+) -> Held:
+    """Compare a port's answers with the oracle's; `own_spread` where the promise goes beyond it."""
+    if port.promise == "bits":
+        plain = pair.compare()
+        return Held(plain, plain, plain, Counter())
+    routine = pair.routine
+    inside = promised(routine, pair.batch)
+    kept = np.flatnonzero(inside)
+    raised = {n: pair.raised[i] for n, i in enumerate(kept.tolist()) if i in pair.raised}
+    there = Pair(
+        routine,
+        part(pair.batch, inside),
+        part(pair.expected, inside),
+        part(pair.actual, inside),
+        raised,
+    )
+    masks = explained(description, routine, there.batch, there.expected)
+    plain_, outside, left = {}, {}, {}
+    numbers = dict.fromkeys(masks, 0)
+    for one in routine.outputs:
+        expected, actual = there.both(one)
+        plain_[one.key] = there.over(one, apart(port, one, expected, actual))
+        ledger = [mask[one.key] for mask in masks.values() if one.key in mask]
+        outside[one.key] = plain_[one.key] * ~np.any([np.zeros(len(kept), bool), *ledger], axis=0)
+        rest = there.over(one, _left(port, one, expected, actual, own_spread, inside))
+        for name, mask in masks.items():
+            if one.key in mask:
+                numbers[name] += int(((rest > bound(port, one)) & mask[one.key]).sum())
+                rest = np.where(mask[one.key], 0, rest)
+        left[one.key] = rest
+    return Held(
+        there.compare(plain_), there.compare(outside), there.compare(left), Counter(numbers)
+    )
+
+
+def _left(
+    port: Port,
+    one: Variable,
+    expected: NDArray,
+    actual: NDArray,
+    own_spread: Spread | None,
+    inside: NDArray[np.bool_],
+) -> NDArray[np.int64]:
+    """Return the distance of each element beyond what the promise allows anyway."""
+    if one.type.base != "real":
+        return distances(expected, actual)
+    if port.promise == "spread" and own_spread is not None:
+        low, high = own_spread[one.key]
+        return apart(port, one, np.clip(actual, low[inside], high[inside]), actual)
+    found = apart(port, one, expected, actual)
+    if port.promise == "within":
+        with np.errstate(invalid="ignore"):
+            gap = np.abs(expected.astype(float) - actual)
+        if one.turn is not None:
+            gap = np.minimum(gap, np.abs(one.turn - gap))
+        unlike = (found == UNLIKE) & ~np.isfinite(gap)
+        found = np.where((gap <= tolerance(port, one)) & ~unlike, 0, np.maximum(found, 1))
+        found = np.where(np.isnan(expected) & np.isnan(actual), 0, found)
+    return found
+
+
+def kept(port: Port, routine: Routine, held: Held) -> bool:
+    """Tell whether a port's answers keep its promise."""
+    return all(
+        comparison.most <= bound(port, one)
+        for comparison, one in zip(held.beyond, routine.outputs, strict=True)
+    )

@@ -1,4 +1,4 @@
-"""Say in text and JSON how the ports compare with the published Fortran."""
+"""Say in text, JSON and a summary in Markdown how the ports compare with the Fortran."""
 
 from __future__ import annotations
 
@@ -6,40 +6,78 @@ import dataclasses
 from typing import Any
 
 from pyport.parity.compare import Comparison
-from pyport.parity.promise import PROMISED_ULP
-from pyport.parity.run import Parity, run
+from pyport.parity.description import PROMISE_TEXT, Port
+from pyport.parity.promise import bound, tolerance
+from pyport.parity.run import Parity
 from pyport.parity.ulp import UNLIKE
 
-HEADINGS = (
-    f"{'':18} {'legacy port':>22}   {'vectorised port':>51}\n"
-    f"{'routine':8} {'output':9} {'differing':>10} {'worst ulp':>11}   "
-    f"{'median':>8} {'p99':>8} {'worst ulp':>13} {'arcsec*':>8} {'beyond**':>8}"
-)
-FOOTNOTE = (
-    " * worst on the sky; from here on without what the ledger of deviations explains\n"
-    "** worst ulp beyond the oracle's own spread (REAL*8 throughout, or an input one ulp away);\n"
-    "   promised: " + ", ".join(map(str, PROMISED_ULP)) + " row by row"
-)
+#: Distances from here on are shown as powers of ten: two models, no longer two roundings.
+LONG = 10**12
 
 
 def text(parity: Parity) -> str:
-    """Return a table a person reads: worst distances by routine and output."""
+    """Return a table a person reads: worst distances by port, routine and output."""
     sizes = ", ".join(f"{number:,} {name}" for name, number in parity.points.items())
-    lines = [f"Against {oracle_text(parity)}", f"Points: {sizes}", "", HEADINGS]
-    held = parity.held
-    for legacy, pointing, sky, beyond in zip(
-        held.legacy, held.pointing, held.sky, held.beyond, strict=True
-    ):
-        lines.append(
-            f"{legacy.routine:8} {legacy.output:9} {legacy.differing:10,} {ulp(legacy.most):>11}   "
-            f"{ulp(pointing.quantile(0.5)):>8} {ulp(pointing.quantile(0.99)):>8} "
-            f"{ulp(pointing.most):>13} {sky.arcsec:8.4f} {ulp(beyond.most):>8}"
-        )
-    lines += [FOOTNOTE, "", verdict(parity), promise_verdict(parity)]
-    lines += [f"legacy: {comparison}" for comparison in held.legacy if comparison.differing]
-    if not parity.promise_kept:
-        lines += [f"vectorised: {comparison}" for comparison in held.beyond if comparison.differing]
+    lines = [f"Against {oracle_text(parity)}", f"Points: {sizes}", ""]
+    for port in parity.description.ports:
+        lines += [f"{port.name}: {PROMISE_TEXT[port.promise]}", *_rows(parity, port), ""]
+    lines += footnotes(parity)
+    notes = [f"  {one.name}: {one.note}" for one in parity.description.routines if one.note]
+    lines += ["Different on purpose:", *notes, ""] if notes else []
+    for port in parity.description.ports:
+        lines.append(verdict(parity, port))
+        if not parity.kept(port):
+            lines += [f"  {c}" for c in parity.comparisons(port, "beyond") if c.differing]
+    if parity.minimal:
+        lines += ["", "Minimal inputs:"]
+        lines += [f"  {port}: {one}" for (port, _), one in parity.minimal.items()]
     return "\n".join(lines) + "\n"
+
+
+def _rows(parity: Parity, port: Port) -> list[str]:
+    head, rows = table(parity, port)
+    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    return [
+        "  " + "  ".join(
+            cell.ljust(w) if k < 2 else cell.rjust(w)
+            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in (head, *rows)
+    ]  # fmt: skip
+
+
+def table(parity: Parity, port: Port) -> tuple[list[str], list[list[str]]]:
+    """Return the head and the rows of a port's table."""
+    d = parity.description
+    bits = port.promise == "bits"
+    head = ["routine", "output", "points", "differing"]
+    head += ["worst ulp"] if bits else ["median", "p99", "worst ulp", "distance*", "beyond**", "N"]
+    rows = []
+    outputs = {(r.name, o.label): o for r in d.routines for o in r.outputs}
+    lists = (parity.comparisons(port, what) for what in ("plain", "outside", "beyond"))
+    for plain, outside, beyond in zip(*lists, strict=True):
+        one = outputs[plain.routine, plain.output]
+        row = [plain.routine, plain.output, f"{plain.points:,}", f"{plain.differing:,}"]
+        if bits:
+            row.append(ulp(plain.most))
+        else:
+            promised = f"{tolerance(port, one):g}" if port.promise == "within" else bound(port, one)
+            row += [ulp(plain.quantile(share)) for share in (0.5, 0.99)]
+            row += [ulp(plain.most), f"{outside.physical:.2g} {outside.unit}".rstrip()]
+            row += [ulp(beyond.most), str(promised)]
+        rows.append(row)
+    return head, rows
+
+
+def footnotes(parity: Parity) -> list[str]:
+    """Return what the stars of the tables mean, where there are any."""
+    if all(port.promise == "bits" for port in parity.description.ports):
+        return []
+    return [
+        " * worst distance in the output's unit; from here on without what the ledger explains",
+        "** worst ulp beyond what the promise allows anyway (the oracle's own spread, a tolerance)",
+        "",
+    ]
 
 
 def oracle_text(parity: Parity) -> str:
@@ -50,45 +88,76 @@ def oracle_text(parity: Parity) -> str:
     return f"the oracle's stored answers ({made_by}; {parity.provenance['libc']})"
 
 
-def verdict(parity: Parity) -> str:
-    """Say in one sentence whether the legacy port is the published program."""
-    if parity.bit_for_bit:
-        return (
-            "The legacy port equals the published program bit for bit, "
-            "at all 51,395 points of the table too."
-        )
-    return (
-        f"The legacy port is NOT the published program: "
-        f"{sum(c.differing for c in parity.held.legacy):,} answers differ, and "
-        f"{parity.table_azimuths_differing} of the table's 541 azimuths."
-    )
+def verdict(parity: Parity, port: Port) -> str:
+    """Say in one sentence whether a port keeps its promise."""
+    blocks = [n for (name, _), n in parity.blocks.items() if name == port.name]
+    if port.promise == "bits":
+        of = parity.description.title
+        if parity.kept(port):
+            also = f", at all {max(n for _, n in blocks)} stored digests too" if blocks else ""
+            return f"The {port.name} port equals {of} bit for bit{also}."
+        differing = sum(c.differing for c in parity.comparisons(port))
+        also = f", and {sum(n for n, _ in blocks):,} of the stored digests" if blocks else ""
+        return f"The {port.name} port is NOT {of}: {differing:,} answers differ{also}."
+    explained = parity.explained(port)
+    named = ", ".join(f"{name} {n:,}" for name, n in explained.items())
+    ledger = ""
+    if parity.description.ledger is not None:
+        ledger = f"; the ledger explains {sum(explained.values()):,} answers"
+        ledger += f" ({named})" if named else ""
+    keeps = "keeps" if parity.kept(port) else "BREAKS"
+    return f"The {port.name} port {keeps} its promise{ledger}."
 
 
-def promise_verdict(parity: Parity) -> str:
-    """Say in one sentence whether the vectorised port keeps its promise."""
-    explained = ", ".join(f"{name} {n:,}" for name, n in parity.held.explained.items() if n)
-    return (
-        f"The vectorised port {'keeps' if parity.promise_kept else 'BREAKS'} its promise; "
-        f"the ledger explains {sum(parity.held.explained.values()):,} answers"
-        + (f" ({explained})." if explained else ".")
-    )
+def markdown(parity: Parity) -> str:
+    """Return the summary that a continuous integration shows beside its run."""
+    lines = [f"### Parity: {parity.description.title}", "", f"Against {oracle_text(parity)}.", ""]
+    for port in parity.description.ports:
+        mark = "✅" if parity.kept(port) else "❌"
+        head, rows = table(parity, port)
+        lines += [f"{mark} {verdict(parity, port)}", "", markdown_table(head, rows)]
+    lines += [f"- `{one}`" for one in parity.minimal.values()]
+    return "\n".join(lines) + "\n"
+
+
+def markdown_table(heads: list[str], rows: list[list[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [heads, ["---"] * len(heads), *rows]
+    escaped = [[cell.replace("|", "\\|") for cell in line] for line in lines]
+    return "".join(f"| {' | '.join(line)} |\n" for line in escaped)
 
 
 def as_json(parity: Parity) -> dict[str, Any]:
     """Return the same as plain data."""
+    ports = {}
+    for port in parity.description.ports:
+        lists = {
+            what: [_comparison(c) for c in parity.comparisons(port, what)]
+            for what in ("plain", "outside", "beyond")
+        }
+        blocks = [n for (name, _), n in parity.blocks.items() if name == port.name]
+        ports[port.name] = {
+            "promise": port.promise,
+            "kept": parity.kept(port),
+            "answers": lists["plain"],
+            "outside_ledger": lists["outside"],
+            "beyond_promise": lists["beyond"],
+            "explained": parity.explained(port),
+            "digests_differing": sum(n for n, _ in blocks),
+            "minimal": [
+                dataclasses.asdict(one)
+                for (name, _), one in parity.minimal.items()
+                if name == port.name
+            ],
+        }
     return {
-        "schema": "pyport.parity/1",
+        "schema": "pyport.parity/2",
+        "name": parity.description.name,
         "source": parity.source,
         "provenance": parity.provenance,
         "points": parity.points,
-        "bit_for_bit": parity.bit_for_bit,
         "promise_kept": parity.promise_kept,
-        "table_azimuths_differing": parity.table_azimuths_differing,
-        "legacy": [_comparison(c) for c in parity.held.legacy],
-        "pointing": [_comparison(c) for c in parity.held.pointing],
-        "pointing_outside_ledger": [_comparison(c) for c in parity.held.sky],
-        "pointing_beyond_spread": [_comparison(c) for c in parity.held.beyond],
-        "explained": dict(parity.held.explained),
+        "ports": ports,
     }
 
 
@@ -101,16 +170,14 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
         "median_ulp": comparison.quantile(0.5),
         "p99_ulp": comparison.quantile(0.99),
         "max_ulp": comparison.most,
-        "max_sky_arcsec": comparison.arcsec,
+        "max_distance": comparison.physical,
+        "unit": comparison.unit,
         "worst": comparison.worst and dataclasses.asdict(comparison.worst),
     }
 
 
 def ulp(distance: int) -> str:
-    """Return a distance as a cell of the table."""
-    return "unlike" if distance == UNLIKE else f"{distance:,}"
-
-
-def summary(random_points: int = 5000) -> str:
-    """Return the short account of parity that the demonstration prints."""
-    return text(run(random_points))
+    """Return a distance as a cell of a table."""
+    if distance == UNLIKE:
+        return "unlike"
+    return f"{distance:,}" if distance < LONG else f"{distance:.1e}"

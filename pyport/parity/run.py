@@ -1,24 +1,33 @@
-"""Hold the ports to the oracle: live where it is installed, else to its stored answers."""
+"""Hold the ports to the oracle: live where it can be compiled, else to its stored answers."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
-from functools import reduce
-from operator import add
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from pyport.checkpoint import Checkpoint
-from pyport.parity import points, promise, stored
-from pyport.parity.answers import find_oracle, of_legacy, of_oracle, of_pointing
-from pyport.parity.edges import edges
-from pyport.parity.held import Held, hold
-from pyport.parity.progress import over
-from pyport.parity.spread import spread
+from pyport.checkpoint import Checkpoint, State, cache_folder
+from pyport.errors import BadInput
+from pyport.parity import inputs, oracle, stored
+from pyport.parity.batches import part, size
+from pyport.parity.compare import Comparison, Pair
+from pyport.parity.description import Batch, Description, Group, Port, Routine
+from pyport.parity.functions import Answers, ask_port
+from pyport.parity.loading import load
+from pyport.parity.promise import Asker, Held, hold, kept, spread
+from pyport.parity.shrink import Fails, Minimal, failing, minimal
+from pyport.parity.stored import Stored
+from pyport.progress import track
+from pyport.workers import workers
 
 #: Points that one process takes at a time.
 CHUNK = 5000
+
+#: (port, routine) -> how that port of that routine compares.
+Results = dict[tuple[str, str], Held]
 
 
 @dataclass(frozen=True)
@@ -27,104 +36,249 @@ class Parity:
 
     Attributes
     ----------
+    description
+        What was compared.
     source
         "live" when the compiled routines were asked, "stored" for their answers on paper.
     provenance
         Sources, compiler, flags, C library of the oracle.
     points
-        Set of points -> number.
-    held
-        Both ports over all of them.
-    table_azimuths_differing
-        Azimuths of the whole table at which the legacy port leaves the stored digests; 0 when the
-        compiled routines were asked, which is at each of its points.
+        Group of inputs -> number of points, of the routine that has most.
+    results
+        Every port of every routine over all of them.
+    blocks
+        (port, routine) -> (blocks of points whose digest is not the stored one, all blocks).
+    minimal
+        (port, routine) -> the simplest input that breaks the promise.
     """
 
+    description: Description
     source: str
     provenance: dict[str, Any]
     points: dict[str, int]
-    held: Held
-    table_azimuths_differing: int
+    results: Results
+    blocks: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    minimal: dict[tuple[str, str], Minimal] = field(default_factory=dict)
 
-    @property
-    def bit_for_bit(self) -> bool:
-        """Whether the legacy port is the published program wherever it was asked."""
-        return self.table_azimuths_differing == 0 and not any(
-            comparison.differing for comparison in self.held.legacy
+    def kept(self, port: Port) -> bool:
+        """Tell whether a port keeps its promise."""
+        d = self.description
+        return not any(self.blocks.get((port.name, r.name), (0, 0))[0] for r in d.routines) and all(
+            kept(port, d.routine(name), held)
+            for (of, name), held in self.results.items()
+            if of == port.name
         )
 
     @property
     def promise_kept(self) -> bool:
-        """Whether the vectorised port keeps its promise."""
-        return promise.kept([comparison.most for comparison in self.held.beyond])
+        """Whether all ports keep their promises."""
+        return all(self.kept(port) for port in self.description.ports)
+
+    def comparisons(self, port: Port, what: str = "plain") -> list[Comparison]:
+        """Return a port's comparisons, routine by routine and output by output."""
+        return [
+            one
+            for (name, _), held in self.results.items()
+            if name == port.name
+            for one in getattr(held, what)
+        ]
+
+    def explained(self, port: Port) -> dict[str, int]:
+        """Return how many of a port's answers each entry of the ledger explains, if any."""
+        total: dict[str, int] = {}
+        for (name, _), held in self.results.items():
+            if name == port.name:
+                for entry, n in held.explained.items():
+                    total[entry] = total.get(entry, 0) + n
+        return {entry: n for entry, n in total.items() if n}
 
 
 def run(
+    description: Description,
     random_points: int = 20_000,
     seed: int = 0,
     jobs: int | None = None,
     *,
     live: bool = True,
-    kept: Path | None = None,
+    kept_in: Path | None = None,
 ) -> Parity:
-    """Compare both ports with the oracle.
+    """Compare the ports with the oracle.
 
     Parameters
     ----------
+    description
+        What to compare.
     random_points
-        How many random points to add to the table and the edges where the oracle is installed.
+        How many points to draw of each group that draws, where the oracle can be asked.
     seed
         Seed of the random points.
     jobs
         Processes; all cores by default.
     live
-        Ask the compiled routines where they are installed, instead of their stored answers.
-    kept
+        Ask the compiled routines where they can be compiled, instead of their stored answers.
+    kept_in
         Where to keep how far it has come; who asks removes that when the answer is written.
     """
-    oracle = find_oracle() if live else None
-    if oracle is None:
-        return _run_stored()
-    sizes = {"table": len(points.table()), "edges": len(edges()), "random": random_points}
+    if not (live and oracle.available(description)):
+        return _run_stored(description)
+    for build in description.builds:  # once, before several processes would compile it each
+        oracle.of(description.path, build)
+    sizes = inputs.sizes(description, random_points)
     chunks = [
-        (name, seed, start, min(start + CHUNK, size))
-        for name, size in sizes.items()
-        for start in range(0, size, CHUNK)
+        (str(description.path), group, routine, seed, start, min(start + CHUNK, n))
+        for group, of_each in sizes.items()
+        for routine, n in of_each.items()
+        for start in range(0, n, CHUNK)
     ]
-    about = stored.describe(oracle)
-    so_far = Checkpoint(kept, about, sizes, seed, CHUNK)
-    held = over(chunks, _hold_chunk, jobs or os.cpu_count() or 1, so_far)
-    assert held is not None  # noqa: S101 - there are the table and the edges
-    return Parity("live", about, sizes, held, 0)
+    about = stored.describe(description)
+    so_far = Checkpoint(kept_in, about, description.digest, sizes, seed, CHUNK)
+    results = over(chunks, _hold_chunk, jobs or os.cpu_count() or 1, so_far)
+    points = {group: max(of_each.values()) for group, of_each in sizes.items()}
+    done = Parity(description, "live", about, points, _ordered(description, results))
+    return _with_minimal(done, partial(failing, description, asker(description)))
 
 
-def _run_stored() -> Parity:
-    sets = {name: stored.load(name) for name in stored.SETS}
-    parts = (
-        hold(kept.at, kept.answers, kept.spread, of_legacy(kept.at), of_pointing(kept.at))
-        for kept in sets.values()
-    )
-    held = reduce(add, parts)
-    sizes = {name: len(kept.at) for name, kept in sets.items()}
-    return Parity("stored", sets["table"].provenance, sizes, held, _azimuths_differing())
+def summary(path: Path, random_points: int = 5000) -> str:
+    """Return the short account of a description's parity that the demonstration prints."""
+    from pyport.parity.report import text
+
+    return text(run(load(path), random_points))
 
 
-def _azimuths_differing() -> int:
-    """Count the table's azimuths at which the legacy port leaves the stored answers."""
-    expected = stored.load("table").digests
-    actual = stored.digests(of_legacy(points.table()))
-    return sum(a != b for a, b in zip(actual, expected, strict=True))
+def kept_beside(report: str | None, description: Description, points: int, seed: int) -> Path:
+    """Return where is kept how far a comparison has come: beside its report, or in the cache."""
+    if report is None:
+        return cache_folder() / f"parity-{description.name}-{points}-{seed}.npz"
+    return Path(report).with_name(f"{Path(report).name}.unfinished.npz")
 
 
-def _hold_chunk(task: tuple[str, int, int, int]) -> Held:
-    """Compare one chunk of points, made where it is used: (set, seed, from, to)."""
-    name, seed, start, stop = task
-    oracle = find_oracle()
-    if oracle is None:
-        raise RuntimeError("the oracle vanished between two processes")
-    if name == "random":
-        at = points.random(stop - start, [seed, start])
+def over(
+    chunks: Sequence[Any], hold_one: Callable[[Any], Results], jobs: int, so_far: Checkpoint
+) -> Results:
+    """Add up what holds at each chunk, in their order, from where it was killed the last time."""
+    state = so_far.load()
+    done, results = (0, {}) if state is None else (state[0]["done"], _of_state(state))
+    with workers(jobs) as spread_over:
+        parts = spread_over(hold_one, chunks[done:])
+        for some in track(parts, "Comparing", total=len(chunks) - done):
+            results = added(results, some)
+            done += 1
+            now = done, results
+            so_far.offer(lambda: _as_state(*now))  # noqa: B023 - called at once
+    return results
+
+
+def added(results: Results, some: Results) -> Results:
+    """Return two results as one."""
+    return results | {k: results[k] + v if k in results else v for k, v in some.items()}
+
+
+def _as_state(done: int, results: Results) -> State:
+    listed = [[*key, held.as_json()] for key, held in results.items()]
+    return {"done": done, "results": listed}, {}
+
+
+def _of_state(state: State) -> Results:
+    return {(port, name): Held.from_json(held) for port, name, held in state[0]["results"]}
+
+
+def _ordered(description: Description, results: Results) -> Results:
+    return {
+        (port.name, routine.name): results[port.name, routine.name]
+        for port in description.ports
+        for routine in description.routines
+        if (port.name, routine.name) in results
+    }
+
+
+@cache
+def _described(path: str) -> Description:
+    return load(path)
+
+
+def _hold_chunk(task: tuple[str, str, str, int, int, int]) -> Results:
+    """Compare one chunk of points, made where it is used."""
+    path, group_name, routine_name, seed, start, stop = task
+    description = _described(path)
+    routine = description.routine(routine_name)
+    group = next(one for one in description.groups if one.name == group_name)
+    if group.draws:
+        batch = inputs.points(description, group, routine, stop - start, [seed, start])
     else:
-        at = (points.table() if name == "table" else edges()).part(slice(start, stop))
-    expected = of_oracle(oracle, at)
-    return hold(at, expected, spread(oracle, at, expected), of_legacy(at), of_pointing(at))
+        batch = part(inputs.points(description, group, routine, 0, 0), slice(start, stop))
+    return hold_live(description, routine, batch)
+
+
+def hold_live(description: Description, routine: Routine, batch: Batch) -> Results:
+    """Compare every port of a routine with the compiled one at some points."""
+    ask = asker(description)
+    expected = ask("reference", routine, batch)
+    results = {}
+    for port in description.ports_of(routine):
+        actual = ask_port(description, port, routine, batch)
+        span = spread(port, routine, batch, expected, ask) if port.promise == "spread" else None
+        pair = Pair(routine, batch, expected, actual, actual.raised)
+        results[port.name, routine.name] = hold(description, port, pair, span)
+    return results
+
+
+def _ask(description: Description, build: str, routine: Routine, batch: Batch) -> Batch:
+    return oracle.of(description.path, build).ask(routine, batch)
+
+
+def hold_stored(
+    description: Description, routine: Routine, known: Stored, answers: Callable[..., Answers]
+) -> Results:
+    """Compare every port of a routine with stored answers; `answers` asks a port."""
+    results = {}
+    for port in description.ports_of(routine):
+        actual = answers(description, port, routine, known.batch)
+        pair = Pair(routine, known.batch, known.answers, actual, actual.raised)
+        results[port.name, routine.name] = hold(description, port, pair, known.spread)
+    return results
+
+
+def _run_stored(description: Description) -> Parity:
+    results: Results = {}
+    blocks = {}
+    points: dict[str, int] = {}
+    provenance: dict[str, Any] = {}
+    for group in description.groups:
+        for routine in description.routines:
+            known = stored.load(description, group, routine)
+            provenance = provenance or known.provenance
+            points[group.name] = max(points.get(group.name, 0), size(known.batch))
+            results = added(results, hold_stored(description, routine, known, ask_port))
+            for port in description.ports_of(routine):
+                if known.digests and port.promise == "bits":
+                    differing = _blocks_differing(description, group, routine, port, known)
+                    blocks[port.name, routine.name] = differing, len(known.digests)
+    if not results:
+        raise BadInput("no routine has a port: nothing to compare", description.path)
+    done = Parity(description, "stored", provenance, points, _ordered(description, results), blocks)
+    return _with_minimal(done, None)
+
+
+def _blocks_differing(
+    description: Description, group: Group, routine: Routine, port: Port, known: Stored
+) -> int:
+    """Count the blocks of a whole group at which a port leaves the stored answers."""
+    answers = ask_port(description, port, routine, stored.whole(description, group, routine))
+    actual = stored.digests(routine, group, answers)
+    return sum(a != b for a, b in zip(actual, known.digests, strict=True))
+
+
+def asker(description: Description) -> Asker:
+    """Return what asks a build of a description, compiled once in each process."""
+    return partial(_ask, description)
+
+
+def _with_minimal(done: Parity, fails: Fails | None) -> Parity:
+    """Add the simplest input for each broken promise; on paper the worst one is all there is."""
+    d = done.description
+    for (port_name, name), held in done.results.items():
+        port = next(one for one in d.ports if one.name == port_name)
+        routine = d.routine(name)
+        if not kept(port, routine, held):
+            done.minimal[port_name, name] = minimal(port, routine, held, fails)
+    return done

@@ -1,4 +1,4 @@
-"""A look at recordings: coverage of the sky, what could be told apart, what to observe next."""
+"""A look at recordings: coverage of the sky, what can be distinguished, what to observe next."""
 
 from __future__ import annotations
 

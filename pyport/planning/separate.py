@@ -1,4 +1,4 @@
-"""Which effects some recordings could tell apart, from the model and from each other."""
+"""Which effects some recordings can distinguish, from the model and from each other."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Sight:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two members of families that can hardly be told apart, by their places in the design."""
+    """Two members of families that can hardly be distinguished, by their places in the design."""
 
     one: Candidate
     other: Candidate

@@ -1,4 +1,4 @@
-"""What to observe next: the directions that would tell most apart what cannot be told apart yet."""
+"""What to observe next: the directions that best distinguish what cannot be distinguished yet."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pyport.recordings.schema import Recordings
 
 #: What is known before any recording, as a share of what the recordings tell of a column.
 PRIOR = 1e-9
-#: How much a coefficient of the model counts beside a pair that cannot be told apart.
+#: How much a coefficient of the model counts beside a pair that cannot be distinguished.
 MODEL_SHARE = 0.1
 MOST_PAIRS = 40
 #: Directions that are suggested together lie at least so far from each other [rad].
@@ -29,7 +29,7 @@ class Direction:
     """A direction to observe [deg], the source that is there, and what it decides.
 
     `gain` is how much smaller it makes, beside the directions before it, the
-    error of what tells the pairs apart: the mean logarithm.
+    error of what distinguishes the pairs: the mean logarithm.
     """
 
     az_deg: float

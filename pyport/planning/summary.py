@@ -40,8 +40,8 @@ def text(look: Look) -> str:
     ]
     for title, told_of in (
         ("Taken up by the model, whatever their size", _hidden),
-        ("Not to be told apart", _classes),
-        ("Not to be seen, for want of a column or of a difference", _untestable),
+        ("Not distinguishable", _classes),
+        ("Not testable: column missing or too little variation", _untestable),
         ("To observe next", _next),
         ("What that would bring: error of the first beside the second", _promises),
     ):
@@ -60,7 +60,7 @@ def _head(look: Look) -> Iterable[str]:
     aside = len(recordings.set_aside)
     whose = f", antenna {look.antenna} of {look.antennas}" if look.antennas > 1 else ""
     yield (
-        f"{recordings.file.name}: {len(recordings)} recordings{whose}, {aside} set aside, model "
+        f"{recordings.file.name}: {len(recordings)} recordings{whose}, {aside} excluded, model "
         f"{look.model.name}"
     )
     yield f"Noise {look.noise / ARCSEC:.3g} arcsec ({look.how})."
@@ -107,7 +107,7 @@ def _classes(look: Look) -> Iterable[str]:
         yield f"  {', '.join(members)}"
         decisions = degeneracies.decisions(members)
         for decide in decisions[:MOST_DECISIONS]:
-            yield f"    to decide: {decide}"
+            yield f"    next: {decide}"
         if len(decisions) > MOST_DECISIONS:
             yield f"    and {len(decisions) - MOST_DECISIONS} more"
 

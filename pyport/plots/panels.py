@@ -141,7 +141,7 @@ def _arrows(
 ) -> str:
     """Draw arrows whose length is a share of the plot, and return what the scale is."""
     full = style.nice(_typical(picture, name))
-    # One wild recording must not cross the plot.
+    # One outlier must not cross the plot.
     short = np.minimum(1.0, LONGEST * full / np.maximum(np.hypot(*vectors), 1e-300))
     across, along = (one * short for one in vectors)
     axes.quiver(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -13,8 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.ticker import Locator
 
-#: Okabe and Ito's colours, told apart by every eye and in grey.
+#: Okabe and Ito's colours, which every eye can distinguish, also in grey.
 BEFORE, AFTER, GREY, REGION = "#D55E00", "#0072B2", "#8A8A8A", "#F0E442"
+#: Pixels per inch of a figure in a notebook: seven inches fill its column.
+SCREEN_DPI = 110
 _STYLE: dict[str, Any] = {
     "font.size": 8,
     "axes.titlesize": 9,
@@ -36,11 +40,23 @@ def in_style(draw: Callable[[], Figure]) -> Callable[[], Figure]:
     return drawn
 
 
-def figure(width: float, height: float) -> Figure:
-    """Return an empty figure [inches]."""
+@functools.cache
+def _shown() -> type[Figure]:
+    """Return figures that a notebook shows: without pyplot it knows no other way to draw them."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    class Shown(Figure):
+        def _repr_png_(self) -> bytes:
+            file = BytesIO()
+            self.savefig(file, format="png", dpi=SCREEN_DPI)
+            return file.getvalue()
+
+    return Shown
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure [inches], which a notebook shows as a picture."""
+    return _shown()(figsize=(width, height), layout="constrained")
 
 
 def nice(value: float) -> float:
@@ -115,5 +131,5 @@ def candidates(story: Story) -> Figure:
             [f"{r.effect} {r.variant}".strip().replace("_", " ")[:60] for r in turn.rivals],
         )
         axes.set_title(f"turn {n}: {turn.winner.replace('_', ' ')}", loc="left")
-        axes.set_xlabel("gain in BIC; in orange, what cannot be told apart")
+        axes.set_xlabel("gain in BIC; in orange, what cannot be distinguished")
     return made

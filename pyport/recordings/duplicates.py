@@ -23,7 +23,7 @@ def repeated(raw: Raw, recordings: Recordings) -> dict[int, int]:
     raw
         The cells of a file, n rows.
     recordings
-        What they mean, none of the n set aside yet.
+        What they mean, none of the n excluded yet.
     """
     at = recordings.at
     if "time" not in at:

@@ -120,7 +120,7 @@ def write(recordings: Recordings, path: str | Path) -> None:
     """Write recordings as CSV, ECSV or Parquet, so that reading them gives them back.
 
     Azimuth is written from north through east, angles in degrees. Rows that
-    were set aside stand at the end, each with its reason and nothing else.
+    were excluded stand at the end, each with its reason and nothing else.
 
     Raises
     ------

@@ -21,7 +21,7 @@ class Given:
     format
         The file's format, where its suffix does not tell it.
     where
-        An expression: rows for which it does not hold are set aside.
+        An expression: rows for which it does not hold are excluded.
     """
 
     keys: Mapping[str, str] = field(default_factory=dict)

@@ -273,7 +273,7 @@ def _add_equatorial(columns: dict[str, NDArray[Any]], az: Array, el: Array, site
 
 
 def _quarantine(everything: Recordings, raw: Raw) -> Recordings:
-    """Set aside, each with a reason, the rows that cannot be used."""
+    """Exclude, each with a reason, the rows that cannot be used."""
     reason = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(everything), "")
     reason = reason.astype(object)
     no_offset = np.isnan(everything.x) & np.isnan(everything.y)

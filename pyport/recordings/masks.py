@@ -101,7 +101,7 @@ def spelled(lines: Iterable[int]) -> str:
 
 
 def masked(raw: Raw) -> Raw:
-    """Return the cells of a file with what its mask masks set aside, each with its reason.
+    """Return the cells of a file with what its mask masks excluded, each with its reason.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def masked(raw: Raw) -> Raw:
 
 
 def set_aside(raw: Raw, reasons: Mapping[int, str]) -> Raw:
-    """Return the cells of a file with some lines set aside, each with its reason."""
+    """Return the cells of a file with some lines excluded, each with its reason."""
     if not reasons:
         return raw
     told = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(raw.line), "")

@@ -33,7 +33,7 @@ class Table:
 
 
 def tabulate(recordings: Recordings) -> Table:
-    """Return the columns that a file of these recordings has, rows set aside at the end."""
+    """Return the columns that a file of these recordings has, excluded rows at the end."""
     at = recordings.at
     columns: dict[str, NDArray[Any]] = {"az_deg": at.az / DEG, "el_deg": at.el / DEG}
     offsets = {

@@ -55,7 +55,7 @@ class _Token(NamedTuple):
 
 
 def where(recordings: Recordings, expression: str) -> Recordings:
-    """Return the recordings for which an expression holds; the others are set aside by it.
+    """Return the recordings for which an expression holds; the others are excluded by it.
 
     Raises
     ------

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
     from pyport.diagnosis.finding import Finding, Parameter
 
-#: Okabe and Ito's colours, told apart by every eye.
+#: Okabe and Ito's colours, which every eye can distinguish.
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
 #: Bins of the running mean that shows what a cloud of points follows.
 BINS = 12

@@ -183,7 +183,7 @@ def _bars(
     altitude: Array,
     length: Array,
     colour: str,
-    horizontal: bool,  # noqa: FBT001 - what `residuals` tells apart
+    horizontal: bool,  # noqa: FBT001 - what `residuals` distinguishes
     width: float = 0.7,
 ) -> None:
     """Draw a bar from each place, `length` [deg of the axis] long, with a dot at its foot."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.trials import noise as noises
 from pyport.trials.faults import Fault
-from pyport.trials.faults.strangers import STRANGE_COLUMN
+from pyport.trials.faults.uncatalogued import UNKNOWN_COLUMN
 from pyport.trials.noise import Noise
 from pyport.trials.projection import Base
 from pyport.trials.schedule import Plan
@@ -225,7 +225,7 @@ def decoys(rng: np.random.Generator, plan: Plan) -> dict[str, NDArray[Any]]:
         "operator": np.array(_OPERATORS)[(watch + int(rng.integers(4))) % 4],
         "tsys_k": 30 + 4 * wander(rng, plan.time_s, 5 * 3600.0),
         "focus_mm": 2 * wander(rng, plan.time_s, _DAY_S),
-        STRANGE_COLUMN: 100 + 10 * wander(rng, plan.time_s, 4 * 3600.0),
+        UNKNOWN_COLUMN: 100 + 10 * wander(rng, plan.time_s, 4 * 3600.0),
     }
 
 

@@ -37,7 +37,7 @@ class Verdict:
     found
         For each hidden cause, whether any finding has it.
     whole_class
-        Whether the first finding lists all that cannot be told apart, and claims no one name.
+        Whether the first finding lists all that cannot be distinguished, and claims no one name.
     pulls
         Reported minus true over the reported sigma, for coefficients that truth knows, and the
         effect that each belongs to.
@@ -122,7 +122,7 @@ def _first_three(findings: list[Finding]) -> list[Finding]:
 def _pulls(findings: list[Finding], cause: Cause) -> list[tuple[str, str, float]]:
     """Return (effect, parameter, pull) of what both sides give a number for.
 
-    Of several findings of one name the strongest stands for it; a stranger has no numbers.
+    Of several findings of one name the strongest stands for it; the uncatalogued have no numbers.
     """
     effect = cause["effect"]
     meant = [one for one in findings if one["effect"] == effect != "unknown"][:1]

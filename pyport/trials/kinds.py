@@ -9,7 +9,7 @@ from pyport.trials import degenerate, observatories
 from pyport.trials.campaign import NOISES, campaign, gappy_campaign, usual_mount, usual_noise
 from pyport.trials.case import Case, Streams, finish, hide
 from pyport.trials.earth import SITES
-from pyport.trials.faults import CATALOGUED, STRANGERS, SWALLOWED, TOO_SMALL, Draw
+from pyport.trials.faults import CATALOGUED, SWALLOWED, TOO_SMALL, UNCATALOGUED, Draw
 from pyport.trials.mount import Mount
 from pyport.trials.rt32_campaign import rt32_campaign
 from pyport.trials.sky import STEPS
@@ -89,7 +89,7 @@ def _check(kind: str, effect: str | None, noise: str | None, site: str | None) -
     effects = {
         "degenerate": tuple(degenerate.TWINS),
         "ablation": tuple(sorted(STEPS)),
-    }.get(kind, (*CATALOGUED, *STRANGERS))
+    }.get(kind, (*CATALOGUED, *UNCATALOGUED))
     asked = [
         ("kind", kind, tuple(KINDS)),
         *(("effect", one, effects) for one in (effect.split("+") if effect else ())),
@@ -139,10 +139,10 @@ def _names(kind: str, effect: str | None, rng: np.random.Generator) -> list[str]
         return effect.split("+")
     if kind == "two":
         return [str(name) for name in rng.choice(HIDEABLE, 2, replace=False)]
-    choices = {"one": HIDEABLE, "held": SWALLOWED, "unknown": tuple(STRANGERS)}[kind]
+    choices = {"one": HIDEABLE, "held": SWALLOWED, "unknown": tuple(UNCATALOGUED)}[kind]
     return [str(rng.choice(choices))]
 
 
 def named(name: str) -> Draw:
     """Return what draws a cause of this name."""
-    return CATALOGUED[name] if name in CATALOGUED else STRANGERS[name]
+    return CATALOGUED[name] if name in CATALOGUED else UNCATALOGUED[name]

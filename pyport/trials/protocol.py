@@ -10,7 +10,7 @@ import numpy as np
 from pyport.trials.campaign import NOISES
 from pyport.trials.case import Case
 from pyport.trials.degenerate import TWINS
-from pyport.trials.faults import STRANGERS
+from pyport.trials.faults import UNCATALOGUED
 from pyport.trials.kinds import HIDEABLE, make_case
 
 #: What each row of the score must reach, as the proof's table has it.
@@ -80,7 +80,7 @@ def small() -> list[Spec]:
         *(Spec("one", "one", effect) for effect in HIDEABLE),
         *(Spec("degenerate", "degenerate", twin) for twin in TWINS),
         *(Spec("two", "two", rho=0.7) for _ in range(6)),
-        *(Spec("unknown", "unknown", stranger, 1.0) for stranger in STRANGERS),
+        *(Spec("unknown", "unknown", name, 1.0) for name in UNCATALOGUED),
         *(Spec("region", "unknown", "region", 1.0) for _ in range(3)),
         *(Spec("curve", "one", "subreflector_jump", 1.0) for _ in range(3)),
         *(Spec("moment", "one", "epoch_offset", 1.0) for _ in range(3)),
@@ -108,7 +108,7 @@ def full() -> list[Spec]:
         ),
         *(Spec("degenerate", "degenerate", twin) for twin in TWINS for _ in range(9)),
         *(Spec("two", "two", rho=rho) for rho in (0.5, 0.7, 1.0) for _ in range(20)),
-        *(Spec("unknown", "unknown", stranger, 1.0) for stranger in STRANGERS for _ in range(10)),
+        *(Spec("unknown", "unknown", name, 1.0) for name in UNCATALOGUED for _ in range(10)),
         *(Spec("region", "unknown", "region", 1.0) for _ in range(15)),
         *(Spec("curve", "one", "subreflector_jump", 1.0) for _ in range(15)),
         *(

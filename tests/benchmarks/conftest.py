@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import runpy
 import shutil
 import subprocess
 import time
@@ -11,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rt32
 
-LEGACY = Path(__file__).parents[2] / "legacy_fortran"
+from pyport.parity.build import sources
+
 FORTRAN = Path(__file__).parent / "fortran"
 FLAGS = ("-O3", "-march=native", "-std=legacy", "-fPIC")
 
@@ -27,11 +28,11 @@ def compiled(tmp_path_factory):
     """Return what compiles a program or library of ours beside the published routines."""
     if shutil.which("gfortran") is None:
         pytest.skip("no gfortran: .ci/install gfortran")
-    sources = runpy.run_path(str(LEGACY / "checks" / "builds.py"))["sources"]
 
-    def build(name, *, promoted=False, library=False):
+    def made(name, *, promoted=False, library=False):
         folder = tmp_path_factory.mktemp(name)
-        routines = sources(promoted=promoted)
+        build = rt32.DESCRIPTION.builds["promoted" if promoted else "reference"]
+        routines = sources(rt32.DESCRIPTION, build)
         for file, text in routines.items():
             (folder / file).write_text(text, encoding="ascii")
         shutil.copy(FORTRAN / f"{name}.f90", folder)
@@ -40,7 +41,7 @@ def compiled(tmp_path_factory):
         subprocess.run(command, cwd=folder, check=True, capture_output=True)
         return folder / "built"
 
-    return build
+    return made
 
 
 @pytest.fixture(scope="session")

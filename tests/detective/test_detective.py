@@ -14,7 +14,7 @@ DATA = Path(__file__).parents[3] / "shared" / "data"
 
 
 def test_every_promised_kind_of_case_is_drawn():
-    """Two hundred null sets; every cause at both loudnesses; every stranger."""
+    """Two hundred null sets; every cause at both loudnesses; every uncatalogued cause."""
     specs = list(drawn._specs())
     groups = {one.group for one in specs}
 
@@ -38,7 +38,7 @@ def test_a_share_passes_from_its_least_on():
     assert not drawn._at_least("x", Rate(18, 20), 0.95).passed
 
 
-def test_a_stranger_counts_only_when_what_it_follows_is_told():
+def test_an_uncatalogued_cause_counts_only_when_what_it_follows_is_told():
     """A misfit that follows a column must come back unknown, with that column."""
     task = drawn._Task(drawn.Spec("unknown", "unknown", "strange_column", 1.0, 800), 4)
 

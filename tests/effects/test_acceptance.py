@@ -115,7 +115,7 @@ NEEDS = [(effect, need) for effect in CATALOGUE.values() for need in effect.need
 
 @pytest.mark.parametrize(("effect", "need"), NEEDS, ids=lambda one: getattr(one, "id", one))
 def test_missing_column_is_named(effect, need):
-    """Without what it needs an effect is not testable, and says for want of which column."""
+    """Without what it needs an effect is not testable, and says which column is missing."""
     at = place(effect)
     wanted = alternatives(need)
     for one in wanted:

@@ -84,6 +84,6 @@ def test_ut1_jumps_with_a_leap_second_only():
 
 
 def test_missing_names_nothing_else():
-    """An effect that is only wrong for want of data raises one kind of error."""
+    """An effect that is only wrong because data are missing raises one kind of error."""
     with pytest.raises(MissingColumn, match="needs frequency_mhz"):
         CATALOGUE["ionosphere"].columns(without(AT, "frequency_mhz"))

@@ -289,7 +289,7 @@ def test_sets_are_chosen_by_how_they_begin():
 
 
 def test_a_shipped_day_is_read_with_its_antennas():
-    """Rows, sites and hour angles of the GMRT; what was set aside is not there."""
+    """Rows, sites and hour angles of the GMRT; what was excluded is not there."""
     (entry,) = run.chosen(["GMRT 2003-06-01"])
     some = sets.read(entry, None)
 

@@ -41,7 +41,7 @@ def test_products_add_up_over_chunks():
 
 
 def test_what_the_data_leave_open_is_said():
-    """Two equal columns cannot be told apart: both unknown, the third known, rank two."""
+    """Two equal columns cannot be distinguished: both unknown, the third known, rank two."""
     rng = np.random.default_rng(1)
     one, two = rng.normal(size=(2, 30))
     columns = np.column_stack([one, one, two])

@@ -121,7 +121,7 @@ def test_flagged_data_have_no_vote():
     ("numbers", "rows", "words"),
     [
         ((1, 2), 60, "P2 moves nothing here"),
-        ((8, 10), 60, "cannot tell the fitted parameters apart"),
+        ((8, 10), 60, "cannot distinguish the fitted parameters"),
         (CLASSICAL, 3, "6 offsets cannot determine 7"),
     ],
 )

@@ -40,7 +40,7 @@ def test_a_file_without_names_takes_them_from_outside():
 
 
 def test_masked_stars_are_counted():
-    """All of the 130 stars are there: fitted or set aside."""
+    """All of the 130 stars are there: fitted or excluded."""
     corrected = read(sample("auxtel/AT_point_data_20210609_tw003_corr.dat"))
 
     assert (len(corrected), len(corrected.set_aside)) == (100, 30)

@@ -84,7 +84,7 @@ def table(tmp_path):
 
 
 def test_its_table_is_known_by_its_columns(table):
-    """Degrees, azimuth as a coordinate, the antenna's place, what is not kept set aside."""
+    """Degrees, azimuth as a coordinate, the antenna's place, what is not kept excluded."""
     found = read(table)
 
     assert found.at.site.latitude / DEG == pytest.approx(-30.711055556)

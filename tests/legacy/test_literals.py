@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pyport import legacy
+from pyport.parity.patches import patched
 
 FORTRAN = Path(__file__).parents[2] / "legacy_fortran"
 PORT = Path(legacy.__file__).parent
-patched = runpy.run_path(str(FORTRAN / "apply_patches.py"))["patched"]
 
 #: A number: digits, perhaps a fraction, perhaps an exponent; no part of a name or an operator.
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d*(?![a-z]{2}))?(?:d[+-]?\d+)?)", re.IGNORECASE)

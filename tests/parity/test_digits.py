@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from pyport.parity import digits
-from pyport.parity.answers import of_oracle
-from pyport.parity.points import MODEL3_DEG, points
+import rt32_digits as digits
+from rt32 import of_oracle
+from rt32_inputs import MODEL3_DEG, points
 
 PROMOTED, AS_PRINTED, REDUCED = range(3)
 
@@ -44,12 +43,13 @@ def test_reduced_azimuth_explains_all_rows_but_two_units(tried):
 
 
 @pytest.mark.oracle
-def test_reference_and_promoted_build_say_the_same(oracle, tried):
+@pytest.mark.usefixtures("oracle")
+def test_reference_and_promoted_build_say_the_same(tried):
     """The compiled builds answer as the ports that the hypotheses were tried with."""
     az_deg, zd_deg, _ = digits.printed_rows()
     at = points(np.radians(az_deg), np.radians(90 - zd_deg), MODEL3_DEG)
-    converted = of_oracle(oracle, at)[:, 0]
-    promoted = of_oracle(oracle, at, promoted=True)[:, 0]
+    converted = of_oracle(at)[:, 0]
+    promoted = of_oracle(at, "promoted")[:, 0]
 
     assert tried[AS_PRINTED].answers_deg.tolist() == converted.tolist()
     assert tried[PROMOTED].answers_deg == pytest.approx(promoted, abs=1e-7)

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from pyport.legacy import PARITY
 from pyport.parity.document import document
+from pyport.parity.loading import load
 from pyport.parity.run import run
 
 PAGE = Path(__file__).parents[2] / "docs" / "parity.md"
@@ -13,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "parity.md"
 @pytest.fixture(scope="module")
 def page():
     """Return the page as it would be written now, from the stored answers."""
-    return document(run(live=False))
+    return document(run(load(PARITY), live=False))
 
 
 @pytest.mark.usefixtures("same_library")

@@ -2,132 +2,133 @@
 
 import numpy as np
 import pytest
+import rt32
 from hypothesis import given, settings
+from rt32_inputs import points, random, table
 from strategies import directions, parameters
 
-from pyport.parity import promise, stored
-from pyport.parity.answers import OUTPUTS, of_legacy, of_oracle, of_pointing
-from pyport.parity.ledger import explained
-from pyport.parity.points import points, random, table
-from pyport.parity.run import hold
-from pyport.parity.spread import spread
+from pyport.parity import ledger, promise
+from pyport.parity.compare import Pair
+from pyport.parity.functions import ask_port
 from pyport.parity.ulp import UNLIKE
+
+PORT = rt32.VECTORISED
+MODEL, MODELA, HJUMP = rt32.ROUTINES
 
 #: Half the distance of neighbouring REAL*4 at 360 deg: what storing dAz before its turn is taken
 #: off may cost [arcsec]; see wrap-in-single in the ledger.
 HALF_A_STEP_ARCSEC = 2**-16 * 3600
 
 
-def assert_promise_kept(held):
+def assert_promise_kept(routine, held):
     """Fail with routine, output, worst input and distance where the port leaves its promise."""
     broken = [
         str(comparison)
-        for comparison, bound in zip(held.beyond, promise.PROMISED_ULP, strict=True)
-        if comparison.most > bound
+        for comparison, one in zip(held.beyond, routine.outputs, strict=True)
+        if comparison.most > promise.bound(PORT, one)
     ]
 
     assert not broken, "\n".join(["the vectorised port breaks its promise:", *broken])
 
 
-@pytest.mark.parametrize("name", stored.SETS)
+@pytest.mark.parametrize("name", rt32.GROUPS)
 def test_promise_at_stored_answers(name):
     """The vectorised port keeps its promise at the stored points, where no compiler is."""
-    kept = stored.load(name)
+    for routine, known in rt32.known(name):
+        actual = ask_port(rt32.DESCRIPTION, PORT, routine, known.batch)
+        pair = Pair(routine, known.batch, known.answers, actual)
 
-    assert_promise_kept(
-        hold(kept.at, kept.answers, kept.spread, of_legacy(kept.at), of_pointing(kept.at))
-    )
+        assert_promise_kept(routine, promise.hold(rt32.DESCRIPTION, PORT, pair, known.spread))
 
 
 @pytest.mark.oracle
+@pytest.mark.usefixtures("oracle")
 @settings(max_examples=300)
 @given(direction=directions, p=parameters)
-def test_promise_wherever_hypothesis_looks(oracle, direction, p):
+def test_promise_wherever_hypothesis_looks(direction, p):
     """The vectorised port keeps its promise at thresholds, their neighbours and anywhere else."""
-    at = points([direction[0]], [direction[1]], p)
-    expected = of_oracle(oracle, at)
-
-    assert_promise_kept(hold(at, expected, spread(oracle, at, expected), expected, of_pointing(at)))
-
-
-@pytest.fixture(scope="module")
-def whole_table(table_answers):
-    """Return both ports' answers over the table."""
-    at = table()
-    return at, table_answers, of_pointing(at)
+    held = rt32.held(points([direction[0]], [direction[1]], p))
+    for routine in rt32.ROUTINES:
+        assert_promise_kept(routine, held["vectorised", routine.name])
 
 
-@pytest.fixture(scope="module")
-def anywhere():
-    """Return both ports' answers at random points."""
-    at = random(20_000, 7)
-    return at, of_legacy(at), of_pointing(at)
+def outside_the_ledger(routine, at):
+    """Compare both ports of a routine, leaving out what the ledger explains."""
+    expected, actual = (ask_port(rt32.DESCRIPTION, one, routine, at) for one in (rt32.LEGACY, PORT))
+    span = {key: (values, values) for key, values in expected.items()}
+    return promise.hold(rt32.DESCRIPTION, PORT, Pair(routine, at, expected, actual), span).outside
 
 
-def outside_the_ledger(at, expected, actual):
-    """Compare both ports, leaving out what the ledger explains."""
-    return hold(at, expected, np.stack([expected, expected]), expected, actual).sky
-
-
-@pytest.mark.parametrize("column", range(4))
-def test_arcseconds_on_the_sky_over_the_whole_table(whole_table, column):
+@pytest.mark.parametrize("routine", [MODEL, MODELA], ids=["Model", "ModelA"])
+def test_arcseconds_on_the_sky_over_the_whole_table(routine):
     """Over the 51,395 points no offset is farther off on the sky than half a step of REAL*4."""
-    comparison = outside_the_ledger(*whole_table)[column]
+    for comparison in outside_the_ledger(routine, table()):
+        assert comparison.physical <= HALF_A_STEP_ARCSEC, str(comparison)
 
-    assert comparison.arcsec <= HALF_A_STEP_ARCSEC, str(comparison)
 
-
-@pytest.mark.parametrize("column", [1, 3])
-def test_altitudes_without_the_turn_are_closer(anywhere, column):
+@pytest.mark.parametrize("routine", [MODEL, MODELA], ids=["Model", "ModelA"])
+def test_altitudes_without_the_turn_are_closer(routine):
     """Altitude offsets are never stored a turn too large: they agree to 3 milliarcseconds."""
-    comparison = outside_the_ledger(*anywhere)[column]
+    _, altitude = outside_the_ledger(routine, random(20_000, 7))
 
-    assert comparison.arcsec <= 3e-3, str(comparison)
+    assert altitude.unit == "arcsec"
+    assert altitude.physical <= 3e-3, str(altitude)
 
 
 @pytest.mark.oracle
 def test_plunge_is_off_by_no_more_than_its_cause(oracle):
     """In plunge ModelA's altitude leaves the port by no more than the turn's error explains."""
     at = random(30_000, 8)
-    regions = explained(at, of_oracle(oracle, at))
-    at = at.part((regions["turn-in-single"] & ~regions["curve-in-single"])[:, 3])
-    apart = np.abs(of_oracle(oracle, at)[:, 3].astype(float) - of_pointing(at)[:, 3])
+    regions = ledger.explained(rt32.DESCRIPTION, MODELA, at, oracle.ask(MODELA, at))
+    turned, curve = (regions[name]["dalt"] for name in ("turn-in-single", "curve-in-single"))
+    at = rt32.part(at, turned & ~curve)
+    port = ask_port(rt32.DESCRIPTION, PORT, MODELA, at)["dalt"]
+    apart = np.abs(oracle.ask(MODELA, at)["dalt"].astype(float) - port)
     turn_error = 3.5e-7 + np.spacing(np.float32(8)) / 2
-    p = np.abs(at.p)
+    p = np.abs(at["p"])
     slope = p[:, 4] + p[:, 5] + 2 * p[:, 10]
     roundings = 8 * np.spacing(p[:, [1, 4, 5, 6, 7, 10, 11]].sum(axis=1))
 
-    assert len(at) > 500
+    assert len(p) > 500
     assert (apart <= turn_error * slope + roundings).all()
+
+
+def beyond(expected, actual, span):
+    """Return how far Hjump's answers at one point are beyond a spread."""
+    at = {"az": np.float32([0.3]), "alt": np.float32([0.7])}
+    pair = Pair(HJUMP, at, {"hjump": np.float32([expected])}, {"hjump": np.float32([actual])})
+    low, high = np.float32([[span[0]], [span[1]]])
+    return promise.hold(rt32.DESCRIPTION, PORT, pair, {"hjump": (low, high)})
 
 
 def test_absolute_term_does_not_hide_a_difference():
     """Less than the absolute term is equal, ten times as much is not; NaN equals only NaN."""
-    expected = np.zeros((1, 5), dtype=np.float32)
+    zero, output = np.zeros(1, np.float32), HJUMP.outputs[0]
 
-    assert (
-        promise.distances(expected, expected + np.float32(0.9 * promise.ABSOLUTE_DEG)) == 0
-    ).all()
-    assert (promise.distances(expected, expected + np.float32(10 * promise.ABSOLUTE_DEG)) > 0).all()
-    assert (promise.distances(expected, expected + np.float32(np.nan)) == UNLIKE).all()
+    def apart(value):
+        return promise.apart(PORT, output, zero, zero + np.float32(value)).tolist()
+
+    assert apart(0.9 * PORT.absolute) == [0]
+    assert apart(10 * PORT.absolute) > [0]
+    assert apart(np.nan) == [UNLIKE]
 
 
-def test_distance_within_the_spread_counts_as_nothing():
+@pytest.mark.parametrize(
+    ("steps", "low", "high", "left"),
+    [(5, -1, 0, 5), (5, -1, 4, 1), (5, -1, 5, 0), (5, -1, np.inf, 0), (-1, 1, 9, 3)],
+)
+def test_distance_within_the_spread_counts_as_nothing(steps, low, high, left):
     """Only what goes beyond the oracle's own spread is counted against the port."""
-    at = points([0.3], [0.7], np.full(12, 0.01))
-    step = np.float32(2**-23)
-    expected = np.ones((1, 5), dtype=np.float32)
-    actual = expected + 5 * step
-    span = np.stack([expected - step, expected + step * np.float32([[0, 4, 5, 9, np.inf]])])
-    left, numbers = promise.beyond(expected, actual, span, at)
+    step = 2**-23  # two REAL*4 below 1 fit into one step above it
+    held = beyond(1, 1 + steps * step, (1 + low * step, 1 + high * step))
 
-    assert left.tolist() == [[5, 1, 0, 0, 0]]
-    assert promise.beyond(expected, expected - 3 * step, span, at)[0].tolist() == [[4] * 5]
-    assert not any(numbers.values())
-    assert not promise.kept([5, 1, 0, 0, 0])
-    assert promise.kept([1, 1, 0, 0, 4])
+    assert held.beyond[0].most == left
+    assert promise.kept(PORT, HJUMP, held) == (left <= 4)
+    assert not held.explained.total()
 
 
-def test_outputs_and_bounds_go_together():
-    """There is one bound for each output."""
-    assert len(promise.PROMISED_ULP) == len(OUTPUTS)
+def test_bounds_are_those_of_the_derivation():
+    """1 ulp for Model and ModelA, 4 for Hjump: by routine, in the order of the outputs."""
+    bounds = [promise.bound(PORT, one) for routine in rt32.ROUTINES for one in routine.outputs]
+
+    assert bounds == [1, 1, 1, 1, 4]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from rt32_inputs import MODEL3_DEG
 
 from pyport import legacy
 from pyport.angles import ARCSEC, DEG, wrap
-from pyport.parity.points import MODEL3_DEG
 from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, printed
 
 azimuths = st.floats(-270 * DEG, 270 * DEG)

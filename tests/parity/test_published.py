@@ -1,22 +1,14 @@
 """The published text is kept as printed, and the patches change only what they say."""
 
 import hashlib
-import importlib.util
 from pathlib import Path
 
 import pytest
 
+from pyport.parity.patches import PatchDoesNotApply, patched
+
 FORTRAN = Path(__file__).parents[2] / "legacy_fortran"
 PATCHES = sorted((FORTRAN / "patches").glob("*.patch"))
-
-
-@pytest.fixture(scope="module")
-def apply_patches():
-    """Return the module that applies the patches at build time."""
-    spec = importlib.util.spec_from_file_location("apply_patches", FORTRAN / "apply_patches.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_published_text_has_its_checksums():
@@ -30,18 +22,18 @@ def test_published_text_has_its_checksums():
     assert recorded == actual
 
 
-def test_restored_lines_of_hjump_join_to_the_printed_one(apply_patches):
+def test_restored_lines_of_hjump_join_to_the_printed_one():
     """Hjump's restored lines, joined with blanks, are the line that the page shows."""
     source = FORTRAN / "published" / "hjump.f"
-    lines = apply_patches.patched(source, PATCHES).splitlines()
+    lines = patched(source, PATCHES).splitlines()
 
     assert " ".join(line.strip("\t") for line in lines) == source.read_text().strip()
 
 
-def test_types_patches_only_convert_arguments(apply_patches):
+def test_types_patches_only_convert_arguments():
     """Without the conversions that the patches add, Model is the published text again."""
     source = FORTRAN / "published" / "model.f"
-    text = apply_patches.patched(source, PATCHES)
+    text = patched(source, PATCHES)
 
     assert text != source.read_text()
     for name in ("Alt", "dAz"):
@@ -49,20 +41,20 @@ def test_types_patches_only_convert_arguments(apply_patches):
     assert text == source.read_text()
 
 
-def test_modela_needs_no_patch(apply_patches):
+def test_modela_needs_no_patch():
     """ModelA compiles as it was printed."""
     source = FORTRAN / "published" / "modela.f"
 
-    assert apply_patches.patched(source, PATCHES) == source.read_text()
+    assert patched(source, PATCHES) == source.read_text()
 
 
 @pytest.mark.parametrize("wrong", [" one\n", "one\n\n", "two\n", ""])
-def test_patch_with_other_context_does_not_apply(apply_patches, tmp_path, wrong):
+def test_patch_with_other_context_does_not_apply(tmp_path, wrong):
     """A patch whose context differs by a blank or a line is refused, with its line."""
     source = tmp_path / "a.f"
     source.write_text(wrong + "tail\n")
     patch = tmp_path / "1.patch"
     patch.write_text("--- a.f\n+++ a.f\n@@ -1,2 +1,2 @@\n-one\n+1\n tail\n")
 
-    with pytest.raises(apply_patches.PatchDoesNotApply, match=r"1\.patch: line [46]"):
-        apply_patches.patched(source, [patch])
+    with pytest.raises(PatchDoesNotApply, match=r"1\.patch: line [46]"):
+        patched(source, [patch])

@@ -1,68 +1,89 @@
 """The oracle's stored answers: complete, small, and rewritten to the same bytes."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+import rt32
 
 from pyport.errors import BadInput
-from pyport.parity import golden, stored
-from pyport.parity.points import table
+from pyport.parity import inputs, stored
+from pyport.parity import oracle as compiled
+
+SETS = [(group, routine) for group in rt32.GROUPS for routine in ("Model", "ModelA", "Hjump")]
+
+
+@pytest.fixture
+def beside(tmp_path):
+    """Return the description with its answers in a folder of the test's."""
+    return dataclasses.replace(rt32.DESCRIPTION, answers=tmp_path)
+
+
+@pytest.fixture
+def oracles(oracle):
+    """Return both compiled builds."""
+    return {"reference": oracle, "promoted": compiled.of(rt32.DESCRIPTION.path, "promoted")}
 
 
 @pytest.mark.oracle
 @pytest.mark.usefixtures("same_library")
-@pytest.mark.parametrize("name", stored.SETS)
-def test_rewriting_changes_nothing(oracle, name, tmp_path):
-    """The installed oracle gives the stored numbers, and a file that holds them is left alone."""
-    path = tmp_path / f"{name}.json"
-    path.write_bytes((stored.FOLDER / path.name).read_bytes())
+@pytest.mark.parametrize(("group", "routine"), SETS)
+def test_rewriting_changes_nothing(oracles, group, routine, beside):
+    """The oracle gives the stored numbers, and a file that holds them is left alone."""
+    group, routine = rt32.GROUPS[group], rt32.DESCRIPTION.routine(routine)
+    there = stored.path_of(rt32.DESCRIPTION, group, routine)
+    stored.path_of(beside, group, routine).write_bytes(there.read_bytes())
 
-    assert golden.write(oracle, name, tmp_path) is False
+    assert stored.write(beside, group, routine, oracles) is False
 
 
 @pytest.mark.oracle
 @pytest.mark.usefixtures("same_library")
-def test_changed_number_is_rewritten(oracle, tmp_path):
+def test_changed_number_is_rewritten(oracles, beside):
     """A stored file with one digit changed is put right."""
-    true = (stored.FOLDER / "edges.json").read_text()
-    path = tmp_path / "edges.json"
+    group, routine = rt32.GROUPS["edges"], rt32.DESCRIPTION.routine("Hjump")
+    true = stored.path_of(rt32.DESCRIPTION, group, routine).read_text()
+    path = stored.path_of(beside, group, routine)
     path.write_text(true.replace('"0x1p+0", ', '"0x0p+0", ', 1))
 
-    assert golden.write(oracle, "edges", tmp_path) is True
+    assert stored.write(beside, group, routine, oracles) is True
     assert path.read_text().partition('"units"')[2] == true.partition('"units"')[2]
 
 
-@pytest.mark.parametrize("name", ["table", "edges"])
-def test_stored_points_are_those_of_the_set(name, tmp_path):
+@pytest.mark.parametrize(("group", "routine"), SETS)
+def test_stored_points_are_those_of_the_set(group, routine):
     """A stored file holds the very points that its set is made of."""
-    kept, at = stored.load(name).at, golden.points_of(name, tmp_path)
+    group, routine = rt32.GROUPS[group], rt32.DESCRIPTION.routine(routine)
+    kept = stored.load(rt32.DESCRIPTION, group, routine).batch
+    if group.draws:
+        assert {len(values) for values in kept.values()} == {group.keep}
+        return
+    made = inputs.sample(rt32.DESCRIPTION, group, routine)
 
-    np.testing.assert_array_equal(kept.az, at.az)
-    np.testing.assert_array_equal(kept.alt, at.alt)
-    np.testing.assert_array_equal(kept.p, at.p)
+    assert kept.keys() == made.keys()
+    assert all(kept[key].tobytes() == made[key].tobytes() for key in kept)
 
 
-def test_digests_tell_azimuths_apart():
+def test_digests_distinguish_azimuths():
     """One changed bit in the table changes the digest of its azimuth alone."""
-    answers = np.ones((len(table()), 5), dtype=np.float32)
-    changed = answers.copy()
-    changed[95 * 7 + 3, 2] = np.nextafter(changed[0, 2], np.float32(2))
-    differing = [
-        i
-        for i, (a, b) in enumerate(
-            zip(stored.digests(answers), stored.digests(changed), strict=True)
-        )
-        if a != b
-    ]
+    group, routine = rt32.GROUPS["table"], rt32.DESCRIPTION.routine("Model")
+    answers = {one.key: np.ones(541 * 95, dtype=np.float32) for one in routine.outputs}
+    before = stored.digests(routine, group, answers)
+    answers["dalt"][95 * 7 + 3] = np.nextafter(np.float32(1), np.float32(2))
+    after = stored.digests(routine, group, answers)
 
-    assert differing == [7]
+    assert [i for i, (a, b) in enumerate(zip(before, after, strict=True)) if a != b] == [7]
 
 
 @pytest.mark.parametrize(
-    ("text", "message"), [("", "no JSON"), ('{"schema": "x/1"}', "expected schema")]
+    ("text", "message"),
+    [("", "no JSON"), ('{"schema": "x/1"}', "expected schema"), (None, "is not there")],
 )
-def test_broken_file_is_named(tmp_path, text, message):
+def test_broken_file_is_named(beside, text, message):
     """A stored file that cannot be read is named with what was expected."""
-    (tmp_path / "table.json").write_text(text)
+    group, routine = rt32.GROUPS["table"], rt32.DESCRIPTION.routine("Model")
+    if text is not None:
+        stored.path_of(beside, group, routine).write_text(text)
 
     with pytest.raises(BadInput, match=message):
-        stored.load("table", tmp_path)
+        stored.load(beside, group, routine)

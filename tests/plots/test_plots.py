@@ -65,7 +65,7 @@ def test_drawing_leaves_no_trace(panels):
 
 
 def test_the_colours_differ_in_grey():
-    """Before and after can be told apart on a black and white printer."""
+    """Before and after can be distinguished on a black and white printer."""
     grey = [
         np.dot([int(c[n : n + 2], 16) for n in (1, 3, 5)], [0.299, 0.587, 0.114])
         for c in (BEFORE, AFTER)
@@ -98,3 +98,11 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
     assert wrong.exit_code == 2
     assert "no panel 'nothing'" in wrong.output
+
+
+def test_a_notebook_shows_a_panel_as_a_picture(panels):
+    """A figure has its PNG at hand: no interactive matplotlib need be set up."""
+    picture = panels["sky"]()._repr_png_()
+
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 1000

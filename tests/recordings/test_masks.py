@@ -31,12 +31,12 @@ def run(*arguments):
 
 
 def aside(file):
-    """Return what is set aside on reading, line by line."""
+    """Return what is excluded on reading, line by line."""
     return {one.line: one.reason for one in read(file).set_aside}
 
 
 def test_a_masked_line_is_set_aside_with_its_reason(file):
-    """What the file itself set aside keeps its own reason; the file is not touched."""
+    """What the file itself excluded keeps its own reason; the file is not touched."""
     run(file, "--lines", "2,4-5", "--reason", "wind")
 
     assert aside(file) == {2: "masked: wind", 4: "rain", 5: "masked: wind"}

@@ -66,7 +66,7 @@ def test_blank_axis_is_not_a_number(tmp_path):
 
 
 def test_unusable_rows_are_listed(tmp_path):
-    """Rows without offset or position, or flagged, are set aside with line and reason."""
+    """Rows without offset or position, or flagged, are excluded with line and reason."""
     text = (
         "az_deg,el_deg,d_el_deg,set_aside\n1,2,0.1,\n1,2,,\n,2,0.1,\n\n1,2,0.1,wind above 15 m/s\n"
     )

@@ -27,7 +27,7 @@ def gappy_columns_of(n, low, high):
 
 @st.composite
 def recordings(draw):
-    """Draw recordings with numbers, labels, a site or none, rows set aside or none."""
+    """Draw recordings with numbers, labels, a site or none, excluded rows or none."""
     n = draw(st.integers(1, 6))
     words = arrays("U8", n, elements=st.text("abc ,\"'é", max_size=5).map(str.strip))
     columns = {

@@ -141,7 +141,7 @@ def test_labels_of_more_sets_than_memory_has_places_for(tmp_path):
 
 
 def test_blank_times_of_text_are_counted(tmp_path):
-    """A row without a time is set aside, as in a file of text."""
+    """A row without a time is excluded, as in a file of text."""
     times = ["2003-06-01T12:00:00Z"] * (ROWS - 1) + [""]
     points = read(written(tmp_path, {**COLUMNS, "time_utc": times}).parent)
 

@@ -93,7 +93,7 @@ def test_beyond_the_zenith_where_the_header_says_so(tmp_path):
 
 
 def test_nan_is_a_blank(tmp_path):
-    """Cells that say nan are not measured; a row without anything measured is set aside."""
+    """Cells that say nan are not measured; a row without anything measured is excluded."""
     path = tmp_path / "night.csv"
     path.write_text("az_deg,el_deg,d_az_deg,d_el_deg\n1,2,nan,3\n1,2,NaN,nan\n")
     night = read(path)

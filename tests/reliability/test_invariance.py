@@ -122,7 +122,7 @@ def test_the_order_of_rows_changes_a_fit_by_rounding(night, seed):
 
 
 def test_rows_told_twice_make_nothing_surer(night, plain, tmp_path):
-    """Every row a second time: set aside, each with its reason; every number as before."""
+    """Every row a second time: excluded, each with its reason; every number as before."""
     path = rewritten(night, tmp_path / "night.csv", lambda rows: rows + rows)
     (told,) = diagnosed(path, out=tmp_path)
     before, after = json.loads(plain), json.loads(told)

@@ -10,22 +10,24 @@ import time
 from pathlib import Path
 
 import pytest
+import rt32
+from rt32_inputs import random
 
 from pyport.checkpoint import Checkpoint
-from pyport.parity.answers import of_legacy, of_pointing
-from pyport.parity.held import hold
-from pyport.parity.points import random
-from pyport.parity.progress import over
+from pyport.parity import promise
+from pyport.parity.compare import Pair
+from pyport.parity.functions import ask_port
+from pyport.parity.run import over
 
 CHUNKS = [(start, start + 25) for start in range(0, 3000, 25)]
 #: Compares by itself in two processes, so that it can be killed; prints who works.
 RUN = """
 import os, sys
 from pathlib import Path
-sys.path[:0] = [sys.argv[2]]
+sys.path[:0] = sys.argv[2:]
 from pyport import checkpoint
 from test_resume_parity import CHUNKS, between
-from pyport.parity.progress import over
+from pyport.parity.run import over
 checkpoint.LEAST_S = 0.05
 print(repr(over(CHUNKS, between, 2, checkpoint.Checkpoint(Path(sys.argv[1]), "parity"))))
 """
@@ -35,16 +37,26 @@ def between(chunk):
     """Hold the vectorised port to the legacy port, which stands for the oracle here."""
     start, stop = chunk
     at = random(stop - start, [7, start])
-    true = of_legacy(at)
+    results = {}
+    for routine in rt32.ROUTINES:
+        true, port = (
+            ask_port(rt32.DESCRIPTION, one, routine, at) for one in rt32.DESCRIPTION.ports
+        )
+        span = {key: (values, values) for key, values in true.items()}
+        pair = Pair(routine, at, true, port)
+        results["vectorised", routine.name] = promise.hold(
+            rt32.DESCRIPTION, rt32.VECTORISED, pair, span
+        )
     time.sleep(0.03)
-    return hold(at, true, true[None].repeat(2, axis=0), true, of_pointing(at))
+    return results
 
 
 def start(kept):
     """Start a comparison."""
-    here = str(Path(__file__).parent)
+    here = Path(__file__).parent
+    folders = [str(one) for one in (here, here.parent, rt32.FORTRAN)]
     return subprocess.Popen(
-        [sys.executable, "-c", RUN, str(kept), here],
+        [sys.executable, "-c", RUN, str(kept), *folders],
         stdout=subprocess.PIPE,
         text=True,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},

@@ -26,15 +26,18 @@ FORBIDDEN = {
     *("socket", "ssl", "http", "urllib", "urllib3", "requests", "httpx", "aiohttp", "ftplib"),
     *("smtplib", "telnetlib", "xmlrpc", "socketserver", "webbrowser", "asyncio"),
 }
-#: Who alone may import what starts another Python, Dask, or the C library's sines.
+#: Who alone may import what starts another Python, a compiler, Dask, or calls compiled code.
 WHO_MAY = {
-    "subprocess": {"trials/solve.py"},
+    "subprocess": {"trials/solve.py", "parity/build.py", "parity/coverage.py"},
     "runpy": {"trials/cell.py"},
     "distributed": {"workers.py"},
-    "ctypes": {"legacy/intrinsics.py"},
+    "ctypes": {
+        "legacy/intrinsics.py",
+        *(f"parity/{n}.py" for n in ("oracle", "coverage", "stored")),
+    },
 }
-#: Who alone may import a module by a name: its own modules, and the compiled routines.
-BY_NAME = {"cli/__init__.py", "effects/__init__.py", "lazy.py", "parity/answers.py"}
+#: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.
+BY_NAME = {"cli/__init__.py", "effects/__init__.py", "lazy.py", "parity/functions.py"}
 #: Functions that evaluate text, wherever they come from.
 EVALUATING = frozenset({"eval", "exec", "compile", "__import__", "execfile", "literal_eval"})
 #: Methods that do, or that run programs; `re.compile` is none of them.

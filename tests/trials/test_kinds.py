@@ -6,7 +6,7 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.trials.degenerate import TWINS
-from pyport.trials.faults import CATALOGUED, STRANGERS, SWALLOWED
+from pyport.trials.faults import CATALOGUED, SWALLOWED, UNCATALOGUED
 from pyport.trials.kinds import HIDEABLE, KINDS, make_case
 from pyport.trials.projection import Base
 
@@ -47,7 +47,7 @@ def test_no_telescope_looks_below_its_horizon_or_through_its_zenith(kind):
     assert 60 < el.max() < 86
 
 
-@pytest.mark.parametrize("effect", STRANGERS)
+@pytest.mark.parametrize("effect", UNCATALOGUED)
 def test_a_stranger_is_called_unknown(effect):
     """Causes outside the catalogue carry no name that a solver could guess."""
     case = make_case("unknown", 3, effect=effect, rho=1.0, rows=ROWS)

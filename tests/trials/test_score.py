@@ -36,7 +36,7 @@ def judged(findings, *causes, group="one"):
 
 SAG = ("sag_sine", ["sag_sine"])
 LATITUDE = ("site_latitude", ["site_latitude", "tilt"])
-STRANGER = ("unknown", ["unknown"])
+UNCATALOGUED = ("unknown", ["unknown"])
 
 
 def test_the_right_name_first_is_right():
@@ -76,10 +76,10 @@ def test_a_twin_wants_the_whole_class():
     assert (both.first, both.whole_class) == (True, True)
 
 
-def test_a_stranger_wants_unknown():
+def test_an_uncatalogued_cause_wants_unknown():
     """Any name for what is in no catalogue is wrong, and unknown is no name for what is."""
-    assert judged([finding("unknown", verdict="unknown")], STRANGER).first
-    assert not judged([finding("sag_sine")], STRANGER).first
+    assert judged([finding("unknown", verdict="unknown")], UNCATALOGUED).first
+    assert not judged([finding("sag_sine")], UNCATALOGUED).first
     assert not judged([finding("unknown", "sag_sine", verdict="unknown")], SAG).first
 
 

@@ -99,7 +99,7 @@ def fitted(raw: Raw, file: ModelFile) -> Err:
 
 
 def data_of(raw: Raw) -> Data:
-    """Return recordings as the Field System's fit takes them, those set aside included.
+    """Return recordings as the Field System's fit takes them, excluded ones included.
 
     Raises
     ------

@@ -113,7 +113,7 @@ def fit(data: Data, numbers: Sequence[int], phi_deg: float = field_system.ALTAZ_
     ------
     BadInput
         There are too few data in use for so many parameters, or these data
-        cannot tell them apart.
+        cannot distinguish them.
     """
     across, along = columns(data, numbers, phi_deg)
     empty = [
@@ -197,7 +197,7 @@ def _solve(
     try:
         inverse = np.linalg.inv(np.linalg.cholesky(scaled))
     except np.linalg.LinAlgError:
-        raise BadInput("these data cannot tell the fitted parameters apart: drop some") from None
+        raise BadInput("these data cannot distinguish the fitted parameters: drop some") from None
     inverse = inverse.T @ inverse
     value = scale * (inverse @ (scale * (design.T @ (weight * measured))))
     condition = float(np.linalg.norm(scaled, 1) * np.linalg.norm(inverse, 1))

@@ -11,7 +11,7 @@ from pyport.formats.terms.shapes import FAMILIES, Shape
 #: How far from parallel rounding takes two shapes that are one.
 PARALLEL = 1e-9
 
-#: Directions that tell shapes apart, from low to high and all round.
+#: Directions that distinguish shapes, from low to high and all round.
 _DIRECTIONS = Circumstances(
     np.linspace(-3.0, 3.1, 37), 0.2 + 1.2 * np.linspace(0, 1, 37) ** 0.5, Site(0.9, 0.3)
 )

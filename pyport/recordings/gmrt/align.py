@@ -2,7 +2,7 @@
 
 A printed row of m cells and the n columns it should have are read side by
 side. Each step is one of four: a cell that is its column's (MATCH), a cell
-that stands in its column's place but was taken from elsewhere (STRANGER), a
+that stands in its column's place but was taken from elsewhere (FOREIGN), a
 cell too many (EXTRA), a column that lost its cell (LOST). Sums over all ways
 through (forward and backward) give the probability that cell i is column j's.
 Durbin, Eddy, Krogh & Mitchison 1998, Biological Sequence Analysis, ch. 4.
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 
-MATCH, STRANGER, EXTRA, LOST = range(4)
+MATCH, FOREIGN, EXTRA, LOST = range(4)
 
 #: Probability of the next step (columns) after a step (rows). Most rows lose or
-#: gain few cells; strangers come in runs, as a row's tail repeats another row's.
+#: gain few cells; foreign cells come in runs, as a row's tail repeats another row's.
 STEPS = np.array(
     [
         [0.95, 0.01, 0.02, 0.02],
@@ -45,7 +45,7 @@ def alignment(likelihood: Array, background: Array, cells: NDArray[np.int64]) ->
     -------
     Array
         Shape (rows, m, n); what is missing from 1 along j is the probability
-        that the cell is a stranger or one too many.
+        that the cell is a foreign one or one too many.
     """
     ahead = _ahead(likelihood, background)
     behind = _behind(likelihood, background, cells)
@@ -66,7 +66,7 @@ def _ahead(likelihood: Array, background: Array) -> Array:
             if i and j:
                 before = ahead[:, i - 1, j - 1]
                 here[:, MATCH] += before @ STEPS[:, MATCH] * likelihood[:, i - 1, j - 1]
-                here[:, STRANGER] = before @ STEPS[:, STRANGER] * background[:, i - 1]
+                here[:, FOREIGN] = before @ STEPS[:, FOREIGN] * background[:, i - 1]
             if i:
                 here[:, EXTRA] = ahead[:, i - 1, j] @ STEPS[:, EXTRA] * background[:, i - 1]
             if j:
@@ -86,7 +86,7 @@ def _behind(likelihood: Array, background: Array, cells: NDArray[np.int64]) -> A
                 after = behind[:, i + 1, j + 1]
                 matched = after[:, MATCH] * likelihood[:, i, j]
                 here += matched[:, None] * STEPS[:, MATCH]
-                here += (after[:, STRANGER] * background[:, i])[:, None] * STEPS[:, STRANGER]
+                here += (after[:, FOREIGN] * background[:, i])[:, None] * STEPS[:, FOREIGN]
             if i < m:
                 extra = behind[:, i + 1, j, EXTRA] * background[:, i]
                 here += extra[:, None] * STEPS[:, EXTRA]

@@ -1,4 +1,4 @@
-"""Every printed cell judged: whose it is, how surely, and why it is set aside if it is."""
+"""Every printed cell judged: whose it is, how surely, and why it is excluded if it is."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _published(session: Session, hour_angle_h: Array) -> Array:
 
 
 def cells(session: Session) -> list[Cell]:
-    """Return every cell of one of the tables 14 to 17, those set aside with a reason."""
+    """Return every cell of one of the tables 14 to 17, excluded ones with a reason."""
     day = numbers(session)
     recovered = recover(day)
     each = [(scan, row) for scan in scans(session.table) for row in scan.rows]
@@ -163,7 +163,7 @@ def _lost(scan: Scan, row: Row, placed: Sequence[Cell]) -> Iterator[Cell]:
 
 
 def _set_aside_repeats(found: Sequence[Cell], each: Sequence[tuple[Scan, Row]]) -> None:
-    """Set aside the cells that repeat another row."""
+    """Exclude the cells that repeat another row."""
     rows, numbers_of = [row for _, row in each], [scan.number for scan, _ in each]
     head = len(rows[0].head)
     for repeat in repeats(rows, numbers_of):
@@ -175,7 +175,7 @@ def _set_aside_repeats(found: Sequence[Cell], each: Sequence[tuple[Scan, Row]]) 
 
 
 def hold_channels_together(found: Sequence[Cell]) -> None:
-    """Set aside both channels of a scan where they disagree."""
+    """Exclude both channels of a scan where they disagree."""
     pairs: dict[tuple[int, str], list[Cell]] = {}
     for cell in found:
         if not cell.set_aside:
@@ -188,7 +188,7 @@ def hold_channels_together(found: Sequence[Cell]) -> None:
 
 
 def _set_aside_blind_antennas(found: Sequence[Cell]) -> None:
-    """Set aside an antenna that found no peak in half of its scans or more: chance fits in too."""
+    """Exclude an antenna that found no peak in half of its scans or more: chance fits in too."""
     for antenna in ANTENNAS:
         own = [cell for cell in found if cell.antenna == antenna]
         used = [cell for cell in own if not cell.set_aside]

@@ -26,11 +26,11 @@ IN_LINE = 4
 
 
 def cells_down(session: Session) -> list[Cell]:
-    """Return every cell of Table 13, those set aside with a reason.
+    """Return every cell of Table 13, excluded ones with a reason.
 
     Nearly all rows have a pair of cells too many, and end by printing the last
     pair twice; so a row is read from its start. A row that ends otherwise, or
-    whose label the published curve contradicts, is set aside.
+    whose label the published curve contradicts, is excluded.
     """
     titles = printed.scans_across()
     slots = len(titles) * len(CHANNELS_MHZ)
@@ -84,7 +84,7 @@ def _why_not(cell: Cell, beyond: bool) -> str:  # noqa: FBT001 - private
 
 
 def _hold_in_line(found: list[Cell], hour_angle: Array) -> None:
-    """Set aside what the scans around it contradict."""
+    """Exclude what the scans around it contradict."""
     good = [cell for cell in found if not cell.set_aside]
     antennas = sorted({cell.antenna for cell in good})
     slots = 2 * len(hour_angle)

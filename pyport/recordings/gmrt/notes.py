@@ -45,7 +45,7 @@ def _kind(reason: str) -> str:
 
 
 def _counts() -> str:
-    """Return how many offsets are used, and how many set aside for each reason."""
+    """Return how many offsets are used, and how many excluded for each reason."""
     used: dict[str, int] = {}
     aside: dict[str, Counter[str]] = {}
     for session in SESSIONS:

@@ -58,7 +58,7 @@ def measure(path: str | Path) -> Recordings:
     The file is a CSV with a row for each sample: `scan`, `time_utc`, `power`,
     and the same in all rows of a scan `expected_utc`, `scan_axis` (az or el),
     `scan_direction`, `scan_rate_arcmin_per_min`, besides `antenna`, `channel`
-    and whatever else recordings may tell. Scans without a peak are set aside.
+    and whatever else recordings may tell. Scans without a peak are excluded.
 
     Raises
     ------

@@ -4,7 +4,7 @@ A normal point is what the readings of one antenna, session, ... that were taken
 close together in the sky and in time have in common: their mean, robustly
 weighted, and their scatter. For an effect that changes little within a point the
 points tell all that the rows do. Every row goes into one of them, or is counted
-among those set aside, or as an outlier.
+among the excluded, or as an outlier.
 """
 
 from pyport.recordings.stream.passes import pass_files

@@ -17,7 +17,7 @@ from pyport.recordings.formats.tables import is_text
 from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.stream.pieces import Piece
 
-#: So many rows that were set aside are listed; of the others the reasons are counted.
+#: So many excluded rows are listed; of the others the reasons are counted.
 MOST_LISTED = 1000
 
 #: Of so many sets of labels each could have a place of its own in memory.
@@ -43,7 +43,7 @@ class Aside:
         self.listed += [(str(file), int(row), reason) for row in rows[:room]]
 
     def add(self, other: Aside) -> None:
-        """Add what another piece set aside."""
+        """Add what another piece excluded."""
         for reason, count in other.counts.items():
             self.counts[reason] = self.counts.get(reason, 0) + count
         self.listed += other.listed[: MOST_LISTED - len(self.listed)]

@@ -12,7 +12,7 @@ from pyport.recordings.stream.chunk import Chunk
 
 #: A cell's middle is the median of the means of so many parts, which no few outliers can move.
 PARTS = 5
-#: Offsets are told apart by this much, which no recorded digits are multiples of [1/rad].
+#: Offsets are distinguished by this much, which no recorded digits are multiples of [1/rad].
 _COARSE = 7.38905609893e8
 #: Steele & Vigna 2022, Software: Practice and Experience 52, 443: a multiplier that mixes bits.
 _MIXED = np.uint64(0xD1342543DE82EF95)

@@ -27,7 +27,7 @@ class Pass:
     cells
         The sum of all pieces, None where none has a usable row.
     aside, rows
-        What was set aside, and how many rows were read.
+        What was excluded, and how many rows were read.
     """
 
     def __init__(self, kept: Checkpoint):

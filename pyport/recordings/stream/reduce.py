@@ -136,7 +136,7 @@ def _fine(points: Cells, fine: Cells, used: Codes, root: Path, keys: dict[str, s
 def _gone_through(
     piece: Piece, level: int, totals_of: Callable[..., tuple[tuple[str, ...], Array]]
 ) -> tuple[Cells, Aside, int]:
-    """Return the cells of a piece, what it set aside, and how many rows it has."""
+    """Return the cells of a piece, what it excluded, and how many rows it has."""
     gathered, aside, rows = Gathered(MOST_CELLS), Aside(), 0
     nothing = np.zeros(0, np.int64)
     empty = Cells(level, (), [], nothing, nothing, (), np.zeros((0, 0)))

@@ -1,8 +1,8 @@
-"""Hidden causes by name: of the catalogue, and strangers to it."""
+"""Hidden causes by name: of the catalogue, and outside it."""
 
 from __future__ import annotations
 
-from pyport.trials.faults import heavens, mount, moving, strangers, surroundings, times
+from pyport.trials.faults import heavens, mount, moving, surroundings, times, uncatalogued
 from pyport.trials.faults.base import Draw, Fault
 
 #: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`).
@@ -15,7 +15,7 @@ CATALOGUED: dict[str, Draw] = {
 }
 
 #: Causes that no catalogue names.
-STRANGERS: dict[str, Draw] = strangers.FAULTS
+UNCATALOGUED: dict[str, Draw] = uncatalogued.FAULTS
 
 #: Causes that the altaz base swallows whole, or all but: hidden only from a model that is held.
 SWALLOWED = (
@@ -35,4 +35,4 @@ SWALLOWED = (
 #: Causes that are smaller than what any of these telescopes measures.
 TOO_SMALL = ("diurnal_aberration",)
 
-__all__ = ["CATALOGUED", "STRANGERS", "SWALLOWED", "TOO_SMALL", "Draw", "Fault"]
+__all__ = ["CATALOGUED", "SWALLOWED", "TOO_SMALL", "UNCATALOGUED", "Draw", "Fault"]

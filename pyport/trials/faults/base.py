@@ -29,7 +29,7 @@ class Fault:
     fixed
         True where nature gives the size (1), so that the noise has to be scaled instead.
     same
-        Names that no recordings of this plan can tell apart from it, besides its own.
+        Names that no recordings of this plan can distinguish from it, besides its own.
     beside
         Names that may rightly be spoken as well, because they are part of it.
     where

@@ -80,21 +80,20 @@ def test_probabilities_add_up():
 
 def test_alignment_of_two_cells_and_one_column_by_hand():
     """The forward and backward sums agree with the three ways through written out."""
-    from pyport.recordings.gmrt.align import EXTRA, LOST, MATCH, STEPS, STRANGER
+    from pyport.recordings.gmrt.align import EXTRA, FOREIGN, LOST, MATCH, STEPS
 
     like, back = np.array([0.3, 0.2]), np.array([0.05, 0.07])
     first = STEPS[MATCH, MATCH] * like[0] * STEPS[MATCH, EXTRA] * back[1]
     second = STEPS[MATCH, EXTRA] * back[0] * STEPS[EXTRA, MATCH] * like[1]
-    strangers = (
-        STEPS[MATCH, STRANGER] * STEPS[STRANGER, EXTRA]
-        + STEPS[MATCH, EXTRA] * STEPS[EXTRA, STRANGER]
+    foreign = (
+        STEPS[MATCH, FOREIGN] * STEPS[FOREIGN, EXTRA] + STEPS[MATCH, EXTRA] * STEPS[EXTRA, FOREIGN]
     ) * back.prod()
     lost = back.prod() * (
         STEPS[MATCH, LOST] * STEPS[LOST, EXTRA] * STEPS[EXTRA, EXTRA]
         + STEPS[MATCH, EXTRA] * STEPS[EXTRA, LOST] * STEPS[LOST, EXTRA]
         + STEPS[MATCH, EXTRA] * STEPS[EXTRA, EXTRA] * STEPS[EXTRA, LOST]
     )
-    total = first + second + strangers + lost
+    total = first + second + foreign + lost
 
     belongs = alignment(like[None, :, None], back[None], np.array([2]))
 

@@ -102,7 +102,7 @@ def test_june_rows_are_usable():
 
 
 def test_three_days_together():
-    """`gmrt-cyg-a` holds the three days of June, told apart by their session."""
+    """`gmrt-cyg-a` holds the three days of June, distinguished by their session."""
     together = read("gmrt-cyg-a")
 
     alone = {session.date: len(read(f"gmrt-{session.date}")) for session in JUNE}

@@ -157,7 +157,7 @@ def test_written_recordings(tmp_path):
     done = CliRunner().invoke(command, [str(good), "-o", str(tmp_path / "offsets.csv")])
 
     assert nothing.exit_code == done.exit_code == 0
-    assert nothing.output.count("set aside: no peak") == 8
+    assert nothing.output.count("excluded: no peak") == 8
     night = read(tmp_path / "offsets.csv")
     assert len(night) == 8
     assert night.y / ARCMIN == pytest.approx(np.full(8, 3.0), abs=0.3)

@@ -69,7 +69,7 @@ def test_larger_cells_hold_smaller_ones_whole(az, el, time, direction, level):
 
 
 def test_every_row_counts(tmp_path):
-    """Rows are those in points and those set aside, each of these with file, row and reason."""
+    """Rows are those in points and the excluded ones, each of these with file, row and reason."""
     columns = campaign()
     columns["d_el_arcsec"][7] = columns["d_xel_arcsec"][7] = np.nan
     columns["az_deg"][2500] = np.nan

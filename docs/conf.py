@@ -1,0 +1,38 @@
+"""The documentation as a site: `make docs`. It fetches nothing, when built or when read."""
+
+from importlib.metadata import version as version_of
+
+project = "pyport"
+author = "the pyport developers"
+project_copyright = "2026, the pyport developers"
+version = release = version_of("pyport-pointing")
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_click",
+]
+exclude_patterns = ["proof/proof"]
+
+html_theme = "furo"
+html_title = "pyport"
+html_show_sourcelink = False
+html_copy_source = False
+
+# Headings down to this level can be linked to, as `page.md#heading`.
+myst_heading_anchors = 3
+myst_enable_extensions = ["deflist"]
+
+# The tutorial is run each time: what it shows is what this version answers. It must not fail.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+# The diagnosis of 1,000 recordings may take half a minute on a busy machine.
+nb_execution_timeout = 600
+
+napoleon_numpy_docstring = True
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True, "show-inheritance": False}

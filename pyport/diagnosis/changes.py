@@ -1,0 +1,101 @@
+"""Changes with time, proposed: beside noise that holds still, for the present noise may hold them.
+
+A noise that was estimated beside the model alone has taken a step for a night's departure or a
+long drift, and beside it the step gains nothing. So changes are looked for beside what is left of
+the noise without departures and without drifts longer than a night; whether one is more than the
+noise can do is then for its confirmation to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal
+from pyport.diagnosis.confirm import CONFIRMED
+from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
+from pyport.diagnosis.identify import TIE
+from pyport.effects import CATALOGUE
+from pyport.noise.covariance import Covariance
+from pyport.recordings.nights import NIGHT_GAP_S
+from pyport.stages import stage
+
+#: So many kinds of change are confirmed in a turn, those with the most evidence.
+MOST_CHANGES = 2
+
+
+@stage("proposing changes")
+def proposed(
+    setup: Setup,
+    weighed: Weighed,
+    chosen: Sequence[Chosen],
+    trials: Sequence[Trial],
+    banned: Collection[str],
+) -> tuple[Weighed, list[Trial]]:
+    """Return the case beside noise that holds still, and the best change of each kind there.
+
+    `trials` are those of the turn; a change that shows in none of them is not proposed.
+    """
+    departing = any(one.of == "session" for one in setup.frame.departures)
+    wanted = [
+        one
+        for one in trials
+        if one.candidate.effect.physical
+        and temporal(one.candidate.effect)
+        and one.candidate.effect.id not in banned
+        and not (departing and _of_every_session(one))
+    ]
+    still = _still(weighed.covariance)
+    columns = [one.candidate.columns for one in (*setup.base, *chosen)]
+    places = np.unique(np.concatenate([np.zeros(0, np.intp), *columns]))
+    white = np.zeros((2 * len(setup.columns), setup.columns.shape[1] + 1))
+    own = np.concatenate([setup.columns[:, places], setup.residual[:, None]], axis=1)
+    white[:, np.append(places, setup.columns.shape[1])] = still.whiten(own)
+    beside = Weighed(still, white, weighed.evidence)
+    if not wanted:
+        return beside, []
+    of_change = [one.candidate.columns for one in wanted]
+    seen = still.whiten(setup.columns[:, np.concatenate(of_change)])
+    model = setup.expanded((*setup.base, *chosen), of=white)
+    both = np.concatenate([seen, white[:, -1:]], axis=1)
+    left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    best: dict[str, Trial] = {}
+    start = 0
+    for trial, places in zip(wanted, of_change, strict=True):
+        where = slice(start, start + len(places))
+        start += len(places)
+        length = np.linalg.norm(seen[:, where], axis=0)
+        shown = left[:, where] / np.where(length > 0, length, np.inf)
+        power, vectors = np.linalg.eigh(shown.T @ shown)
+        good = power > VISIBLE**2 * max(1.0, float(power[-1]))
+        if trial.scope != "all" or not good.any():
+            continue
+        along = vectors[:, good].T @ (shown.T @ left[:, -1])
+        price = 2 * float(np.log(trial.candidate.choices))
+        evidence = at_best(power[good], along)[0] - price
+        gain = float((along**2 / power[good]).sum())
+        held = best.get(trial.candidate.effect.id)
+        if evidence > CONFIRMED and (held is None or evidence > held.evidence):
+            best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
+    ranked = sorted(best.values(), key=lambda one: -round(one.evidence, TIE))
+    return beside, ranked[:MOST_CHANGES]
+
+
+def _of_every_session(trial: Trial) -> bool:
+    """Tell whether a change has coefficients of its own in every session but one.
+
+    Among sessions that depart at random that is no change but their scatter.
+    """
+    effect = trial.candidate.effect
+    return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)
+
+
+def _still(covariance: Covariance) -> Covariance:
+    """Return a covariance without departures and without drifts longer than a night."""
+    noises = tuple(
+        replace(one, drifts=tuple(drift for drift in one.drifts if drift[1] < NIGHT_GAP_S))
+        for one in covariance.noises
+    )
+    return replace(covariance, noises=noises, departures=())

@@ -1,0 +1,155 @@
+"""Compile the Fortran files of a description, patched, with the loops that call them."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import re
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pyport.checkpoint import cache_folder
+from pyport.errors import BadInput
+from pyport.files import sha256
+from pyport.parity import driver
+from pyport.parity.description import Build, Description
+from pyport.parity.patches import PatchDoesNotApply, patched
+
+LIBRARY = "routines.so"
+LOOPS = "parity_loops.f90"
+
+
+def command_of(compiler: str) -> str | None:
+    """Return the command of a compiler, with a version after its name where it has one."""
+    if shutil.which(compiler):
+        return compiler
+    versions = [one.name for one in Path("/usr/bin").glob(f"{compiler}*")]
+    return next(filter(shutil.which, sorted(versions, reverse=True)), None)
+
+
+@cache
+def version(compiler: str) -> str:
+    """Return the first line of what a compiler says of itself."""
+    asked = subprocess.run(  # noqa: S603 - a compiler's name, from the description
+        [compiler, "--version"], check=True, capture_output=True, text=True
+    )
+    return asked.stdout.splitlines()[0]
+
+
+def sources(description: Description, build: Build) -> dict[str, str]:
+    """Return the patched text of each file by its name.
+
+    Raises
+    ------
+    BadInput
+        A file is missing, is no text, or a patch does not apply.
+    """
+    texts: dict[str, str] = {}
+    for path in (*description.include, *description.files):
+        if path.name in texts:
+            raise BadInput(f"two files named {path.name}: expected one", description.path)
+        try:
+            texts[path.name] = patched(path, list(build.patches))
+        except PatchDoesNotApply as error:
+            raise BadInput(str(error), description.path) from None
+        except (OSError, UnicodeDecodeError) as error:
+            raise BadInput(f"cannot be read ({error}): expected Fortran", path) from None
+    return texts
+
+
+def library(description: Description, build: Build, changed: dict[str, str] | None = None) -> Path:
+    """Return the compiled library, from the cache where the same text was compiled before.
+
+    Parameters
+    ----------
+    description, build
+        What to compile and how.
+    changed
+        Texts that stand in for files, as mutants do; these are not cached.
+
+    Raises
+    ------
+    BadInput
+        There is no compiler, or it refuses: its first message.
+    """
+    texts = sources(description, build) | (changed or {})
+    loops = driver.source(description)
+    compiler = command_of(build.compiler)
+    if compiler is None:
+        raise BadInput(f"no {build.compiler} on this machine: expected a Fortran compiler")
+    if changed is not None:
+        folder = Path(tempfile.mkdtemp(prefix="parity-"))
+        compile_into(folder, description, build, compiler, {**texts, LOOPS: loops})
+        return folder / LIBRARY
+    what = [version(compiler), platform.machine(), *build.flags, loops]
+    what += [f"{name}\n{text}" for name, text in texts.items()]
+    key = hashlib.sha256("\0".join(what).encode()).hexdigest()[:32]
+    home = cache_folder() / "fortran" / key
+    if not (home / LIBRARY).is_file():
+        home.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f"{key}.", dir=home.parent))
+        try:
+            compile_into(folder, description, build, compiler, {**texts, LOOPS: loops})
+            folder.replace(home)
+        except OSError:
+            if not (home / LIBRARY).is_file():  # another process was not faster
+                raise
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    return home / LIBRARY
+
+
+def compile_into(
+    folder: Path, description: Description, build: Build, compiler: str, texts: dict[str, str]
+) -> None:
+    """Compile texts into a shared library in `folder`.
+
+    Objects are linked apart, without the flags: linking with -ffast-math would switch the whole
+    process to flushing subnormals.
+    """
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="ascii", newline="\n")
+    flags = build.flags
+    if Path(compiler).name.partition("-")[0] != "gfortran":
+        flags = tuple(one for one in flags if one.startswith("-O"))
+    objects = []
+    for name in [one.name for one in description.files] + [LOOPS]:
+        objects.append(f"{Path(name).stem}.o")
+        _call(compiler, [*flags, "-I.", "-fPIC", "-c", name, "-o", objects[-1]], folder)
+    coverage = ["--coverage"] if "--coverage" in build.flags else []
+    _call(compiler, [*coverage, "-shared", *objects, "-o", LIBRARY], folder)
+
+
+def _call(compiler: str, arguments: list[str], folder: Path) -> None:
+    done = subprocess.run(  # noqa: S603 - the compiler
+        [compiler, *arguments], cwd=folder, check=False, capture_output=True, text=True
+    )
+    if done.returncode:
+        raise BadInput(_first_message(done.stderr))
+
+
+def _first_message(stderr: str) -> str:
+    """Return the first error of a compiler or linker as one line."""
+    lines = [line.strip() for line in stderr.splitlines() if line.strip()]
+    place = next((line for line in lines if re.match(r"[\w.\-]+:\d+:", line)), "")
+    said = [line for line in lines if re.search(r"error|undefined reference", line, re.IGNORECASE)]
+    said = said or lines or ["no message"]
+    if "undefined reference" in said[0] or "undefined symbol" in said[0]:
+        return f"does not link: {said[0]}"
+    return f"does not compile: {place} {said[0]}".replace("  ", " ")
+
+
+def provenance(description: Description, build: Build) -> dict[str, Any]:
+    """Return what a build is made of: compiler, flags, digests of the files as they are kept."""
+    compiler = command_of(build.compiler)
+    found = re.findall(r"\d+\.\d+\.\d+", version(compiler) if compiler else "")
+    name = "gcc" if build.compiler == "gfortran" else build.compiler
+    return {
+        "compiler": f"{name} {found[-1] if found else 'unknown'}",
+        "flags": " ".join(build.flags),
+        "published_sha256": {one.name: sha256(one) for one in sorted(description.files)},
+    }

@@ -1,0 +1,104 @@
+"""Count the branches of the Fortran that the inputs take, with gcov."""
+
+from __future__ import annotations
+
+import ctypes
+import dataclasses
+import json
+import shutil
+import subprocess
+import tempfile
+from multiprocessing import Process
+from pathlib import Path
+from typing import Any
+
+from pyport.errors import BadInput
+from pyport.parity import build as building
+from pyport.parity import driver, inputs, oracle
+from pyport.parity.batches import filled
+from pyport.parity.description import Description
+
+
+def coverage(description: Description, random_points: int) -> dict[str, Any]:
+    """Compile with counters, ask every routine at every group's points, and count.
+
+    Returns
+    -------
+    dict
+        For each branch its line, text, and whether each way was taken; the lines never reached.
+    """
+    gcov = shutil.which("gcov")
+    if gcov is None:
+        raise BadInput("no gcov on this machine: expected GNU's compilers")
+    flags = (*description.reference.flags, "--coverage")
+    counted = dataclasses.replace(description.reference, flags=flags)
+    texts = building.sources(description, description.reference)
+    library = building.library(description, counted, changed={})
+    try:
+        process = Process(target=_ask_all, args=(description, str(library), random_points))
+        process.start()
+        process.join()
+        if process.exitcode != 0:
+            raise BadInput("a routine ends the program (STOP, or a crash): expected it to return")
+        rows, silent = [], []
+        for path in description.files:
+            counts = _counts(gcov, library.parent, path)
+            text = texts[path.name].splitlines()
+            for line in counts:
+                place = f"{path.name}:{line['line_number']}"
+                said = text[line["line_number"] - 1].strip()
+                if line["branches"]:
+                    taken = [branch["count"] > 0 for branch in line["branches"]]
+                    rows.append({"line": place, "text": said, "taken": taken})
+                if not line["count"]:
+                    silent.append({"line": place, "text": said})
+    finally:
+        shutil.rmtree(library.parent, ignore_errors=True)
+    return {"schema": "pyport.parity-coverage/1", "branches": rows, "never_reached": silent}
+
+
+def _counts(gcov: str, folder: Path, path: Path) -> list[dict[str, Any]]:
+    """Return gcov's counts of each line of a file."""
+    with tempfile.TemporaryDirectory() as elsewhere:
+        report = subprocess.run(  # noqa: S603 - gcov on our own files
+            [gcov, "--json-format", "--stdout", "--branch-probabilities", "-o", str(folder),
+             str(folder / f"{path.stem}.gcda")],
+            cwd=elsewhere, check=False, capture_output=True, text=True,
+        )  # fmt: skip
+    if report.returncode or not report.stdout.strip():
+        raise BadInput(f"gcov says nothing of {path.name}: {report.stderr.strip()}")
+    files = json.loads(report.stdout)["files"]
+    lines: list[dict[str, Any]] = [line for one in files for line in one["lines"]]
+    return lines
+
+
+def _ask_all(description: Description, library: str, random_points: int) -> None:
+    """Call every loop at every group's points; the counters are written when it is unloaded."""
+    import _ctypes
+
+    loaded = ctypes.CDLL(library)
+    for number, routine in enumerate(description.routines):
+        for group in description.groups:
+            batch = inputs.points(description, group, routine, random_points, 0)
+            whole = filled(routine, batch)
+            arrays = [whole[one.key] for one in driver.passed(routine)]
+            oracle.call(loaded, number, arrays)
+    _ctypes.dlclose(loaded._handle)  # noqa: SLF001 - ctypes has no other way to unload
+
+
+def show(content: dict[str, Any]) -> str:
+    """Return the branches as text."""
+    rows = content["branches"]
+    lines = []
+    for row in rows:
+        taken = " / ".join("yes" if one else "NO" for one in row["taken"])
+        lines.append(f"{row['line']:16} {row['text']:60} {taken}")
+    never = sum(row["taken"].count(False) for row in rows)
+    total = sum(len(row["taken"]) for row in rows)
+    lines += [f"never reached: {row['line']} {row['text']}" for row in content["never_reached"]]
+    return "\n".join([*lines, f"{total - never} of {total} branches taken"])
+
+
+def complete(content: dict[str, Any]) -> bool:
+    """Tell whether every branch was taken, both ways."""
+    return all(all(row["taken"]) for row in content["branches"])

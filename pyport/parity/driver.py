@@ -1,0 +1,127 @@
+"""The Fortran that calls each routine once for each of n points; it computes nothing.
+
+What it takes and gives are flat arrays, whatever the routine's own arguments are: LOGICAL comes as
+INTEGER, CHARACTER as bytes, members of COMMON blocks like arguments. A build that promotes REAL*4
+promotes these arrays too.
+"""
+
+from __future__ import annotations
+
+from pyport.parity.description import Description, Routine, Variable
+
+
+def entry(number: int) -> str:
+    """Return the name under which the loop over the routine of that number is called."""
+    return f"parity_loop_{number}"
+
+
+def passed(routine: Routine) -> list[Variable]:
+    """Return the variables for which the loop takes an array, in its order."""
+    return [one for one in routine.variables if one.kind is not None]
+
+
+def source(description: Description) -> str:
+    """Return the loops over all routines of a description."""
+    return "\n".join(
+        _loop(description, number, routine) for number, routine in enumerate(description.routines)
+    )
+
+
+def _declared(one: Variable) -> str:
+    kind = one.type
+    if kind.base == "character":
+        return f"character(len={kind.size})"
+    return f"{kind.base}({kind.size})"
+
+
+def _dimensions(shape: tuple[int, ...]) -> str:
+    return f"({', '.join(map(str, shape))})" if shape else ""
+
+
+def _array(one: Variable, name: str) -> str:
+    """Return the declaration of the array of a variable at all points."""
+    kind = one.type
+    if kind.base == "character":
+        return f"integer(1) :: {name}({kind.size}, n)"
+    base = "integer(4)" if kind.base == "logical" else f"{kind.base}({kind.size})"
+    return f"{base} :: {name}({', '.join([*map(str, one.shape), 'n'])})"
+
+
+def _at(one: Variable, name: str, first: str) -> str:
+    """Return the element, or section, of such an array at point i."""
+    return f"{name}({', '.join([first] * len(one.shape) + ['i'])})"
+
+
+def _loop(description: Description, number: int, routine: Routine) -> str:
+    variables = passed(routine)
+    arrays = {one.key: f"x{k}" for k, one in enumerate(variables)}
+    declared = [_array(one, arrays[one.key]) for one in variables]
+    blocks, members = _blocks(description, variables)
+    declared += blocks
+    locals_: dict[str, str] = {}
+    before, after = [], []
+    for k, one in enumerate(variables):
+        if one.common is None and one.type.base not in {"logical", "character"}:
+            continue
+        locals_[one.key] = members.get((one.common, one.key), f"l{k}")
+        if one.common is None:
+            declared.append(f"{_declared(one)} :: {locals_[one.key]}{_dimensions(one.shape)}")
+        into, back = _copied(one, arrays[one.key], locals_[one.key])
+        if one.intent != "result":
+            before.append(into)
+        after.append(back)
+    externals = {str(one.fixed): None for one in routine.arguments if one.kind is None}
+    words = [
+        str(one.fixed)
+        if one.kind is None
+        else locals_.get(one.key) or _at(one, arrays[one.key], "1")
+        for one in routine.arguments
+    ]
+    continued = ", &\n        ".join(words)
+    call = f"{routine.name}({continued})"
+    result = routine.result
+    kind = "" if result is None else f"{_declared(result)}, "
+    declared += [f"{kind}external :: {routine.name}", *(f"external :: {one}" for one in externals)]
+    if result is None:
+        call = f"call {call}"
+    else:
+        call = f"{locals_.get(result.key) or _at(result, arrays[result.key], '1')} = {call}"
+    names = ", &\n    ".join(["n", *arrays.values()])
+    lines = [
+        f"subroutine {entry(number)}({names}) bind(C)",
+        "  implicit none",
+        "  integer(8) :: n, i",
+        *(f"  {line}" for line in declared),
+        "  do i = 1, n",
+        *(f"    {line}" for line in [*before, call, *after]),
+        "  end do",
+        f"end subroutine {entry(number)}",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _blocks(
+    description: Description, variables: list[Variable]
+) -> tuple[list[str], dict[tuple[str | None, str], str]]:
+    """Return the declarations of COMMON blocks, and the names of their members here."""
+    declared: list[str] = []
+    names: dict[tuple[str | None, str], str] = {}
+    for b, block in enumerate(sorted({one.common for one in variables if one.common is not None})):
+        members = description.commons[block]
+        for k, one in enumerate(members):
+            names[block, one.key] = f"c{b}_{k}"
+            declared.append(f"{_declared(one)} :: c{b}_{k}{_dimensions(one.shape)}")
+        declared.append(f"common /{block}/ {', '.join(f'c{b}_{k}' for k in range(len(members)))}")
+    return declared, names
+
+
+def _copied(one: Variable, array: str, name: str) -> tuple[str, str]:
+    """Return the statements that take a variable from its array and put it back."""
+    section = _at(one, array, ":")
+    if one.type.base == "character":
+        bytes_ = f"{array}(:, i)"
+        return f"{name} = transfer({bytes_}, {name})", f"{bytes_} = transfer({name}, {bytes_})"
+    if one.type.base == "logical":
+        return f"{name} = {section} /= 0", f"{section} = merge(1, 0, {name})"
+    return f"{name} = {section}", f"{section} = {name}"

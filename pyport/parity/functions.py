@@ -1,0 +1,159 @@
+"""Find the Python functions that a description names, and call a port with a batch."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.errors import BadInput
+from pyport.parity.batches import constant, size
+from pyport.parity.description import Batch, Description, Port, Routine, Variable
+
+Function = Callable[..., Any]
+
+
+def resolve(description: Description, name: str) -> Function:
+    """Return the function that ``module:function`` names.
+
+    Modules beside the description come first: its folder is put on Python's path.
+
+    Raises
+    ------
+    BadInput
+        There is no such module or function.
+    """
+    folder = str(description.folder.resolve())
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    module_name, _, function_name = name.partition(":")
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as error:
+        raise BadInput(
+            f"{name}: {error}: expected a module beside the description, or an installed one",
+            description.path,
+        ) from None
+    function = getattr(module, function_name, None)
+    if not callable(function):
+        raise BadInput(f"{name}: no function {function_name!r} in that module", description.path)
+    return function
+
+
+class Answers(dict[str, NDArray]):
+    """A port's answers by output; `raised` says at which points it raised what instead."""
+
+    def __init__(self, *arguments: Any):  # noqa: ANN401 - a dict's
+        super().__init__(*arguments)
+        self.raised: dict[int, str] = {}
+
+
+def ask_port(
+    description: Description,
+    port: Port,
+    routine: Routine,
+    batch: Batch,
+    function: Function | None = None,
+) -> Answers:
+    """Return what a port answers at each point, each output as the kind that Fortran stores.
+
+    An exception of a port that is called point by point is its answer there.
+
+    Parameters
+    ----------
+    description, port, routine, batch
+        Whom to ask about what.
+    function
+        The port's function; the one that the description names unless given.
+    """
+    function = function or resolve(description, routine.ports[port.name])
+    if routine.reset:
+        resolve(description, routine.reset)()
+    variables = [routine.by_key[name] for name in routine.call]
+    n = size(batch)
+    columns = [
+        _column(description, one, batch, n, scalars=not port.vectorised) for one in variables
+    ]
+    if port.vectorised:
+        with np.errstate(all="ignore"):
+            returned = _returned(routine, function(*columns), port)
+        return Answers(
+            {
+                one.key: _stored(one, value, (n, *one.shape), routine, port)
+                for one, value in zip(routine.outputs, returned, strict=True)
+            }
+        )
+    answers = Answers({one.key: constant(one, n) for one in routine.outputs})
+    mutable = [one.key for one in variables if one.shape]
+    with np.errstate(all="ignore"):
+        for i, arguments in enumerate(zip(*columns, strict=True) if columns else [()] * n):
+            own = [a.copy() if v.shape else a for a, v in zip(arguments, variables, strict=True)]
+            try:
+                value = function(*own)
+            except Exception as error:  # noqa: BLE001 - whatever a port raises is its answer
+                answers.raised[i] = f"{type(error).__name__}: {error}"
+                continue
+            if value is None:  # it changed its arrays in place, as the Fortran does
+                changed = dict(zip([v.key for v in variables], own, strict=True))
+                if all(one.key in mutable for one in routine.outputs):
+                    value = tuple(changed[one.key] for one in routine.outputs)
+            for one, found in zip(routine.outputs, _returned(routine, value, port), strict=True):
+                answers[one.key][i] = _one(one, found, routine, port)
+    return answers
+
+
+def _column(description: Description, one: Variable, batch: Batch, n: int, *, scalars: bool) -> Any:  # noqa: ANN401 - an array, or a list of Python's values
+    """Return an argument's values as Python counts them: float for REAL*8, str for CHARACTER."""
+    if one.kind is None:
+        function = resolve(description, one.python) if one.python else None
+        return [function] * n
+    values = batch.get(one.key)
+    if values is None:
+        values = constant(one, n)
+    if one.shape or not scalars:
+        return values
+    if values.dtype.kind == "S":
+        return [v.decode("ascii", "replace").ljust(one.type.size) for v in values.tolist()]
+    # a REAL*4 stays one: a Python float would hide its roundings
+    return values if values.dtype == np.float32 else values.tolist()
+
+
+def _returned(routine: Routine, value: Any, port: Port) -> tuple[Any, ...]:  # noqa: ANN401
+    wanted = routine.outputs
+    if len(wanted) == 1:
+        return (value,)
+    if not isinstance(value, tuple | list) or len(value) != len(wanted):
+        got = f"{len(value)} values" if isinstance(value, tuple | list) else f"{value!r:.60}"
+        raise BadInput(
+            f"{routine.ports[port.name]} returned {got}, expected {len(wanted)}: "
+            f"{', '.join(one.name for one in wanted)}"
+        )
+    return tuple(value)
+
+
+def _one(one: Variable, value: Any, routine: Routine, port: Port) -> Any:  # noqa: ANN401
+    if one.type.base == "character" and isinstance(value, str):
+        return value.ljust(one.type.size)[: one.type.size].encode("ascii", "replace")
+    stored = _stored(one, value, one.shape, routine, port)
+    return stored if one.shape else stored[()]
+
+
+def _stored(
+    one: Variable,
+    value: Any,  # noqa: ANN401 - whatever a port returned
+    shape: tuple[int, ...],
+    routine: Routine,
+    port: Port,
+) -> NDArray:
+    try:
+        with np.errstate(all="ignore"):  # what REAL*8 holds may be infinite in REAL*4
+            return np.asarray(value).astype(one.type.dtype()).reshape(shape)
+    except (TypeError, ValueError, OverflowError):
+        raise BadInput(
+            f"{routine.ports[port.name]} returned {value!r:.60} as {one.name}, expected {one.type}"
+            + (f" of shape {shape}" if shape else "")
+        ) from None

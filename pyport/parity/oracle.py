@@ -1,0 +1,236 @@
+"""Ask the compiled Fortran, in a process of its own: it may stop, crash, or change the rounding."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import tempfile
+from functools import cache
+from multiprocessing import Pipe, Process
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.errors import BadInput
+from pyport.parity import build as building
+from pyport.parity import driver
+from pyport.parity.batches import filled, part, size, spelled
+from pyport.parity.description import Batch, Build, Description, Routine
+from pyport.workers import end_with_parent
+
+#: A process that has loaded so many copies of a library makes room for a new one.
+MOST_COPIES = 500
+
+
+class Oracle:
+    """A compiled library and the process that calls it.
+
+    Parameters
+    ----------
+    description, build
+        What was compiled, and how.
+    library
+        The compiled library; compiled, or found in the cache, unless given.
+    """
+
+    def __init__(self, description: Description, build: Build, library: Path | None = None):
+        self.description, self.build = description, build
+        self.library = library or building.library(description, build)
+        self._child: _Child | None = None
+
+    def ask(self, routine: Routine, batch: Batch) -> Batch:
+        """Return what a routine answers: an array for each of its outputs.
+
+        Raises
+        ------
+        BadInput
+            It ends the process, changes an argument that is only its input, or `batch` holds
+            numbers that its kinds cannot hold.
+        """
+        arrays = self._arrays(routine, batch)
+        try:
+            after = self._call(routine, arrays)
+        except EOFError:
+            self._child = None
+            raise self._ended(routine, batch) from None
+        changed = [
+            one.name
+            for one, was, now in zip(driver.passed(routine), arrays, after, strict=True)
+            if one.intent == "in" and was.tobytes() != now.tobytes()
+        ]
+        if changed:
+            raise BadInput(
+                f"{routine.name} changes its argument {changed[0]}, which is described as intent "
+                "in: expected inout",
+                self.description.path,
+            )
+        answers = dict(zip([one.key for one in driver.passed(routine)], after, strict=True))
+        return {one.key: answers[one.key] for one in routine.outputs}
+
+    def close(self) -> None:
+        """End the process."""
+        if self._child is not None and self._child.parent == os.getpid():
+            self._child.end()
+        self._child = None
+
+    def _arrays(self, routine: Routine, batch: Batch) -> list[NDArray]:
+        whole = filled(routine, batch)
+        arrays = []
+        for one in driver.passed(routine):
+            given = np.asarray(whole[one.key])
+            wanted = one.type.dtype(promoted=self.build.promoted)
+            with np.errstate(over="ignore"):
+                array = given.astype(wanted)
+            if given.dtype.kind == "f" and array.dtype.itemsize < given.dtype.itemsize:
+                same = (array == given) | (np.isnan(array) & np.isnan(given))
+                if not same.all():
+                    wrong = given[~same].flat[0]
+                    raise BadInput(f"{one.name}: {wrong!r} is no {one.type}")
+            arrays.append(array)
+        return arrays
+
+    def _call(self, routine: Routine, arrays: list[NDArray]) -> list[NDArray]:
+        # a process that was forked from this one has the object, and no process of its own yet
+        if self._child is None or self._child.parent != os.getpid():
+            self._child = _Child()
+        elif self._child.copies > MOST_COPIES:
+            self._child.end()
+            self._child = _Child()
+        number = self.description.routines.index(routine)
+        return self._child.call(str(self.library), number, arrays, fresh=routine.sequence)
+
+    def _ended(self, routine: Routine, batch: Batch) -> BadInput:
+        """Return the error that names the first input at which the process ends."""
+        low, high = 0, size(batch)
+        while high - low > 1:
+            middle = (low + high) // 2
+            try:
+                self._call(routine, self._arrays(routine, part(batch, slice(low, middle))))
+                low = middle
+            except EOFError:
+                self._child = None
+                high = middle
+        at = " ".join(f"{k}={v}" for k, v in spelled(routine, batch, low).items())
+        return BadInput(
+            f"{routine.name} ends the program (STOP, or a crash) at {at}: expected a range of "
+            "inputs that it answers"
+        )
+
+
+class _Child:
+    """A process that calls libraries; one pipe to it, no threads on this side."""
+
+    def __init__(self) -> None:
+        self.parent = os.getpid()
+        self.copies = 0
+        self._pipe, theirs = Pipe()
+        self._process = Process(target=_serve, args=(theirs,), daemon=True)
+        self._process.start()
+        theirs.close()
+
+    def call(self, path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:
+        """Return the arrays after the call.
+
+        Raises
+        ------
+        EOFError
+            The process ended.
+        """
+        self.copies += fresh
+        try:
+            self._pipe.send((path, number, arrays, fresh))
+            answer: list[NDArray] = self._pipe.recv()
+        except OSError as error:
+            raise EOFError(str(error)) from None
+        return answer
+
+    def end(self) -> None:
+        """End the process and wait for it."""
+        self._pipe.close()
+        self._process.terminate()
+        self._process.join()
+
+
+def _serve(pipe: Connection) -> None:
+    end_with_parent()
+    while True:
+        try:
+            path, number, arrays, fresh = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(_ask(path, number, arrays, fresh=fresh))
+
+
+@cache
+def _loaded(path: str) -> ctypes.CDLL:
+    return ctypes.CDLL(path)
+
+
+def _ask(path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:
+    """Call a loop of a library; where `fresh`, of a copy in which nothing was saved yet."""
+    return call(_fresh(path) if fresh else _loaded(path), number, arrays)
+
+
+def call(library: ctypes.CDLL, number: int, arrays: list[NDArray]) -> list[NDArray]:
+    """Call the loop of that number; return its arrays as they are afterwards."""
+    n = ctypes.c_int64(len(arrays[0]))
+    # LOGICAL as INTEGER, CHARACTER as bytes; the points are Fortran's last dimension, NumPy's
+    # first, and the dimensions before it run the other way round
+    passed = [
+        array.astype(np.int32) if array.dtype.kind == "b" else array.copy() for array in arrays
+    ]
+    passed = [
+        np.ascontiguousarray(a.transpose(0, *range(a.ndim - 1, 0, -1)) if a.ndim > 2 else a)
+        for a in passed
+    ]
+    getattr(library, driver.entry(number))(
+        ctypes.byref(n), *(one.ctypes.data_as(ctypes.c_void_p) for one in passed)
+    )
+    back = [a.transpose(0, *range(a.ndim - 1, 0, -1)) if a.ndim > 2 else a for a in passed]
+    return [
+        after != 0 if before.dtype.kind == "b" else np.ascontiguousarray(after)
+        for before, after in zip(arrays, back, strict=True)
+    ]
+
+
+def _fresh(path: str) -> ctypes.CDLL:
+    handle, copy = tempfile.mkstemp(suffix=".so")
+    os.close(handle)
+    try:
+        shutil.copy(path, copy)
+        return ctypes.CDLL(copy)
+    finally:
+        Path(copy).unlink()
+
+
+@cache
+def of(description_path: Path, build: str) -> Oracle:
+    """Return the oracle of a description's build in this process."""
+    from pyport.parity.loading import load
+
+    description = load(description_path)
+    return Oracle(description, description.builds[build])
+
+
+def available(description: Description) -> bool:
+    """Tell whether the Fortran and a compiler are there.
+
+    Raises
+    ------
+    BadInput
+        The Fortran is not there, nor are stored answers that could stand in for it; or there is
+        no compiler, and ``PYPORT_ORACLE=required`` in the environment.
+    """
+    gone = next((one for one in description.files if not one.is_file()), None)
+    if gone is not None:
+        if description.answers.is_dir():  # installed without its Fortran
+            return False
+        raise BadInput(f"{gone} is not there: expected a Fortran file", description.path)
+    compiler = description.reference.compiler
+    found = building.command_of(compiler) is not None
+    if not found and os.environ.get("PYPORT_ORACLE") == "required":
+        raise BadInput(f"{compiler} is required (PYPORT_ORACLE), and not on this machine")
+    return found
