@@ -52,5 +52,5 @@ def test_document_is_of_the_whole_catalogue(tmp_path):
 
 
 def test_document_is_not_stale():
-    """The document in the repository is what the catalogue says now: `make docs` writes it."""
+    """The document in the repository is what the catalogue says now: `make physics` writes it."""
     assert DOCUMENT.read_text(encoding="utf-8") == describe.markdown()
