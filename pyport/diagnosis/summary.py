@@ -70,9 +70,6 @@ def _finding(n: int, finding: Finding) -> list[str]:
             f"{held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} arcsec, noise floor "
             f"{held.noise_floor / ARCSEC:.3g}."
         )
-    if finding.stability is not None and not finding.stability.stable:
-        words = finding.stability.words
-        lines.append(f"   {words[0].upper()}{words[1:]}.")
     if finding.decide_by:
         lines.append(f"   To decide: {finding.decide_by}.")
     return [part for line in lines for part in _wrapped(line)]

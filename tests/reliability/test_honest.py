@@ -15,6 +15,7 @@ from pyport.diagnosis import joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.guards import FEWEST, carriers
+from pyport.diagnosis.honest import judged
 from pyport.diagnosis.resampling import DRAWS, Stability, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
@@ -139,9 +140,9 @@ def test_a_name_in_noise_does_not_come_back():
 def test_what_does_not_come_back_is_said():
     """The terminal and the report tell it of an unstable name, and of no other."""
     done = told(WEEK_S, y=follows_temperature)
-    shaky = Stability("blocks of time", 40, 17, "drift")
-    words = "Not stable: drawing the blocks of time anew, the name came back in 17 of 40 draws"
-    other = replace(done, findings=(replace(done.findings[0], stability=shaky),))
+    shaky = Stability("blocks of time", 40, 17, {"drift": 23})
+    words = "resampling blocks of time, the name came back in 17 of 40 draws, drift in 23"
+    other = replace(done, findings=(judged(done.findings[0], shaky),))
 
     assert words not in " ".join(summary(done).split())
     assert words in " ".join(summary(other).split())
@@ -150,7 +151,9 @@ def test_what_does_not_come_back_is_said():
         "resampled": "blocks of time",
         "draws": 40,
         "kept": 17,
+        "names": {"drift": 23},
         "instead": "drift",
+        "nameless": 0,
         "stable": False,
     }
 
