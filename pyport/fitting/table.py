@@ -9,12 +9,22 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import Coefficient
 from pyport.fitting import advice, leftover
+from pyport.fitting.combinations import Combination, of_fit
 from pyport.fitting.fit import Coefficients, Fit
+
+#: Combinations that the terminal shows.
+MOST_COMBINATIONS = 3
 
 
 def text(fit: Fit) -> str:
     """Return a table of values and sigmas, the rms, and how well the data determine it all."""
-    lines = [_line(name, one, n) for name, one, n in advice.named(fit)]
+    together = of_fit(fit)
+    largest = float(np.abs(fit.stack.value).max(initial=0.0))
+    shared = {place for one in together for place in one.places}
+    lines = [
+        _line(name, one, n, largest if place in shared else None)
+        for place, (name, one, n) in enumerate(advice.named(fit))
+    ]
     lines += [
         f"{coefficient.name:34s} {value / coefficient.scale:12.4f} {coefficient.unit}, fixed"
         for coefficient, value in fixed(fit)
@@ -29,6 +39,7 @@ def text(fit: Fit) -> str:
             lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
     lines.append(f"condition number {fit.condition:.3g}")
     lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
+    lines += _combined(together)
     lines += leftover.text(fit)
     return "\n".join(lines)
 
@@ -43,12 +54,25 @@ def fixed(fit: Fit) -> list[tuple[Coefficient, float]]:
     ]
 
 
-def _line(name: str, one: Coefficients, n: int) -> str:
+def _combined(together: tuple[Combination, ...]) -> list[str]:
+    """Return a line for each combination of coefficients that are not known alone."""
+    lines = [f"in combination: {one.sentence}" for one in together[:MOST_COMBINATIONS]]
+    if len(together) > MOST_COMBINATIONS:
+        lines.append(f"in combination: {len(together) - MOST_COMBINATIONS} more, see --json")
+    return lines
+
+
+def _line(name: str, one: Coefficients, n: int, largest: float | None = None) -> str:
+    """Return a coefficient's line; one known in combination only, below `largest` [rad]."""
     coefficient = one.term.effect.coefficients[n]
     value, sigma = one.value[n], one.sigma[n]
     if not math.isfinite(value):
         return f"{name:34s} not determined by these recordings"
     times = f"{abs(value) / sigma:7.1f} sigmas" if sigma > 0 else ""
+    if largest is not None:
+        if coefficient.unit == "arcsec" and max(abs(value), sigma) > largest:
+            return f"{name:34s} larger than the data: known in combination only, see below"
+        times = "in combination only"
     if coefficient.unit == "deg":
         value, sigma = value / DEG, sigma / DEG
         return f"{name:34s} {value:14.7f} +- {sigma:.7f} deg {times}"
@@ -85,6 +109,7 @@ def as_json(fit: Fit) -> dict[str, object]:
             "matrix": np.round(advice.correlation(fit), 6).tolist(),
         },
         "condition_number": _number(fit.condition),
+        "combinations": [one.as_json() for one in of_fit(fit)],
         "warnings": list(advice.warnings(fit)),
         "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
     }
