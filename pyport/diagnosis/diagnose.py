@@ -21,6 +21,7 @@ from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.errors import BadInput
+from pyport.fitting.combinations import Combination
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
@@ -64,6 +65,8 @@ class Diagnosis:
         The turns of the search, each with everything that was tried in it.
     two_axes
         Effects of the model that come out different from each axis alone.
+    combinations
+        What is known of coefficients that are not known alone, the model's and those found.
     """
 
     setup: Setup
@@ -81,6 +84,7 @@ class Diagnosis:
     dropped: tuple[Dropped, ...] = ()
     steps: tuple[Step, ...] = ()
     two_axes: tuple[Disagreement, ...] = ()
+    combinations: tuple[Combination, ...] = ()
 
     @property
     def mismatch(self) -> bool:
@@ -150,6 +154,7 @@ def diagnose(
         dropped=dropped,
         steps=outcome.steps,
         two_axes=disagreements(setup, weighed, outcome.chosen),
+        combinations=scene.combinations,
     )
 
 

@@ -68,6 +68,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "after": _rms(diagnosis, diagnosis.after),
             "heldout": diagnosis.heldout.as_json(),
         },
+        "combinations": [one.as_json() for one in diagnosis.combinations],
         "dropped": [vars(one) for one in diagnosis.dropped],
         "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +14,11 @@ from pyport.diagnosis import holdout, identify
 from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
-from pyport.diagnosis.joint import Joint, rms, sigmas
+from pyport.diagnosis.joint import Joint, combined, rms, sigmas
 from pyport.diagnosis.settle import unseen
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
+from pyport.fitting.combinations import Combination
 
 #: An axis belongs to a finding when it shows this share of what the other axis shows.
 AXIS_SHARE = 0.2
@@ -44,6 +46,17 @@ class Scene:
     def weighed(self) -> Weighed:
         """Return the last weighing."""
         return self.outcome.weighed
+
+    @cached_property
+    def combinations(self) -> tuple[Combination, ...]:
+        """Return what the joint fit knows of coefficients that it does not know alone."""
+        return combined(self.setup, self.joint)
+
+    def combination(self, choice: int) -> Combination | None:
+        """Return the combination that a choice's coefficients are known in, None if alone."""
+        where = self.joint.slice(choice)
+        own = range(where.start, where.stop)
+        return next((c for c in self.combinations if any(n in own for n in c.places)), None)
 
 
 def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
@@ -105,6 +118,17 @@ def scaled(
 def size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
     """Return the rms of a curve over some of the readings that count [rad]."""
     return rms(curve[rows], scene.share[rows])
+
+
+def centred(scene: Scene, curve: Array) -> Array:
+    """Return a curve (m,) less its mean in each axis of each antenna: a zero would take that."""
+    setup, out = scene.setup, curve.copy()
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    series = antenna * 2 + setup.stack.is_y
+    count = np.bincount(series, scene.share)
+    total = np.bincount(series, scene.share * curve)
+    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[series]
+    return out
 
 
 def axes(setup: Setup, seen: Array) -> tuple[str, ...]:

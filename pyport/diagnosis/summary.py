@@ -12,6 +12,7 @@ from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
+from pyport.fitting.table import MOST_COMBINATIONS
 
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
@@ -41,6 +42,8 @@ def summary(diagnosis: Diagnosis) -> str:
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
         seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
         lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
+    for together in diagnosis.combinations[:MOST_COMBINATIONS]:
+        lines += _wrapped(f"In combination: {together.sentence}.")
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
     lines += _improvement(diagnosis)
@@ -59,10 +62,7 @@ def _finding(n: int, finding: Finding) -> list[str]:
     subset = finding.where.subset.get("antenna")
     if subset:
         lines.append(f"   Antennas: {' '.join(subset)}.")
-    lines.append(
-        f"   Size {finding.true_rms / ARCSEC:.3g} arcsec rms, of which the model hides all but "
-        f"{finding.visible_rms / ARCSEC:.3g}."
-    )
+    lines.append(f"   {finding.size[0].upper()}{finding.size[1:]}.")
     if finding.heldout is not None:
         held = finding.heldout
         lines.append(
@@ -71,7 +71,7 @@ def _finding(n: int, finding: Finding) -> list[str]:
             f"{held.noise_floor / ARCSEC:.3g}."
         )
     if finding.decide_by:
-        lines.append(f"   To decide: {finding.decide_by}.")
+        lines.append(f"   Next: {finding.decide_by}.")
     return [part for line in lines for part in _wrapped(line)]
 
 

@@ -13,6 +13,7 @@ from pyport.effects.base import Effect
 
 if TYPE_CHECKING:
     from pyport.diagnosis.identify import Name
+    from pyport.fitting.combinations import Combination
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = "look at the region and the column that it follows, and record what changes there"
@@ -47,12 +48,23 @@ def number(parameter: Parameter) -> str:
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 
 
-def sentence(effect: Effect, parameters: Sequence[Parameter], where: Where) -> str:
-    """Return a sentence about an effect with its size and axes."""
+def sentence(
+    effect: Effect,
+    parameters: Sequence[Parameter],
+    where: Where,
+    together: Combination | None = None,
+) -> str:
+    """Return a sentence about an effect with its size and axes.
+
+    `together` is the combination in which its coefficients are known, if none is known alone.
+    """
     axes = " and ".join(_AXES[axis] for axis in where.axes)
+    said = f"{effect.sentence}; seen in {axes}"
+    if together is not None:
+        return f"{said}; {together.sentence}"
     sizes = [f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters[:_SHOWN]]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
-    return f"{effect.sentence}; seen in {axes}: {', '.join(sizes)}{more}"
+    return f"{said}: {', '.join(sizes)}{more}"
 
 
 def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:

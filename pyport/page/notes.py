@@ -33,5 +33,5 @@ def notes(finding: Finding) -> list[tuple[str, str]]:
     if finding.stability is not None:
         found.append(("resampled", finding.stability.words))
     if finding.decide_by:
-        found.append(("to decide", finding.decide_by))
+        found.append(("next", finding.decide_by))
     return found

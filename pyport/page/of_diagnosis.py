@@ -8,10 +8,11 @@ from pyport.angles import ARCSEC
 from pyport.diagnosis import record, soundness, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
-from pyport.diagnosis.joint import sigmas
+from pyport.diagnosis.joint import largest_offset, sigmas
 from pyport.diagnosis.steps import Step
 from pyport.diagnosis.words import nothing
 from pyport.files import sha256
+from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.page.against import columns
 from pyport.page.layers import layers, visible
 from pyport.page.markup import chance
@@ -162,11 +163,10 @@ def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str]
 
 
 def _card(finding: Finding, layer: int) -> Card:
-    size = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
-    facts = [
-        ("size", size),
-        ("of it visible", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms"),
-    ]
+    facts = [("adds to the residuals", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms")]
+    if finding.true_rms <= finding.largest:
+        absorbed = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
+        facts.append(("before the fitted terms absorb their share", absorbed))
     if finding.heldout is not None:
         held = finding.heldout
         facts.append(
@@ -192,6 +192,8 @@ def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
     said = []
     if diagnosis.wild:
         said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    together = [one.sentence for one in diagnosis.combinations[:MOST_COMBINATIONS]]
+    said += [f"{one[0].upper()}{one[1:]}." for one in together]
     said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]
     said += [f"{one[0].upper()}{one[1:]}." for one in soundness.warnings(diagnosis)]
     return tuple(said)
@@ -214,6 +216,8 @@ def _rows(diagnosis: Diagnosis) -> tuple[Row, ...]:
     """Return all coefficients of the joint fit, the model's first."""
     setup, joint = diagnosis.setup, diagnosis.after
     sigma = sigmas(joint, len(setup.residual))
+    largest = largest_offset(setup)
+    shared = {place for one in diagnosis.combinations for place in one.places}
     rows = []
     for n, chosen in enumerate(joint.choices):
         start = int(joint.starts[n])
@@ -223,6 +227,9 @@ def _rows(diagnosis: Diagnosis) -> tuple[Row, ...]:
                 at = start + group * width + k
                 coefficient = chosen.candidate.effect.coefficients[which]
                 known = bool(joint.solution.known[at])
+                if coefficient.unit == "arcsec" and at in shared:
+                    # No number of what is known in combination only is larger than the data.
+                    known &= max(abs(float(joint.solution.values[at])), sigma[at]) <= largest
                 rows.append(
                     Row(
                         coefficient.name,
