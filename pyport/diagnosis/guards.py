@@ -11,14 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis.enough import FEWEST, SPARE, lacking, measured
 from pyport.diagnosis.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 
-#: Pointings that must carry an effect's curve, and that each side of a change must have.
-FEWEST = 4
-#: Measured numbers that must be left beyond all coefficients: the scatter that names are
-#: weighed by is then known to a third of itself.
-SPARE = 20
 #: What is not measured for so long parts two nights [s].
 NIGHT_GAP_S, DAY_S = 6 * 3600.0, 86400.0
 #: A column of which a cubic in time draws this share went with the hour.
@@ -42,14 +38,13 @@ def refusal(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
 
 
 def _too_few(scene: Scene, seen: Array) -> Refusal | None:
-    used, rank = scene.weighed.used, scene.joint.solution.rank
-    numbers = scene.setup.pointing[used] * 2 + scene.setup.stack.is_y[used]
-    there, needed = len(np.unique(numbers)), rank + SPARE
-    if there < needed:
+    rank = scene.joint.solution.rank
+    there = measured(scene.setup, scene.weighed.used)
+    if lack := lacking(there, rank):
         return Refusal(
             f"{there} measured numbers are too few for {rank} coefficients and {SPARE} more, by "
-            "which one cause is told from another",
-            f"record {-(-(needed - there) // 2)} pointings more, or more",
+            "which one cause is distinguished from another",
+            f"record {-(-lack // 2)} pointings more, or more",
         )
     if (carried := carriers(scene, seen)) < FEWEST:
         return Refusal(

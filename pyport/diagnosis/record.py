@@ -18,6 +18,7 @@ from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
 from pyport.diagnosis.soundness import warnings
+from pyport.diagnosis.words import nothing
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
 from pyport.recordings.schema import Recordings
@@ -57,6 +58,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "refit": [c.candidate.effect.id for c in diagnosis.setup.base],
         },
         "noise": _noise(diagnosis),
+        "verdict": None if diagnosis.mismatch else nothing(diagnosis),
         "mismatch": diagnosis.mismatch,
         "p_value": diagnosis.p_value,
         "detection_limit_arcsec": {

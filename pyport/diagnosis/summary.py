@@ -38,10 +38,12 @@ def summary(diagnosis: Diagnosis) -> str:
         for n, finding in enumerate(diagnosis.findings, 1):
             lines += _finding(n, finding)
     else:
-        lines += _wrapped(f"{nothing(diagnosis.p_value)} (p = {_chance(diagnosis)}).")
+        chance = "" if diagnosis.too_few else f" (p = {_chance(diagnosis)})"
+        lines += _wrapped(f"{nothing(diagnosis)}{chance}.")
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
-        seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
-        lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
+        if limits:
+            seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
+            lines += _wrapped(f"Would have been seen in half of all cases, as rms: {seen}.")
     for together in diagnosis.combinations[:MOST_COMBINATIONS]:
         lines += _wrapped(f"In combination: {together.sentence}.")
     for one in diagnosis.two_axes:

@@ -129,10 +129,11 @@ def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
     )
     noise = chance(diagnosis.p_value)
     if not diagnosis.mismatch:
-        return (
-            f"{nothing(diagnosis.p_value)}.",
-            f"Noise alone looks like what {model} leaves (chance {noise}).",
-        )
+        headline, _, more = nothing(diagnosis).partition("; ")
+        lead = [f"{more[0].upper()}{more[1:]}."] if more else []
+        if diagnosis.too_few is None:
+            lead.append(f"Noise alone looks like what {model} leaves (chance {noise}).")
+        return f"{headline}.", " ".join(lead)
     names = [one.effect.replace("_", " ") for one in diagnosis.findings]
     told = list(dict.fromkeys(n for n in names if n != "unknown"))
     nameless = names.count("unknown")
