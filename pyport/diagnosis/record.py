@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.diagnosis import two_axes_words
+from pyport.diagnosis import noise_words, two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
@@ -21,6 +21,7 @@ from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, sky_rms
 from pyport.recordings.schema import Recordings
 
 SCHEMA = "pyport.diagnosis/1"
@@ -69,6 +70,8 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "before": _rms(diagnosis, diagnosis.before),
             "after": _rms(diagnosis, diagnosis.after),
             "heldout": diagnosis.heldout.as_json(),
+            "rms_per_axis": PER_AXIS,
+            "rms_on_sky": ON_SKY,
         },
         "combinations": [one.as_json() for one in diagnosis.combinations],
         "dropped": [vars(one) for one in diagnosis.dropped],
@@ -112,6 +115,9 @@ def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
         "el_arcsec": _median_floor(axes["el"]),
         "correlation_time_s": max(times, default=None),
         "how": parts[0][1].how if parts else "reml",
+        "departures": noise_words.departures(diagnosis),
+        "by_elevation": noise_words.by_elevation(diagnosis),
+        "sentences": noise_words.sentences(diagnosis),
     }
 
 
@@ -121,12 +127,14 @@ def _median_floor(noises: list[Any]) -> float | None:
 
 def _rms(diagnosis: Diagnosis, fit: Joint) -> dict[str, float | None]:
     left, is_y = diagnosis.left(fit), diagnosis.setup.stack.is_y
-    return {
+    found: dict[str, float | None] = {
         f"rms_{name}_arcsec": rms(left[axis], diagnosis.share[axis]) / ARCSEC
         if axis.any()
         else None
         for name, axis in (("xel", ~is_y), ("el", is_y))
     }
+    sky = sky_rms(diagnosis.setup.stack, left, diagnosis.share > 0)
+    return found | {"rms_sky_arcsec": None if sky is None else sky[0] / ARCSEC}
 
 
 def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:

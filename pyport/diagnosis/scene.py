@@ -64,8 +64,15 @@ def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     floor = outcome.weighed.covariance.scatter
     quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
+    # Plain within an antenna: only one that is noisier than usual counts less in an array's rms.
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    own = np.array([np.median(floor[antenna == n]) for n in range(antenna.max(initial=-1) + 1)])
     usual = np.median(floor[counted]) if counted.any() else 1.0
-    share = np.where(counted, np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2), 0.0)
+    if len(own) > 1:
+        share = np.minimum(1.0, (usual / np.maximum(own, 1e-300)) ** 2)[antenna]
+    else:
+        share = np.ones(len(floor))
+    share = np.where(counted, share, 0.0)
     return Scene(setup, outcome, joint, counted, share, floor, seed)
 
 

@@ -11,6 +11,7 @@ from pyport.effects import Coefficient
 from pyport.fitting import advice, leftover
 from pyport.fitting.combinations import Combination, of_fit
 from pyport.fitting.fit import Coefficients, Fit
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
 
 #: Combinations that the terminal shows.
 MOST_COMBINATIONS = 3
@@ -29,14 +30,16 @@ def text(fit: Fit) -> str:
         f"{coefficient.name:34s} {value / coefficient.scale:12.4f} {coefficient.unit}, fixed"
         for coefficient, value in fixed(fit)
     ]
-    left = {"cross-elevation": ~fit.stack.is_y, "elevation": fit.stack.is_y}
     lines.append("")
-    for axis, rows in left.items():
-        if rows.any():
-            counted = rows & fit.noise.used
-            rms = math.sqrt(float(np.mean(fit.residual[counted] ** 2)))
-            over = f"{counted.sum()} of {rows.sum()} offsets"
-            lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
+    for axis, is_y in (("cross-elevation", False), ("elevation", True)):
+        rows = int((fit.stack.is_y == is_y).sum())
+        found = axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=is_y)
+        if found is not None:
+            size, counted = found
+            lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {counted} of {rows} offsets")
+    sky = sky_rms(fit.stack, fit.residual, fit.noise.used)
+    if sky is not None:
+        lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
     lines.append(f"condition number {fit.condition:.3g}")
     lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
     lines += _combined(together)
@@ -56,9 +59,9 @@ def fixed(fit: Fit) -> list[tuple[Coefficient, float]]:
 
 def _combined(together: tuple[Combination, ...]) -> list[str]:
     """Return a line for each combination of coefficients that are not known alone."""
-    lines = [f"in combination: {one.sentence}" for one in together[:MOST_COMBINATIONS]]
+    lines = [f"degenerate terms: {one.sentence}" for one in together[:MOST_COMBINATIONS]]
     if len(together) > MOST_COMBINATIONS:
-        lines.append(f"in combination: {len(together) - MOST_COMBINATIONS} more, see --json")
+        lines.append(f"degenerate terms: {len(together) - MOST_COMBINATIONS} more, see --json")
     return lines
 
 
@@ -109,10 +112,23 @@ def as_json(fit: Fit) -> dict[str, object]:
             "matrix": np.round(advice.correlation(fit), 6).tolist(),
         },
         "condition_number": _number(fit.condition),
+        "rms": _rms(fit),
         "combinations": [one.as_json() for one in of_fit(fit)],
         "warnings": list(advice.warnings(fit)),
         "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
     }
+
+
+def _rms(fit: Fit) -> dict[str, float | str | None]:
+    found = {
+        "xel": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=False),
+        "el": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=True),
+        "sky": sky_rms(fit.stack, fit.residual, fit.noise.used),
+    }
+    sizes: dict[str, float | str | None] = {
+        f"{name}_arcsec": None if one is None else one[0] / ARCSEC for name, one in found.items()
+    }
+    return sizes | {"per_axis": PER_AXIS, "on_sky": ON_SKY}
 
 
 def _number(value: float) -> float | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record, soundness, two_axes_words
+from pyport.diagnosis import noise_words, record, soundness, two_axes_words
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.joint import largest_offset, sigmas
@@ -106,6 +106,11 @@ def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Sto
         ),
         untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
         outliers=_outliers(diagnosis),
+        noise=tuple(f"{one}." for one in noise_words.sentences(diagnosis)),
+        dropped=tuple(
+            (one.effect.replace("_", " ") + (f", {one.variant}" if one.variant else ""), one.reason)
+            for one in diagnosis.dropped
+        ),
     )
 
 
@@ -159,7 +164,7 @@ def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str]
         value = f"{held.before / ARCSEC:.3g}"
     facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
     aside = len(recordings.set_aside)
-    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"))
+    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"))
     return tuple(facts)
 
 

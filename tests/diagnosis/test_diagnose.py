@@ -118,7 +118,7 @@ def test_the_report_has_every_field_of_the_contract(tmp_path):
         *("findings", "fit", "correlation", "condition_number"),
     }
     assert set(report["input"]) >= {"file", "sha256", "rows", "used", "set_aside"}
-    assert set(report["noise"]) == {"xel_arcsec", "el_arcsec", "correlation_time_s", "how"}
+    assert set(report["noise"]) >= {"xel_arcsec", "el_arcsec", "correlation_time_s", "how"}
     assert report["noise"]["how"] in {"replicates", "neighbours", "reml"}
     finding = report["findings"][0]
     assert set(finding) >= {
@@ -130,7 +130,7 @@ def test_the_report_has_every_field_of_the_contract(tmp_path):
     assert set(finding["evidence"]) == {
         *("p_value", "delta_bic", "runner_up", "runner_up_delta_bic"),
     }
-    assert set(finding["heldout"]) == {
+    assert set(finding["heldout"]) >= {
         *("scheme", "rms_before_arcsec", "rms_after_arcsec", "noise_floor_arcsec"),
     }
     names, matrix = report["correlation"]["names"], report["correlation"]["matrix"]
