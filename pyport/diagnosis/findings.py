@@ -21,6 +21,7 @@ from pyport.diagnosis.scene import (
     size,
 )
 from pyport.diagnosis.steps import Step
+from pyport.effects.mounts import declared
 from pyport.stages import stage
 
 
@@ -59,6 +60,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     others = tuple(one for one in whole if one is not chosen)
     heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
     together = scene.combination(choice)
+    mounts = declared(setup.recordings.meta)
     largest = largest_offset(setup)
     if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
@@ -77,7 +79,9 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         effect=effect.id if named else "unknown",
         members=called.members if named else ("unknown",),
         verdict=verdict,
-        sentence=words.sentence(effect, parameters, where, together) if named else words.UNKNOWN,
+        sentence=words.sentence(effect, parameters, where, together, mounts)
+        if named
+        else words.UNKNOWN,
         where=where,
         parameters=tuple(parameters),
         evidence=evidence_of(step, called),

@@ -11,6 +11,7 @@ from pyport.diagnosis.enough import smallest_seen
 from pyport.diagnosis.finding import Parameter, Where
 from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.effects.base import Effect
+from pyport.effects.mounts import meaning
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
@@ -63,25 +64,28 @@ def sentence(
     parameters: Sequence[Parameter],
     where: Where,
     together: Combination | None = None,
+    mounts: tuple[str, ...] = (),
 ) -> str:
-    """Return a sentence about an effect with its size and axes.
+    """Return what the recordings show of an effect, how large, and what that means.
 
-    `together` is the combination in which its coefficients are known, if none is known alone.
+    `together` is the combination in which its coefficients are known, if none is known alone;
+    `mounts` is what was declared of the mount.
     """
     axes = " and ".join(_AXES[axis] for axis in where.axes)
-    said = f"{effect.sentence}; seen in {axes}"
+    said = f"{effect.pattern or effect.sentence} (seen in {axes})"
+    cause = meaning(effect, mounts)
     if together is not None:
-        return f"{said}; {together.sentence}"
+        return f"{said}: {cause}; {together.sentence}"
     sizes = [f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters[:_SHOWN]]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
-    return f"{said}: {', '.join(sizes)}{more}"
+    return f"{said}, {', '.join(sizes)}{more}: {cause}"
 
 
 def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:
     """Return a sentence about what all antennas share."""
     sizes = ", ".join(f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters)
     how = "by one amount in each session" if several else "by the same amount"
-    return f"{effect.sentence}, for all antennas {how}: {sizes}"
+    return f"{_shown(effect)}, for all antennas {how}: {sizes}"
 
 
 def own(
@@ -91,9 +95,14 @@ def own(
     shown = [p for p in parameters if any(p.name.endswith(f"[{name}]") for name in standing)]
     low, high = min(shown, key=lambda p: p.value), max(shown, key=lambda p: p.value)
     return (
-        f"{effect.sentence}, each antenna by its own amount ({len(standing)} of {antennas} beyond "
+        f"{_shown(effect)}, each antenna by its own amount ({len(standing)} of {antennas} beyond "
         f"three sigmas), from {number(low)} in {_inside(low)} to {number(high)} in {_inside(high)}"
     )
+
+
+def _shown(effect: Effect) -> str:
+    """Return what recordings show of an effect, and its cause."""
+    return f"{effect.pattern}: {effect.sentence}" if effect.pattern else effect.sentence
 
 
 def _inside(parameter: Parameter) -> str:

@@ -78,6 +78,7 @@ def _nutation(variant: str, *, apparent_time: bool) -> Effect:
         common="array",
         variant=variant,
         profile=lambda _: NUTATIONS,
+        pattern="as nutation turns the sky",
         needs=_WHERE_AND_WHEN,
         formula=("the sky nodded by ERFA (IAU 2000B), across", "the same, along elevation"),
     )
@@ -127,6 +128,7 @@ def _fixed(
     coefficient: Coefficient,
     needs: tuple[str, ...],
     formula: tuple[str, str],
+    pattern: str,
 ) -> Effect:
     """Return an effect of the sky with one coefficient that physics fixes."""
     return Effect(
@@ -138,6 +140,7 @@ def _fixed(
         common="array",
         needs=needs,
         formula=formula,
+        pattern=pattern,
     )
 
 
@@ -152,6 +155,7 @@ EFFECTS = (
             "the Earth turned under its pole by x_p, y_p of the IERS, across",
             "the same, along elevation",
         ),
+        "as the pole wanders, as the IERS has it",
     ),
     _fixed(
         "annual_aberration",
@@ -160,6 +164,7 @@ EFFECTS = (
         Coefficient("kappa", expected=KAPPA_ARCSEC),
         _WHERE_AND_WHEN,
         ("kappa V . e_A / V0, V the Earth's velocity by ERFA", "kappa V . e_E / V0"),
+        "toward where the Earth moves about the Sun",
     ),
     _fixed(
         "diurnal_aberration",
@@ -168,6 +173,7 @@ EFFECTS = (
         Coefficient("diurnal_aberration", expected=DIURNAL_ARCSEC),
         ("latitude_deg",),
         ("k cos phi cos A", "-k cos phi sin A sin E"),
+        "toward the east point",
     ),
     NUTATIONS[0],
     _fixed(
@@ -180,5 +186,6 @@ EFFECTS = (
             "the sky turned from J2000 to date by ERFA (IAU 2006), across",
             "the same, along elevation",
         ),
+        "as precession turns the sky since J2000",
     ),
 )

@@ -55,6 +55,7 @@ def formula_of_refraction(name: str) -> Effect:
         variant=name,
         profile=_shapes,
         common="array",
+        pattern="in elevation, growing toward the horizon",
     )
 
 
@@ -78,6 +79,7 @@ _COTANGENT = Effect(
     formula=("", "r cot E"),
     profile=_shapes,
     common="array",
+    pattern="in elevation, growing toward the horizon",
 )
 
 EFFECTS = (
@@ -89,6 +91,7 @@ EFFECTS = (
         (Coefficient("refraction_curvature"),),
         refraction_curvature,
         formula=("", "r3 cot^3 E"),
+        pattern="in elevation, near the horizon alone",
         common="array",
     ),
 )

@@ -178,7 +178,7 @@ class Effect:
     id
         The stable name, as reports and models spell it.
     sentence
-        What it is, in words that an observer would use.
+        What it is, in words that an observer would use, on whatever mount.
     citation
         Where the formula comes from.
     coefficients
@@ -214,6 +214,14 @@ class Effect:
         "session" for a change from one session or epoch to another, "order" for one between rows
         whose times are not known, "time" for a slow one, "" for what does not depend on when it
         was recorded.
+    pattern
+        What the recordings show of it, before any cause: "twice per turn of azimuth, in both axes".
+    means
+        What it is on some kinds of mounts, by the words of `mounts.MOUNTS`; `sentence` claims
+        nothing that only some mounts have.
+    belongs_to
+        The label of what is wrong, such as `source`, where that is not the telescope: it must
+        come back with the label from one night to another.
     """
 
     id: str
@@ -231,6 +239,9 @@ class Effect:
     edge: Callable[[Array], Array] | None = None
     driver: str | None = None
     changes_with: str = ""
+    pattern: str = ""
+    means: Mapping[str, str] = field(default_factory=dict)
+    belongs_to: str = ""
 
     @property
     def is_change(self) -> bool:

@@ -111,12 +111,14 @@ def _receiver_offset(
 ) -> Effect:
     return Effect(
         "receiver_offset",
-        "a receiver's box sits elsewhere: receivers or bands differ by a constant",
+        "receivers or bands look in different directions",
         _BAARS,
         coefficients,
         basis,
         variant=variant,
         profile=_receiver_offsets,
+        pattern=f"a constant {variant}, in both axes",
+        means={"receiver-boxes": "a box beside its place"},
         needs=("receiver or frequency_mhz",),
         formula=("b for each receiver or band", "c for each receiver or band"),
     )
@@ -150,6 +152,7 @@ def _beam_squint(
         basis,
         variant=variant,
         profile=_beam_squints,
+        pattern=f"opposite offsets {variant}, in both axes",
         needs=("polarisation or channel",),
         formula=("+-b by polarisation or channel", "+-c by polarisation or channel"),
     )

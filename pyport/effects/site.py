@@ -39,13 +39,14 @@ def _omitted_ut1(at: Circumstances) -> tuple[Array, Array]:
 def _clock(basis: Basis, coefficient: Coefficient, variant: str) -> Effect:
     return Effect(
         "clock",
-        "the clock, or UT1-UTC, is wrong: every hour angle is shifted",
+        "the clock, or UT1-UTC, is wrong",
         _SMART,
         (coefficient,),
         basis,
         common="array",
         variant=variant,
         profile=_clocks,
+        pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
     )
@@ -75,6 +76,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("latitude_error"),),
         site_latitude,
+        pattern="as a lean toward north or south, in both axes",
         formula=("d sin E sin A", "d cos A"),
     ),
     Effect(
@@ -83,6 +85,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("longitude_error"),),
         site_longitude,
+        pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
     ),

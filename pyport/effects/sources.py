@@ -39,6 +39,8 @@ def _source_position(
         common="array",
         variant=variant,
         profile=_source_positions,
+        pattern=f"an offset of {variant} on the sky",
+        belongs_to="source",
         needs=("source", "latitude_deg"),
         formula=("-e cos q + n sin q, shifted by e eastward, n northward", "e sin q + n cos q"),
     )
@@ -116,6 +118,7 @@ EFFECTS = (
         "Smart, Textbook on Spherical Astronomy, ch. IX: geocentric parallax",
         (Coefficient("horizontal_parallax"),),
         parallax,
+        pattern="in elevation, with the cosine of elevation, for near targets",
         common="array",
         formula=("", "-HP cos E"),
     ),
