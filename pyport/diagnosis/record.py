@@ -21,7 +21,7 @@ from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
-from pyport.fitting.sizes import ON_SKY, PER_AXIS, sky_rms
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.recordings.schema import Recordings
 
 SCHEMA = "pyport.diagnosis/1"
@@ -126,15 +126,16 @@ def _median_floor(noises: list[Any]) -> float | None:
 
 
 def _rms(diagnosis: Diagnosis, fit: Joint) -> dict[str, float | None]:
-    left, is_y = diagnosis.left(fit), diagnosis.setup.stack.is_y
-    found: dict[str, float | None] = {
-        f"rms_{name}_arcsec": rms(left[axis], diagnosis.share[axis]) / ARCSEC
-        if axis.any()
-        else None
-        for name, axis in (("xel", ~is_y), ("el", is_y))
+    left, data, used = diagnosis.left(fit), diagnosis.setup.stack, diagnosis.share > 0
+    found = {
+        "xel": axis_rms(data, left, used, is_y=False),
+        "el": axis_rms(data, left, used, is_y=True),
+        "sky": sky_rms(data, left, used),
     }
-    sky = sky_rms(diagnosis.setup.stack, left, diagnosis.share > 0)
-    return found | {"rms_sky_arcsec": None if sky is None else sky[0] / ARCSEC}
+    return {
+        f"rms_{name}_arcsec": None if one is None else one[0] / ARCSEC
+        for name, one in found.items()
+    }
 
 
 def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -47,6 +47,8 @@ def summary(diagnosis: Diagnosis) -> str:
             lines += _wrapped(f"Would have been seen in half of all cases, as rms: {seen}.")
     for together in diagnosis.combinations[:MOST_COMBINATIONS]:
         lines += _wrapped(f"Degenerate terms: {together.sentence}.")
+    if (more := len(diagnosis.combinations) - MOST_COMBINATIONS) > 0:
+        lines.append(f"Degenerate terms: {more} more combinations, see report.json.")
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
     for said in (*noise_words.sentences(diagnosis), *noise_words.dropped(diagnosis)):
