@@ -42,11 +42,14 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
         columns: tuple[tuple[str, ...], dict[str, str]],
         read_as: str,
         where: str,
+        mount: str | None,
         **others: Any,  # noqa: ANN401 - whatever the command takes
     ) -> Any:  # noqa: ANN401 - whatever the command returns
         from pyport.recordings.given import Given
 
         names, mapping = columns
+        if mount is not None:
+            about = about | {"mount": mount}
         return command(given=Given(about, names, read_as, where, mapping), **others)
 
     for option in reversed(_OPTIONS):
@@ -76,6 +79,11 @@ _OPTIONS = (
         default="",
         metavar="FORMAT",
         help="The file's format, where its suffix does not tell: see `pyport convert`.",
+    ),
+    click.option(
+        "--mount",
+        metavar="KIND,KIND",
+        help="What the mount is: wheel-and-track, bearing, ...; as '# mount:' in the file.",
     ),
     click.option(
         "--where",

@@ -8,26 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis import enough, holdout, joint
 from pyport.diagnosis import findings as reading
-from pyport.diagnosis import holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Setup, Weighed, prepare, weigh
 from pyport.diagnosis.edge_paths import averaged
+from pyport.diagnosis.evidence import Trial
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.search import search
 from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
 from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.two_axes import Disagreement, disagreements
+from pyport.diagnosis.winner import trials_of
 from pyport.errors import BadInput
+from pyport.fitting.combinations import Combination
 from pyport.fitting.models import Model
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 from pyport.threads import one_thread
 
-#: Below this many measured numbers beyond the model's own parameters nothing can be said.
-FEWEST_SPARE = 5
 TINY = 1e-200
 
 
@@ -64,6 +65,10 @@ class Diagnosis:
         The turns of the search, each with everything that was tried in it.
     two_axes
         Effects of the model that come out different from each axis alone.
+    too_few
+        Set where there were too few recordings to look for anything.
+    combinations
+        What is known of coefficients that are not known alone, the model's and those found.
     """
 
     setup: Setup
@@ -81,6 +86,8 @@ class Diagnosis:
     dropped: tuple[Dropped, ...] = ()
     steps: tuple[Step, ...] = ()
     two_axes: tuple[Disagreement, ...] = ()
+    combinations: tuple[Combination, ...] = ()
+    too_few: enough.TooFew | None = None
 
     @property
     def mismatch(self) -> bool:
@@ -121,11 +128,17 @@ def diagnose(
     Raises
     ------
     BadInput
-        There are too few recordings for the model.
+        There is no recording.
     """
     setup = prepare(recordings, model, refit, seed)
-    _enough(setup)
-    outcome, dropped = settled(averaged(search(setup, tell)))
+    if not len(setup.residual):
+        raise BadInput("no offset that can be used, expected some", recordings.file)
+    few = enough.too_few(setup)
+    dropped: tuple[Dropped, ...] = ()
+    if few is None:
+        outcome, dropped = settled(averaged(search(setup, tell)))
+    else:
+        outcome = _unsearched(setup, few)
     setup, weighed = outcome.setup, outcome.weighed
     alone = weigh(setup, (), searching=False)
     before = joint.fit(setup, alone, ())
@@ -149,20 +162,19 @@ def diagnose(
         unseen=held,
         dropped=dropped,
         steps=outcome.steps,
-        two_axes=disagreements(setup, weighed, outcome.chosen),
+        two_axes=() if few else disagreements(setup, weighed, outcome.chosen),
+        combinations=scene.combinations,
+        too_few=few,
     )
 
 
-def _enough(setup: Setup) -> None:
-    """Refuse recordings that cannot even carry the model."""
-    needed = setup.expanded(setup.base).shape[1] + FEWEST_SPARE
-    there = len(np.unique(setup.pointing * 2 + setup.stack.is_y))
-    if there < needed:
-        raise BadInput(
-            f"offsets of {there} pointings are too few: {setup.model.name} and a search beside it "
-            f"need {needed}",
-            setup.recordings.file,
-        )
+def _unsearched(setup: Setup, few: enough.TooFew) -> Outcome:
+    """Return the end of a search that was not made: what would have been seen is known."""
+    weighed = weigh(setup, (), searching=False)
+    last: tuple[Trial, ...] = ()
+    if few.scatter_known:
+        last = tuple(trials_of(setup, weighed.evidence.beside([setup.part(b) for b in setup.base])))
+    return Outcome(setup, (), (), weighed, 1.0, last)
 
 
 def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:

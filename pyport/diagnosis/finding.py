@@ -5,10 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pyport.angles import ARCSEC, Array
 
 if TYPE_CHECKING:
     from pyport.diagnosis.resampling import Stability
+    from pyport.fitting.combinations import Combination
+
+#: Where the fitted terms absorb less than a twentieth of an effect it is not worth a word.
+ABSORBED = 0.95
 
 
 @dataclass(frozen=True)
@@ -20,6 +26,11 @@ class Parameter:
     sigma: float
     unit: str
     expected: float | None = None
+
+
+def beyond(one: Parameter, largest: float) -> bool:
+    """Tell whether an angle, or its error, is larger than the largest offset measured [rad]."""
+    return one.unit == "arcsec" and max(abs(one.value), one.sigma) * ARCSEC > largest
 
 
 @dataclass(frozen=True)
@@ -82,7 +93,9 @@ class Finding:
     """One mismatch: what was left out, where, how big, how sure, what else it could be.
 
     `variant` says which member of a family it is; `visible_rms` and `true_rms`
-    [rad] are the effect's size after and before the model took its share;
+    [rad] are the effect's rms after and before the fitted terms take their share, the mean of
+    each axis taken out; `largest` [rad] is the largest offset that was measured;
+    `combination` is what is known of its coefficients where none is known alone;
     `checks` are the ones that were made, with their outcome in words; `stability`
     says how often its name came back on resampled data, None where it has none;
     `curve` is what is visible of the effect in each reading [rad], shape (m,);
@@ -106,6 +119,17 @@ class Finding:
     stability: Stability | None = None
     curve: Array | None = field(default=None, compare=False, repr=False)
     choice: int | None = field(default=None, compare=False, repr=False)
+    largest: float = np.inf
+    combination: Combination | None = None
+
+    @property
+    def size(self) -> str:
+        """Return how much it adds to the residuals, in words."""
+        adds = f'adds {self.visible_rms / ARCSEC:.3g}" rms to the residuals'
+        if self.true_rms > self.largest or self.visible_rms >= ABSORBED * self.true_rms:
+            return adds
+        before = f'{self.true_rms / ARCSEC:.3g}" before the fitted terms absorb the rest'
+        return f"{adds} ({before})"
 
     def as_json(self) -> dict[str, object]:
         """Return the finding as the report spells it."""
@@ -128,10 +152,11 @@ class Finding:
             "parameters": [vars(one) for one in self.parameters],
             "evidence": vars(self.evidence),
             "visible_rms_arcsec": self.visible_rms / ARCSEC,
-            "true_rms_arcsec": self.true_rms / ARCSEC,
+            "true_rms_arcsec": self.true_rms / ARCSEC if self.true_rms <= self.largest else None,
             "heldout": None if self.heldout is None else self.heldout.as_json(),
             "looks_like": self.looks_like,
             "decide_by": self.decide_by,
             "checks": list(self.checks),
             "stability": None if self.stability is None else self.stability.as_json(),
+            "combination": None if self.combination is None else self.combination.as_json(),
         }

@@ -9,12 +9,13 @@ import numpy as np
 from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.edges import curve_points
-from pyport.diagnosis.finding import Finding, Where
+from pyport.diagnosis.finding import Finding, Where, beyond
 from pyport.diagnosis.honest import honest
-from pyport.diagnosis.joint import contribution, visible
+from pyport.diagnosis.joint import contribution, largest_offset, visible
 from pyport.diagnosis.scene import (
     Scene,
     axes,
+    centred,
     evidence_of,
     held_out,
     moved_antennas,
@@ -22,6 +23,7 @@ from pyport.diagnosis.scene import (
     size,
 )
 from pyport.diagnosis.steps import Step
+from pyport.effects.mounts import declared
 from pyport.stages import stage
 
 
@@ -60,6 +62,11 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     whole = scene.outcome.chosen
     others = tuple(one for one in whole if one is not chosen)
     heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
+    together = scene.combination(choice)
+    mounts = declared(setup.recordings.meta)
+    largest = largest_offset(setup)
+    if together is not None:
+        parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= identify.MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
     one = len(called.members) == 1 and not called.others
@@ -75,12 +82,16 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         effect=effect.id if named else "unknown",
         members=called.members if named else ("unknown",),
         verdict=verdict,
-        sentence=words.sentence(effect, parameters, where) if named else words.UNKNOWN,
+        sentence=words.sentence(effect, parameters, where, together, mounts)
+        if named
+        else words.UNKNOWN,
         where=where,
         parameters=tuple(parameters),
         evidence=evidence_of(step, called),
         visible_rms=size(scene, seen, curve != 0),
-        true_rms=size(scene, curve, curve != 0),
+        true_rms=size(scene, centred(scene, curve), curve != 0),
+        largest=largest,
+        combination=together,
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),

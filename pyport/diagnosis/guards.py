@@ -9,19 +9,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.diagnosis.enough import FEWEST, SPARE, lacking, measured
 from pyport.diagnosis.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.recordings.nights import NIGHT_GAP_S
 
-#: Pointings that must carry an effect's curve, and that each side of a change must have.
-FEWEST = 4
-#: Measured numbers that must be left beyond all coefficients: the scatter that names are
-#: weighed by is then known to a third of itself.
-SPARE = 20
 #: A day [s].
 DAY_S = 86400.0
+#: A curve is seen in a night from so many of its sigmas on; it is the same as in all nights where
+#: it differs by fewer sigmas than the second, or by less than the share.
+SEEN, SAME_SIGMAS, SAME_SHARE = 2.0, 3.0, 0.5
 #: A column of which a cubic in time draws this share went with the hour.
 SMOOTH, ORDER = 0.9, 3
 
@@ -39,18 +39,22 @@ def refusal(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
 
     `seen` is what is visible of it in each reading [rad], shape (m,).
     """
-    return _too_few(scene, seen) or _one_session(scene, effect) or _one_night(scene, effect)
+    return (
+        _too_few(scene, seen)
+        or _one_session(scene, effect)
+        or _one_night(scene, effect)
+        or _once_only(scene, effect, seen)
+    )
 
 
 def _too_few(scene: Scene, seen: Array) -> Refusal | None:
-    used, rank = scene.weighed.used, scene.joint.solution.rank
-    numbers = scene.setup.pointing[used] * 2 + scene.setup.stack.is_y[used]
-    there, needed = len(np.unique(numbers)), rank + SPARE
-    if there < needed:
+    rank = scene.joint.solution.rank
+    there = measured(scene.setup, scene.weighed.used)
+    if lack := lacking(there, rank):
         return Refusal(
             f"{there} measured numbers are too few for {rank} coefficients and {SPARE} more, by "
-            "which one cause is told from another",
-            f"record {-(-(needed - there) // 2)} pointings more, or more",
+            "which one cause is distinguished from another",
+            f"record {-(-lack // 2)} pointings more, or more",
         )
     if (carried := carriers(scene, seen)) < FEWEST:
         return Refusal(
@@ -102,6 +106,63 @@ def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
         "looks the same",
         "observe in a second night",
     )
+
+
+def _once_only(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
+    """Refuse what belongs to a label and did not come back with it in a second night."""
+    label = effect.belongs_to
+    if not label:
+        return None
+    row = scene.setup.stack.row
+    names = np.asarray(scene.setup.recordings.label(label)).astype(str)[row]
+    power = scene.weighed.used * (seen / np.maximum(scene.floor, 1e-300)) ** 2
+    moved = [one for one in np.unique(names) if power[names == one].any()]
+    again = sum(power[names == one].sum() for one in moved if comes_back(scene, names == one, seen))
+    if again >= 0.5 * power.sum():
+        return None
+    one = f"one {label}" if len(moved) == 1 else f"each {label}"
+    return Refusal(
+        f"offset of {one} on one night: it did not come back in a second one",
+        f"observe the same {label}s in a second night",
+    )
+
+
+def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
+    """Tell whether a curve is there again, of about the same size, in two nights and more.
+
+    Parameters
+    ----------
+    scene
+        What findings are read from.
+    rows
+        Which readings the curve is looked for in, shape (m,).
+    seen
+        The curve [rad], shape (m,).
+    """
+    left = scene.setup.residual - scene.joint.predicted + seen
+    weight = scene.weighed.used / np.maximum(scene.floor, 1e-300) ** 2
+    found = 0
+    for night in np.unique(night_of(scene)[rows]):
+        own = rows & (night_of(scene) == night)
+        power = float((weight[own] * seen[own] ** 2).sum())
+        if power <= 0:
+            continue
+        size = float((weight[own] * seen[own] * left[own]).sum()) / power
+        sigma = 1 / np.sqrt(power)
+        found += size > SEEN * sigma and abs(size - 1) < max(SAME_SIGMAS * sigma, SAME_SHARE)
+    return found >= 2
+
+
+def night_of(scene: Scene) -> NDArray[np.intp]:
+    """Return a number for the night of each reading, shape (m,): sessions, and gaps in them."""
+    session, row = scene.setup.session, scene.setup.stack.row
+    time = _times(scene)
+    if time is None:
+        return np.unique(session, return_inverse=True)[1].ravel()
+    order = np.argsort(time, kind="stable")
+    run = np.zeros(len(time), np.intp)
+    run[order] = np.cumsum(np.diff(time[order], prepend=time[order[0]]) > NIGHT_GAP_S)
+    return np.unique(np.stack([session, run[row]]), axis=1, return_inverse=True)[1].ravel()
 
 
 def nights(scene: Scene) -> int:

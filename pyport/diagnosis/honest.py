@@ -1,4 +1,4 @@
-"""Before a finding is told: can the recordings carry its name, and does that come back."""
+"""The verdict on a finding: can the recordings carry its name, and does that come back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import replace
 from pyport.diagnosis import identify
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.guards import Refusal, refusal
-from pyport.diagnosis.resampling import stability
+from pyport.diagnosis.identify import MOST_MEMBERS, decide_by
+from pyport.diagnosis.resampling import Stability, stability
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.steps import Step
 from pyport.effects import CATALOGUE
@@ -42,8 +43,44 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
         if refused is not None:
             out.append(_refused(one, refused))
         else:
-            out.append(replace(one, stability=comes_back) if one in told else one)
+            out.append(judged(one, comes_back) if comes_back is not None and one in told else one)
     return out
+
+
+def judged(one: Finding, stability: Stability) -> Finding:
+    """Return a finding with the verdict that its name's stability allows.
+
+    Parameters
+    ----------
+    one
+        A finding that has a name.
+    stability
+        How often that, or one of its class, came first on resampled data.
+    """
+    one = replace(one, stability=stability)
+    verdict = stability.verdict(one.verdict)
+    if stability.stable or one.verdict == "unknown":
+        return one
+    members = (*one.members, *(n for n in stability.returned if n not in one.members))
+    counts = f"resampling {stability.resampled}, {stability.counts}"
+    if verdict == "ambiguous" and len(members) <= MOST_MEMBERS:
+        return replace(
+            one,
+            verdict=verdict,
+            members=members,
+            sentence=f"{one.sentence}; the name is not certain: {counts}",
+            decide_by=decide_by(members) or f"more recordings like these: {counts}",
+        )
+    shape = f" ({one.variant})" if one.variant else ""
+    return replace(
+        one,
+        effect="unknown",
+        members=("unknown",),
+        verdict="unknown",
+        sentence=f"something is left that these recordings cannot name: {counts}",
+        looks_like=f"{CATALOGUE[one.effect].sentence}: {one.effect}{shape}",
+        decide_by=decide_by(members) or "record more pointings where it is seen",
+    )
 
 
 def _refusal(scene: Scene, one: Finding) -> Refusal | None:

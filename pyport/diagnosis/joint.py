@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.fitting.gram import Solution
 from pyport.fitting.stacking import Codes
 
@@ -50,9 +51,49 @@ def fit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Joint:
 
 def sigmas(joint: Joint, readings: int) -> Array:
     """Return one-sigma errors; more scatter than the fitted noise widens them."""
-    left = max(1, readings - joint.solution.rank)
-    excess = max(1.0, joint.solution.residual / left)
-    return np.sqrt(np.maximum(np.diag(joint.solution.covariance), 0) * excess)
+    variance = np.maximum(np.diag(joint.solution.covariance), 0) * excess_of(joint, readings)
+    return np.asarray(np.sqrt(variance), float)
+
+
+def excess_of(joint: Joint, readings: int) -> float:
+    """Return how many times the variance of the fitted noise is left."""
+    return max(1.0, joint.solution.residual / max(1, readings - joint.solution.rank))
+
+
+def combined(setup: Setup, joint: Joint) -> tuple[Combination, ...]:
+    """Return what a joint fit knows of coefficients that it does not know alone.
+
+    What a search drew freely (fields, curves of no name) has coefficients that nobody reads.
+    """
+    kept: list[int] = []
+    names, coefficients = [], []
+    for n, chosen in enumerate(joint.choices):
+        if n >= len(setup.base) and not chosen.candidate.effect.physical:
+            continue
+        width = len(chosen.candidate.columns)
+        for group, label in enumerate(setup.blocks.names(chosen.scope)):
+            for k, which in enumerate(chosen.candidate.coefficients):
+                coefficient = chosen.candidate.effect.coefficients[which]
+                kept.append(int(joint.starts[n]) + group * width + k)
+                names.append(coefficient.name + (f"[{label}]" if label else ""))
+                coefficients.append(coefficient)
+    if not 1 < len(kept) <= MOST_COEFFICIENTS:
+        return ()
+    excess = excess_of(joint, len(setup.residual))
+    found = combinations(
+        names,
+        coefficients,
+        setup.expanded(joint.choices)[:, kept],
+        joint.solution.values[kept],
+        joint.solution.covariance[np.ix_(kept, kept)] * excess,
+        largest_offset(setup),
+    )
+    return tuple(replace(one, places=tuple(kept[n] for n in one.places)) for one in found)
+
+
+def largest_offset(setup: Setup) -> float:
+    """Return the largest offset that was measured [rad]: no effect is told to be larger."""
+    return float(np.abs(setup.stack.value).max(initial=0.0))
 
 
 def contribution(setup: Setup, joint: Joint, choice: int) -> Array:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.diagnosis import two_axes_words
+from pyport.diagnosis import noise_words, two_axes_words
 from pyport.diagnosis.arrays.record import as_json as array_json
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.completed import completed
@@ -19,9 +19,11 @@ from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
 from pyport.diagnosis.soundness import warnings
+from pyport.diagnosis.words import nothing
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.fitting.gram import inverted
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.models import toml
 from pyport.recordings.schema import Recordings
 
@@ -60,6 +62,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "refit": [c.candidate.effect.id for c in diagnosis.setup.base],
         },
         "noise": _noise(diagnosis),
+        "verdict": None if diagnosis.mismatch else nothing(diagnosis),
         "mismatch": diagnosis.mismatch,
         "p_value": diagnosis.p_value,
         "detection_limit_arcsec": {
@@ -70,7 +73,10 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "before": _rms(diagnosis, diagnosis.before),
             "after": _rms(diagnosis, diagnosis.after),
             "heldout": diagnosis.heldout.as_json(),
+            "rms_per_axis": PER_AXIS,
+            "rms_on_sky": ON_SKY,
         },
+        "combinations": [one.as_json() for one in diagnosis.combinations],
         "dropped": [vars(one) for one in diagnosis.dropped],
         "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),
@@ -126,6 +132,9 @@ def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
         "el_arcsec": _median_floor(axes["el"]),
         "correlation_time_s": max(times, default=None),
         "how": parts[0][1].how if parts else "reml",
+        "departures": noise_words.departures(diagnosis),
+        "by_elevation": noise_words.by_elevation(diagnosis),
+        "sentences": noise_words.sentences(diagnosis),
     }
 
 
@@ -134,12 +143,15 @@ def _median_floor(noises: list[Any]) -> float | None:
 
 
 def _rms(diagnosis: Diagnosis, fit: Joint) -> dict[str, float | None]:
-    left, is_y = diagnosis.left(fit), diagnosis.setup.stack.is_y
+    left, data, used = diagnosis.left(fit), diagnosis.setup.stack, diagnosis.share > 0
+    found = {
+        "xel": axis_rms(data, left, used, is_y=False),
+        "el": axis_rms(data, left, used, is_y=True),
+        "sky": sky_rms(data, left, used),
+    }
     return {
-        f"rms_{name}_arcsec": rms(left[axis], diagnosis.share[axis]) / ARCSEC
-        if axis.any()
-        else None
-        for name, axis in (("xel", ~is_y), ("el", is_y))
+        f"rms_{name}_arcsec": None if one is None else one[0] / ARCSEC
+        for name, one in found.items()
     }
 
 

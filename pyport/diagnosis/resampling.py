@@ -1,15 +1,15 @@
 """Whether a name comes back: the choice among the nearest names, made again on resampled data.
 
-Whole sessions, or blocks of time, are drawn with replacement. Their products add up, so a
-draw costs one small sum; the model, the other findings, the name and its rivals are fitted
-anew in each.
+It decides the verdict: see `Stability.verdict`. Whole sessions, or blocks of time, are drawn with
+replacement. Their products add up, so a draw costs one small sum; the model, the other findings,
+the name and its rivals are fitted anew in each.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +27,11 @@ from pyport.stages import stage
 DRAWS = 40
 #: A name that comes first in fewer draws than this share is not stable.
 STABLE = 0.8
+#: A name that came first in this share of the draws is one that the data allow. Of 40 draws that
+#: is four: a name that comes first in one of a hundred does so four times once in 2,700 cases.
+NOTICEABLE = 0.1
+#: Where no name came first in more draws than this share the data mostly hold nothing to name.
+MOSTLY = 0.5
 #: So many of the nearest names compete with it.
 RIVALS = 4
 #: Rivals that fell behind by more than this in evidence cannot come first in any draw.
@@ -47,15 +52,14 @@ class Stability:
         What was drawn: sessions, blocks of time or pointings.
     draws, kept
         How often, and in how many the name, or one of its class, came first.
-    instead
-        The name that came first most often where it did not; None where it always did, or
-        nothing was worth a name.
+    names
+        Other names that came first, and in how many draws, the most frequent first.
     """
 
     resampled: str
     draws: int
     kept: int
-    instead: str | None
+    names: dict[str, int] = field(default_factory=dict)
 
     @property
     def stable(self) -> bool:
@@ -63,20 +67,50 @@ class Stability:
         return self.kept >= STABLE * self.draws
 
     @property
+    def nameless(self) -> int:
+        """Return in how many draws nothing was worth a name."""
+        return self.draws - self.kept - sum(self.names.values())
+
+    @property
+    def instead(self) -> str | None:
+        """Return the name that came first most often where it did not, None for no name."""
+        most = max(self.names, key=lambda name: self.names[name], default=None)
+        return most if most is not None and self.names[most] >= self.nameless else None
+
+    @property
+    def returned(self) -> tuple[str, ...]:
+        """Return the other names that came first in a noticeable share of the draws."""
+        return tuple(n for n, count in self.names.items() if count >= NOTICEABLE * self.draws)
+
+    def verdict(self, verdict: str) -> str:
+        """Return what a verdict becomes: the data decide between names only if they keep doing so.
+
+        A name that is not stable is `ambiguous` with those that came back, or `unknown` where
+        mostly none did.
+        """
+        if self.stable or verdict == "unknown":
+            return verdict
+        return "unknown" if self.nameless > MOSTLY * self.draws else "ambiguous"
+
+    @property
+    def counts(self) -> str:
+        """Return how often which name came first."""
+        others = [f"{name} in {count}" for name, count in self.names.items()]
+        if self.nameless:
+            others.append(f"no name in {self.nameless}")
+        first = f"the name came back in {self.kept} of {self.draws} draws"
+        return ", ".join([first, *others])
+
+    @property
     def words(self) -> str:
         """Return how often the name came back, and what came in its place."""
-        told = (
-            f"drawing the {self.resampled} anew, the name came back in {self.kept} of "
-            f"{self.draws} draws"
-        )
-        if self.stable:
-            return told
-        other = "no name" if self.instead is None else f"mostly {self.instead}"
-        return f"not stable: {told}, {other} in the others"
+        said = f"resampling {self.resampled}, {self.counts}"
+        return said if self.stable else f"not stable: {said}"
 
     def as_json(self) -> dict[str, object]:
         """Return it as the report spells it."""
-        return vars(self) | {"stable": self.stable}
+        more = {"instead": self.instead, "nameless": self.nameless, "stable": self.stable}
+        return vars(self) | more
 
 
 @stage("resampling")
@@ -124,8 +158,8 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
         best = int(np.argmax(np.round(worth, TIE)))
         first[competing[best].candidate.effect.id if worth[best] > 0 else None] += 1
     kept = first.pop(own.candidate.effect.id, 0)
-    instead = first.most_common(1)[0][0] if first else None
-    return Stability(resampled, DRAWS, kept, instead)
+    names = {name: count for name, count in first.most_common() if name is not None}
+    return Stability(resampled, DRAWS, kept, names)
 
 
 def _fitted(model: Array, columns: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +14,11 @@ from pyport.diagnosis import holdout, identify
 from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
-from pyport.diagnosis.joint import Joint, rms, sigmas
+from pyport.diagnosis.joint import Joint, combined, rms, sigmas
 from pyport.diagnosis.settle import unseen
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
+from pyport.fitting.combinations import Combination
 
 #: An axis belongs to a finding when it shows this share of what the other axis shows.
 AXIS_SHARE = 0.2
@@ -45,14 +47,32 @@ class Scene:
         """Return the last weighing."""
         return self.outcome.weighed
 
+    @cached_property
+    def combinations(self) -> tuple[Combination, ...]:
+        """Return what the joint fit knows of coefficients that it does not know alone."""
+        return combined(self.setup, self.joint)
+
+    def combination(self, choice: int) -> Combination | None:
+        """Return the combination that a choice's coefficients are known in, None if alone."""
+        where = self.joint.slice(choice)
+        own = range(where.start, where.stop)
+        return next((c for c in self.combinations if any(n in own for n in c.places)), None)
+
 
 def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     """Return the scene of a finished search."""
     floor = outcome.weighed.covariance.scatter
     quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
+    # Plain within an antenna: only one that is noisier than usual counts less in an array's rms.
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    own = np.array([np.median(floor[antenna == n]) for n in range(antenna.max(initial=-1) + 1)])
     usual = np.median(floor[counted]) if counted.any() else 1.0
-    share = np.where(counted, np.minimum(1.0, (usual / np.maximum(floor, 1e-300)) ** 2), 0.0)
+    if len(own) > 1:
+        share = np.minimum(1.0, (usual / np.maximum(own, 1e-300)) ** 2)[antenna]
+    else:
+        share = np.ones(len(floor))
+    share = np.where(counted, share, 0.0)
     return Scene(setup, outcome, joint, counted, share, floor, seed)
 
 
@@ -105,6 +125,17 @@ def scaled(
 def size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
     """Return the rms of a curve over some of the readings that count [rad]."""
     return rms(curve[rows], scene.share[rows])
+
+
+def centred(scene: Scene, curve: Array) -> Array:
+    """Return a curve (m,) less its mean in each axis of each antenna: a zero would take that."""
+    setup, out = scene.setup, curve.copy()
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    series = antenna * 2 + setup.stack.is_y
+    count = np.bincount(series, scene.share)
+    total = np.bincount(series, scene.share * curve)
+    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[series]
+    return out
 
 
 def axes(setup: Setup, seen: Array) -> tuple[str, ...]:

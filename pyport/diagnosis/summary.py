@@ -7,12 +7,14 @@ import textwrap
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record, two_axes_words
+from pyport.diagnosis import noise_words, record, two_axes_words
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
+from pyport.fitting.sizes import axis_rms, sky_rms
+from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models import words as corrections
 
 _WIDTH = 96
@@ -31,7 +33,7 @@ def summary(diagnosis: Diagnosis) -> str:
             f"{made.rows} recordings in {made.points} normal points {made.patch_deg:g} deg wide"
             f", {made.outliers} readings outliers"
         )
-    lines = [f"{recordings.file.name}: {what}, {aside} set aside, model {model}"]
+    lines = [f"{recordings.file.name}: {what}, {aside} excluded, model {model}"]
     if diagnosis.mismatch:
         lines.append(
             f"The model leaves something out (chance of noise alone {_chance(diagnosis)})."
@@ -39,12 +41,17 @@ def summary(diagnosis: Diagnosis) -> str:
         for n, finding in enumerate(diagnosis.findings, 1):
             lines += _finding(n, finding)
     else:
-        lines += _wrapped(f"{nothing(diagnosis.p_value)} (p = {_chance(diagnosis)}).")
+        chance = "" if diagnosis.too_few else f" (p = {_chance(diagnosis)})"
+        lines += _wrapped(f"{nothing(diagnosis)}{chance}.")
         limits = sorted(diagnosis.detection_limits.items(), key=lambda item: item[1])[:_LIMITS]
-        seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
-        lines.append(f"Would have been seen in half of all cases, as rms: {seen}.")
+        if limits:
+            seen = ", ".join(f"{effect} {size / ARCSEC:.2g} arcsec" for effect, size in limits)
+            lines += _wrapped(f"Would have been seen in half of all cases, as rms: {seen}.")
+    lines += _combinations(diagnosis)
     for one in diagnosis.two_axes:
         lines += _wrapped(two_axes_words.sentence(one))
+    for said in (*noise_words.sentences(diagnosis), *noise_words.dropped(diagnosis)):
+        lines += _wrapped(f"{said}.")
     lines += _improvement(diagnosis)
     done = completed(diagnosis)
     if done.completed is not None:
@@ -52,6 +59,16 @@ def summary(diagnosis: Diagnosis) -> str:
     for sentence in warnings(diagnosis):
         lines += _wrapped(f"Warning: {sentence}.")
     return "\n".join(lines)
+
+
+def _combinations(diagnosis: Diagnosis) -> list[str]:
+    """Return a line for each combination of coefficients that are not known alone."""
+    lines = []
+    for together in diagnosis.combinations[:MOST_COMBINATIONS]:
+        lines += _wrapped(f"Degenerate terms: {together.sentence}.")
+    if (more := len(diagnosis.combinations) - MOST_COMBINATIONS) > 0:
+        lines.append(f"Degenerate terms: {more} more combinations, see report.json.")
+    return lines
 
 
 def _finding(n: int, finding: Finding) -> list[str]:
@@ -64,10 +81,7 @@ def _finding(n: int, finding: Finding) -> list[str]:
     subset = finding.where.subset.get("antenna")
     if subset:
         lines.append(f"   Antennas: {' '.join(subset)}.")
-    lines.append(
-        f"   Size {finding.true_rms / ARCSEC:.3g} arcsec rms, of which the model hides all but "
-        f"{finding.visible_rms / ARCSEC:.3g}."
-    )
+    lines.append(f"   {finding.size[0].upper()}{finding.size[1:]}.")
     if finding.heldout is not None:
         held = finding.heldout
         lines.append(
@@ -75,11 +89,8 @@ def _finding(n: int, finding: Finding) -> list[str]:
             f"{held.before / ARCSEC:.3g} -> {held.after / ARCSEC:.3g} arcsec, noise floor "
             f"{held.noise_floor / ARCSEC:.3g}."
         )
-    if finding.stability is not None and not finding.stability.stable:
-        words = finding.stability.words
-        lines.append(f"   {words[0].upper()}{words[1:]}.")
     if finding.decide_by:
-        lines.append(f"   To decide: {finding.decide_by}.")
+        lines.append(f"   Next: {finding.decide_by}.")
     return [part for line in lines for part in _wrapped(line)]
 
 
@@ -92,8 +103,8 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
     """Return what became of the rms, over all readings and, for an array, antenna by antenna."""
     held = diagnosis.heldout
     before, after, floor = (v / ARCSEC for v in (held.before, held.after, held.noise_floor))
-    change = f"rms {before:.3g} -> {after:.3g} arcsec, noise floor {floor:.3g}"
-    lines = [f"Held out ({held.scheme}): {change}."]
+    change = f"rms per axis {before:.3g} -> {after:.3g} arcsec, noise floor {floor:.3g}"
+    lines = [_in_fit(diagnosis), f"Held out ({held.scheme}): {change}."]
     table = [row for row in record.antennas(diagnosis) if not row["drowns_in_noise"]]
     if len(table) > 1 and diagnosis.mismatch:
         factor = [
@@ -107,9 +118,29 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
     if not diagnosis.weighed.used.all():
         lines.append(
-            f"{int((~diagnosis.weighed.used).sum())} readings are outliers: see weight in rows.csv."
+            f"Outliers: {int((~diagnosis.weighed.used).sum())} readings; see weight in rows.csv."
         )
     return [part for line in lines for part in _wrapped(line)]
+
+
+def _in_fit(diagnosis: Diagnosis) -> str:
+    """Return the rms in the fit, per axis and on the sky, and what they are of."""
+    setup, used = diagnosis.setup, diagnosis.share > 0
+    fits = [diagnosis.left(one) for one in (diagnosis.before, diagnosis.after)]
+    told = []
+    for name, found in (
+        ("cross-elevation", [axis_rms(setup.stack, one, used, is_y=False) for one in fits]),
+        ("elevation", [axis_rms(setup.stack, one, used, is_y=True) for one in fits]),
+        ("sky", [sky_rms(setup.stack, one, used) for one in fits]),
+    ):
+        sizes = [one[0] / ARCSEC for one in found if one is not None]
+        if sizes:
+            values = " -> ".join(f"{one:.3g}" for one in sizes[: 1 + diagnosis.mismatch])
+            told.append(f"{name} {values}")
+    return (
+        f"In the fit, rms: {', '.join(told)} arcsec; per axis, and on the sky the root of the mean "
+        "of x^2 + y^2, outliers excluded, not reduced for fitted terms (as TPOINT's sky rms)."
+    )
 
 
 def _chance(diagnosis: Diagnosis) -> str:

@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pyport.diagnosis.enough import smallest_seen
 from pyport.diagnosis.finding import Parameter, Where
 from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.effects.base import Effect
+from pyport.effects.mounts import meaning
 
 if TYPE_CHECKING:
+    from pyport.diagnosis.diagnose import Diagnosis
     from pyport.diagnosis.identify import Name
+    from pyport.fitting.combinations import Combination
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = "look at the region and the column that it follows, and record what changes there"
@@ -21,13 +25,21 @@ _AXES = {"xel": "cross-elevation", "el": "elevation"}
 _SHOWN = 6
 
 
-def nothing(p_value: float) -> str:
-    """Return what is said where no finding is."""
-    if p_value > FAMILY_ERROR:
-        return "Nothing is missing that these recordings could show"
+def nothing(diagnosis: Diagnosis) -> str:
+    """Return what is said where no finding is: what was looked for, and how little was to be seen.
+
+    No finding is no all-clear: few recordings show large effects only, and what is left may not
+    look like noise though nothing that was tried predicts unseen data better.
+    """
+    seen = smallest_seen(diagnosis.detection_limits)
+    more = "" if seen is None else f"; {seen}"
+    if diagnosis.too_few is not None:
+        return f"{diagnosis.too_few.sentence}{more}"
+    if diagnosis.p_value > FAMILY_ERROR:
+        return f"Nothing is missing that these recordings could show{more}"
     return (
-        "What is left does not look like noise, but nothing that was tried predicts recordings "
-        "that it had not seen"
+        "What is left does not look like the noise that was assumed, but nothing that was tried "
+        "predicts unseen data better"
     )
 
 
@@ -47,19 +59,33 @@ def number(parameter: Parameter) -> str:
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 
 
-def sentence(effect: Effect, parameters: Sequence[Parameter], where: Where) -> str:
-    """Return a sentence about an effect with its size and axes."""
+def sentence(
+    effect: Effect,
+    parameters: Sequence[Parameter],
+    where: Where,
+    together: Combination | None = None,
+    mounts: tuple[str, ...] = (),
+) -> str:
+    """Return what the recordings show of an effect, how large, and what that means.
+
+    `together` is the combination in which its coefficients are known, if none is known alone;
+    `mounts` is what was declared of the mount.
+    """
     axes = " and ".join(_AXES[axis] for axis in where.axes)
+    said = f"{effect.pattern or effect.sentence} (seen in {axes})"
+    cause = meaning(effect, mounts)
+    if together is not None:
+        return f"{said}: {cause}; {together.sentence}"
     sizes = [f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters[:_SHOWN]]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
-    return f"{effect.sentence}; seen in {axes}: {', '.join(sizes)}{more}"
+    return f"{said}, {', '.join(sizes)}{more}: {cause}"
 
 
 def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:
     """Return a sentence about what all antennas share."""
     sizes = ", ".join(f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters)
     how = "by one amount in each session" if several else "by the same amount"
-    return f"{effect.sentence}, for all antennas {how}: {sizes}"
+    return f"{_shown(effect)}, for all antennas {how}: {sizes}"
 
 
 def own(
@@ -69,9 +95,14 @@ def own(
     shown = [p for p in parameters if any(p.name.endswith(f"[{name}]") for name in standing)]
     low, high = min(shown, key=lambda p: p.value), max(shown, key=lambda p: p.value)
     return (
-        f"{effect.sentence}, each antenna by its own amount ({len(standing)} of {antennas} beyond "
+        f"{_shown(effect)}, each antenna by its own amount ({len(standing)} of {antennas} beyond "
         f"three sigmas), from {number(low)} in {_inside(low)} to {number(high)} in {_inside(high)}"
     )
+
+
+def _shown(effect: Effect) -> str:
+    """Return what recordings show of an effect, and its cause."""
+    return f"{effect.pattern}: {effect.sentence}" if effect.pattern else effect.sentence
 
 
 def _inside(parameter: Parameter) -> str:

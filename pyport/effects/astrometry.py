@@ -79,6 +79,7 @@ def _nutation(variant: str) -> Effect:
         common="array",
         variant=variant,
         profile=lambda _: NUTATIONS,
+        pattern="as nutation turns the sky",
         needs=_WHERE_AND_WHEN,
         formula=("the sky nodded by ERFA (IAU 2000B), across", "the same, along elevation"),
         member={"variant": variant},
@@ -128,6 +129,7 @@ def _fixed(
     coefficient: Coefficient,
     needs: tuple[str, ...],
     formula: tuple[str, str],
+    pattern: str,
 ) -> Effect:
     """Return an effect of the sky with one coefficient that physics fixes."""
     return Effect(
@@ -139,6 +141,7 @@ def _fixed(
         common="array",
         needs=needs,
         formula=formula,
+        pattern=pattern,
     )
 
 
@@ -153,6 +156,7 @@ EFFECTS = (
             "the Earth turned under its pole by x_p, y_p of the IERS, across",
             "the same, along elevation",
         ),
+        "as the pole wanders, as the IERS has it",
     ),
     _fixed(
         "annual_aberration",
@@ -161,6 +165,7 @@ EFFECTS = (
         Coefficient("kappa", expected=KAPPA_ARCSEC),
         _WHERE_AND_WHEN,
         ("kappa V . e_A / V0, V the Earth's velocity by ERFA", "kappa V . e_E / V0"),
+        "toward where the Earth moves about the Sun",
     ),
     _fixed(
         "diurnal_aberration",
@@ -169,6 +174,7 @@ EFFECTS = (
         Coefficient("diurnal_aberration", expected=DIURNAL_ARCSEC),
         ("latitude_deg",),
         ("k cos phi cos A", "-k cos phi sin A sin E"),
+        "toward the east point",
     ),
     NUTATIONS[0],
     _fixed(
@@ -181,5 +187,6 @@ EFFECTS = (
             "the sky turned from J2000 to date by ERFA (IAU 2006), across",
             "the same, along elevation",
         ),
+        "as precession turns the sky since J2000",
     ),
 )

@@ -57,6 +57,7 @@ def formula_of_refraction(name: str) -> Effect:
         common="array",
         member={"formula": name},
         make=_refraction,
+        pattern="in elevation, growing toward the horizon",
     )
 
 
@@ -86,6 +87,7 @@ _COTANGENT = Effect(
     profile=_shapes,
     common="array",
     make=_refraction,
+    pattern="in elevation, growing toward the horizon",
 )
 
 EFFECTS = (
@@ -97,6 +99,7 @@ EFFECTS = (
         (Coefficient("refraction_curvature"),),
         refraction_curvature,
         formula=("", "r3 cot^3 E"),
+        pattern="in elevation, near the horizon alone",
         common="array",
     ),
 )

@@ -178,7 +178,7 @@ class Effect:
     id
         The stable name, as reports and models spell it.
     sentence
-        What it is, in words that an observer would use.
+        What it is, in words that an observer would use, on whatever mount.
     citation
         Where the formula comes from.
     coefficients
@@ -220,6 +220,14 @@ class Effect:
     make
         For a family: `make(**member)` -> the member. What depends on the recordings that a
         family was tried on (a mean, a span of time, names of labels) is part of `member`.
+    pattern
+        What the recordings show of it, before any cause: "twice per turn of azimuth, in both axes".
+    means
+        What it is on some kinds of mounts, by the words of `mounts.MOUNTS`; `sentence` claims
+        nothing that only some mounts have.
+    belongs_to
+        The label of what is wrong, such as `source`, where that is not the telescope: it must
+        come back with the label from one night to another.
     """
 
     id: str
@@ -239,6 +247,9 @@ class Effect:
     changes_with: str = ""
     member: Mapping[str, Any] = field(default_factory=dict, compare=False)
     make: Callable[..., Effect] | None = field(default=None, compare=False)
+    pattern: str = ""
+    means: Mapping[str, str] = field(default_factory=dict)
+    belongs_to: str = ""
 
     @property
     def is_change(self) -> bool:

@@ -10,6 +10,7 @@ from types import ModuleType
 from pyport.effects import CATALOGUE, FAMILIES, Effect
 from pyport.effects.base import Coefficient
 from pyport.effects.degeneracies import USUAL, WHERE, Alike, alike
+from pyport.effects.mounts import MOUNTS
 from pyport.errors import BadInput
 
 _SHARED = {
@@ -57,6 +58,8 @@ def entries(names: Sequence[str] = ()) -> list[dict[str, object]]:
         {
             "id": effect.id,
             "sentence": effect.sentence,
+            "pattern": effect.pattern,
+            "means": dict(effect.means),
             "x": effect.formula[0],
             "y": effect.formula[1],
             "needs": list(effect.needs),
@@ -98,6 +101,9 @@ def _paragraph(effect: Effect) -> str:
 def _facts(effect: Effect) -> list[tuple[str, str]]:
     """Return what there is to say of an effect, with a word for each."""
     facts = [(axis, formula) for axis, formula in zip("xy", effect.formula, strict=True) if formula]
+    if effect.pattern:
+        facts.insert(0, ("shows", effect.pattern))
+    facts += [("on", f"{MOUNTS[kind]}: {cause}") for kind, cause in effect.means.items()]
     facts.append(("needs", ", ".join(effect.needs) or "nothing but the position"))
     coefficients = ", ".join(map(_coefficient, effect.coefficients))
     facts.append(("coefficients", coefficients or "as many as the recordings call for"))

@@ -135,6 +135,7 @@ def driven(term: str, driver: Driver) -> Effect:
         basis,
         variant=f"{term} follows {driver.name}",
         profile=_driven_terms,
+        pattern=f"{term.replace('_', ' ')} follows {driver.name}",
         needs=(_NEEDS,),
         formula=(
             "a term of the mount times (c - c0), c a recorded condition",

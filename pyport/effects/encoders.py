@@ -8,6 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.mounts import times
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19"
 _GREVE = "Greve et al. 1996, Radio Science 31, 1053"
@@ -59,6 +60,7 @@ def azimuth_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(azimuth_harmonics, at),
+        pattern=f"{times(k)} per turn of azimuth, in azimuth alone",
         formula=("cos E (s sin kA + c cos kA), k >= 2", ""),
         parameter=k,
         member={"k": k},
@@ -80,6 +82,11 @@ def elevation_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(elevation_harmonics, at),
+        pattern=f"{times(k)} per turn of azimuth, in elevation alone",
+        means={
+            "wheel-and-track": "the track, not level",
+            "bearing": "the azimuth bearing, not flat",
+        },
         formula=("", "s sin kA + c cos kA, k >= 2"),
         parameter=k,
         member={"k": k},
@@ -101,6 +108,7 @@ def elevation_encoder_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda _: tuple(map(elevation_encoder_harmonics, HARMONICS)),
+        pattern=f"{times(k)} per turn of elevation, in elevation alone",
         formula=("", "s sin kE + c cos kE, k >= 2"),
         parameter=k,
         member={"k": k},
@@ -116,12 +124,14 @@ def _azimuth_scale(variant: str) -> Effect:
 
     return Effect(
         "azimuth_scale",
-        "the azimuth encoder runs at a wrong rate, or the cable wrap drags",
+        "the azimuth reading runs at a wrong rate",
         _WALLACE,
         (Coefficient("azimuth_scale", "arcsec/deg", ARCSEC / DEG),),
         basis,
         variant=variant,
         profile=_azimuth_scales,
+        pattern="in proportion to azimuth, in azimuth alone",
+        means={"cable-wrap": "the wrap that drags"},
         formula=("s A cos E, A unwrapped as the cable is", ""),
         member={"variant": variant},
         make=_azimuth_scale,
@@ -155,6 +165,7 @@ EFFECTS = (
         _GREVE,
         _wave("azimuth_eccentricity"),
         azimuth_eccentricity,
+        pattern="once per turn of azimuth, in azimuth alone",
         formula=("cos E (s sin A + c cos A)", ""),
     ),
     azimuth_harmonics(2),
@@ -167,6 +178,7 @@ EFFECTS = (
         _WALLACE,
         (Coefficient("elevation_scale", "arcsec/deg", ARCSEC / DEG),),
         elevation_scale,
+        pattern="in proportion to elevation, in elevation alone",
         formula=("", "s E"),
     ),
 )

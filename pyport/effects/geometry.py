@@ -47,6 +47,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("azimuth_zero"),),
         azimuth_zero,
+        pattern="a constant in azimuth",
         formula=("a cos E", ""),
     ),
     Effect(
@@ -55,14 +56,17 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("elevation_zero"),),
         elevation_zero,
+        pattern="a constant in elevation",
         formula=("", "e"),
     ),
     Effect(
         "collimation",
-        "the beam is not perpendicular to the elevation axis (box offset)",
+        "the beam is not perpendicular to the elevation axis",
         _FIELD_SYSTEM,
         (Coefficient("collimation"),),
         collimation,
+        pattern="a constant across the sky, the same at all elevations",
+        means={"receiver-boxes": "a box beside its place"},
         formula=("b", ""),
     ),
     Effect(
@@ -71,6 +75,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("skew"),),
         skew,
+        pattern="in cross-elevation, growing with the sine of elevation",
         formula=("c sin E", ""),
     ),
     Effect(
@@ -79,6 +84,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("tilt_north"), Coefficient("tilt_east")),
         tilt,
+        pattern="once per turn of azimuth, in both axes",
         formula=("n sin E sin A - e sin E cos A", "n cos A + e sin A"),
     ),
 )

@@ -28,6 +28,7 @@ EFFECTS = (
         (Coefficient("sag_cosine"),),
         sag_cosine,
         formula=("", "g cos E"),
+        pattern="in elevation, with the cosine of elevation",
     ),
     Effect(
         "sag_sine",
@@ -36,5 +37,6 @@ EFFECTS = (
         (Coefficient("sag_sine"),),
         sag_sine,
         formula=("", "h sin E"),
+        pattern="in elevation, with the sine of elevation",
     ),
 )

@@ -7,6 +7,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.effects.base import Circumstances, Coefficient, Effect, stack
 from pyport.effects.encoders import HARMONICS, need_azimuths
+from pyport.effects.mounts import times
 
 
 def azimuth_track(k: int) -> Effect:
@@ -28,7 +29,7 @@ def azimuth_track(k: int) -> Effect:
 
     return Effect(
         "azimuth_track",
-        "the azimuth rail is not level or not round: the mount rocks as it goes round",
+        "the mount rocks as it turns in azimuth",
         "Lew 2018, Experimental Astronomy 45, 81: the rail of the RT32",
         tuple(
             Coefficient(f"track_{motion}_{phase}")
@@ -42,6 +43,11 @@ def azimuth_track(k: int) -> Effect:
         parameter=k,
         member={"k": k},
         make=azimuth_track,
+        pattern=f"{times(k)} per turn of azimuth, in both axes",
+        means={
+            "wheel-and-track": "the track, not level or not round",
+            "bearing": "the azimuth bearing, not flat or not round",
+        },
     )
 
 

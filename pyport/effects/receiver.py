@@ -114,12 +114,14 @@ def _receiver_offset(
 ) -> Effect:
     return Effect(
         "receiver_offset",
-        "a receiver's box sits elsewhere: receivers or bands differ by a constant",
+        "receivers or bands look in different directions",
         _BAARS,
         coefficients,
         basis,
         variant="by receiver" if split is None else split.name,
         profile=_receiver_offsets,
+        pattern=f"a constant {'by receiver' if split is None else split.name}, in both axes",
+        means={"receiver-boxes": "a box beside its place"},
         needs=("receiver or frequency_mhz",),
         formula=("b for each receiver or band", "c for each receiver or band"),
         member={} if split is None else asdict(split),
@@ -154,6 +156,9 @@ def _beam_squint(
         basis,
         variant="by polarisation" if split is None else split.name,
         profile=_beam_squints,
+        pattern=(
+            f"opposite offsets {'by polarisation' if split is None else split.name}, in both axes"
+        ),
         needs=("polarisation or channel",),
         formula=("+-b by polarisation or channel", "+-c by polarisation or channel"),
         member={} if split is None else asdict(split),

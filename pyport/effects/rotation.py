@@ -51,12 +51,14 @@ def nasmyth(sense: int) -> Effect:
     """
     return Effect(
         "nasmyth",
-        "a receiver or camera off the elevation axis: its offset turns with elevation",
+        "what receives is off the elevation axis and stays where it is while the tube turns",
         _TPOINT,
         (Coefficient("nasmyth_xel"), Coefficient("nasmyth_el")),
         lambda at: _circle(at, sense * at.el),
         variant="platform on the right" if sense > 0 else "platform on the left",
         profile=lambda _: (nasmyth(1), nasmyth(-1)),
+        pattern="a circle in both axes that turns with elevation",
+        means={"nasmyth": "a receiver or camera off the elevation axis, on its platform"},
         formula=("b cos E -+ c sin E", "+-b sin E + c cos E, the sign by the side of the platform"),
         member={"sense": sense},
         make=nasmyth,
@@ -105,12 +107,13 @@ def _turning(name: str, angle: Angle, member: Mapping[str, str | int]) -> Effect
     """Return the circle in an angle, given as what it is called and how it is read."""
     return Effect(
         "rotator_circle",
-        "the image runs on a circle as a rotator turns: what turns it is off its axis",
+        "what turns the image, or turns with it, is off its axis",
         _WALLACE,
         (Coefficient("circle_xel"), Coefficient("circle_el")),
         lambda at: _circle(at, angle(at)),
         variant=f"phi = {name}",
         profile=_turnings,
+        pattern=f"a circle in both axes that turns with {name}",
         needs=("rotator_deg or latitude_deg",),
         formula=(
             "b cos phi - c sin phi",

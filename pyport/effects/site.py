@@ -45,13 +45,14 @@ def _clock(variant: str) -> Effect:
         basis, coefficient = _omitted_ut1, Coefficient("share_of_ut1_utc", "", SIDEREAL, 1.0)
     return Effect(
         "clock",
-        "the clock, or UT1-UTC, is wrong: every hour angle is shifted",
+        "the clock, or UT1-UTC, is wrong",
         _SMART,
         (coefficient,),
         basis,
         common="array",
         variant=variant,
         profile=_clocks,
+        pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
         member={"variant": variant},
@@ -78,6 +79,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("latitude_error"),),
         site_latitude,
+        pattern="as a lean toward north or south, in both axes",
         formula=("d sin E sin A", "d cos A"),
     ),
     Effect(
@@ -86,6 +88,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("longitude_error"),),
         site_longitude,
+        pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
     ),

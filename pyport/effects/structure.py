@@ -53,12 +53,14 @@ def subreflector_jump(
 
     return Effect(
         "subreflector_jump",
-        "the offset steps where the telescope crosses a curve in the sky (loose secondary)",
+        "something gives way where the telescope crosses a curve in the sky",
         "Borkowski, RT32 Pointing Model (2004), eq. 19 and routine Hjump",
         (Coefficient("jump"),),
         basis,
         variant=name,
         profile=_edges_tried,
+        pattern="a step in elevation at a curve in the sky",
+        means={"secondary": "a loose secondary mirror"},
         formula=("", "j above a curve in the sky"),
         parameter=parameter,
         edge=edge,

@@ -63,12 +63,13 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
     late = f", {lag_h} h late" if lag_h else ""
     return Effect(
         "thermal_tilt",
-        "the side that the Sun heats grows: the telescope leans away from the Sun",
+        "the side that the Sun heats grows",
         _GREVE,
         (Coefficient("thermal_tilt"),),
         basis,
         variant=f"{heating}{late}",
         profile=_thermal_tilts,
+        pattern="a lean away from the Sun",
         needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
         parameter=lag_h * 3600.0,
@@ -109,7 +110,7 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
 
     return Effect(
         "temperature",
-        "the offsets follow the temperature of the air",
+        "the structure bends as the air warms and cools",
         _GREVE,
         (
             Coefficient("temperature_xel", "arcsec/K"),
@@ -118,6 +119,7 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         basis,
         variant=through,
         profile=_temperatures,
+        pattern="in proportion to the air temperature",
         needs=("temperature_c",),
         formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
         driver="temperature_c",
@@ -147,6 +149,7 @@ EFFECTS = (
         _WIND,
         (Coefficient("wind_tilt_at_10_m_s"),),
         wind_tilt,
+        pattern="a lean downwind that grows as the square of the wind",
         needs=("wind_speed_m_s", "wind_az_deg"),
         formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 away from where the wind blows"),
         driver="wind_speed_m_s",

@@ -46,7 +46,7 @@ def doubts(
     if condition > ILL_POSED:
         yield (
             f"the condition number {condition:.3g} is above {ILL_POSED:g}: "
-            "the terms cannot all be distinguished well by these directions"
+            "these directions do not distinguish all terms well"
         )
 
 

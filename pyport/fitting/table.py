@@ -9,31 +9,42 @@ import numpy as np
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.fitting import advice, leftover
+from pyport.fitting.combinations import Combination, of_fit
 from pyport.fitting.completed import completed
 from pyport.fitting.fit import Fit
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.models import toml, words
 from pyport.models.completed import Completed, Value
+
+#: Combinations that the terminal shows.
+MOST_COMBINATIONS = 3
 
 
 def text(fit: Fit) -> str:
     """Return a table of values and sigmas, the rms, and how well the data determine it all."""
-    values = _values(fit)
-    lines = [_line(one) for one in values if one.sigma is not None]
+    values, together = _values(fit), of_fit(fit)
+    largest = float(np.abs(fit.stack.value).max(initial=0.0)) / ARCSEC
+    shared = {place for one in together for place in one.places}
+    fitted = [one for one in values if one.sigma is not None]
+    lines = [_line(one, largest if place in shared else None) for place, one in enumerate(fitted)]
     lines += [
         f"{words.label(one):34s} {one.value:12.4f} {one.unit}, fixed"
         for one in values
         if one.sigma is None
     ]
-    left = {"cross-elevation": ~fit.stack.is_y, "elevation": fit.stack.is_y}
     lines.append("")
-    for axis, rows in left.items():
-        if rows.any():
-            counted = rows & fit.noise.used
-            rms = math.sqrt(float(np.mean(fit.residual[counted] ** 2)))
-            over = f"{counted.sum()} of {rows.sum()} offsets"
-            lines.append(f"{axis}: rms {rms / ARCSEC:.2f} arcsec over {over}")
+    for axis, is_y in (("cross-elevation", False), ("elevation", True)):
+        rows = int((fit.stack.is_y == is_y).sum())
+        found = axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=is_y)
+        if found is not None:
+            size, counted = found
+            lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {counted} of {rows} offsets")
+    sky = sky_rms(fit.stack, fit.residual, fit.noise.used)
+    if sky is not None:
+        lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
     lines.append(f"condition number {fit.condition:.3g}")
     lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
+    lines += _combined(together)
     lines += leftover.text(fit)
     if words.has_before(values):
         lines += ["", *words.lines(Completed({}, tuple(values), np.zeros((0, 0))))]
@@ -46,11 +57,24 @@ def _values(fit: Fit) -> tuple[Value, ...]:
     return () if done is None else done.values
 
 
-def _line(one: Value) -> str:
+def _combined(together: tuple[Combination, ...]) -> list[str]:
+    """Return a line for each combination of coefficients that are not known alone."""
+    lines = [f"degenerate terms: {one.sentence}" for one in together[:MOST_COMBINATIONS]]
+    if len(together) > MOST_COMBINATIONS:
+        lines.append(f"degenerate terms: {len(together) - MOST_COMBINATIONS} more, see --json")
+    return lines
+
+
+def _line(one: Value, largest: float | None = None) -> str:
+    """Return a coefficient's line; one known in combination only, below `largest` [arcsec]."""
     name, value, sigma = words.label(one), one.value, one.sigma or 0.0
     if not one.determined:
         return f"{name:34s} not determined by these recordings"
     times = f"{abs(value) / sigma:7.1f} sigmas" if sigma > 0 else ""
+    if largest is not None:
+        if one.unit == "arcsec" and max(abs(value), sigma) > largest:
+            return f"{name:34s} larger than the data: known in combination only, see below"
+        times = "in combination only"
     if one.unit == "deg":
         return f"{name:34s} {value:14.7f} +- {sigma:.7f} deg {times}"
     if one.unit != "arcsec":
@@ -88,6 +112,8 @@ def as_json(fit: Fit) -> dict[str, object]:
             "matrix": np.round(advice.correlation(fit), 6).tolist(),
         },
         "condition_number": _number(fit.condition),
+        "rms": _rms(fit),
+        "combinations": [one.as_json() for one in of_fit(fit)],
         "warnings": list(advice.warnings(fit)),
         "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
         "completed_model": _model(fit),
@@ -100,6 +126,18 @@ def _model(fit: Fit) -> dict[str, object] | None:
         return toml.tree(completed(fit))
     except BadInput:
         return None
+
+
+def _rms(fit: Fit) -> dict[str, float | str | None]:
+    found = {
+        "xel": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=False),
+        "el": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=True),
+        "sky": sky_rms(fit.stack, fit.residual, fit.noise.used),
+    }
+    sizes: dict[str, float | str | None] = {
+        f"{name}_arcsec": None if one is None else one[0] / ARCSEC for name, one in found.items()
+    }
+    return sizes | {"per_axis": PER_AXIS, "on_sky": ON_SKY}
 
 
 def _number(value: float) -> float | None:

@@ -31,7 +31,7 @@ def notes(finding: Finding) -> list[tuple[str, str]]:
         found.append(("next best", text if gain is None else f"{text}, gain in BIC {gain:,.0f}"))
     found += [("" if n else "checked", one) for n, one in enumerate(finding.checks)]
     if finding.stability is not None:
-        found.append(("drawn anew", finding.stability.words))
+        found.append(("resampled", finding.stability.words))
     if finding.decide_by:
-        found.append(("to decide", finding.decide_by))
+        found.append(("next", finding.decide_by))
     return found

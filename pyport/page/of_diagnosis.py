@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record, soundness, two_axes_words
+from pyport.diagnosis import noise_words, record, soundness, two_axes_words
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.steps import Step
 from pyport.diagnosis.words import nothing
 from pyport.files import sha256
+from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.page.against import columns
 from pyport.page.layers import layers, visible
 from pyport.page.markup import chance
@@ -105,6 +106,11 @@ def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Sto
         ),
         untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
         outliers=_outliers(diagnosis),
+        noise=tuple(f"{one}." for one in noise_words.sentences(diagnosis)),
+        dropped=tuple(
+            (one.effect.replace("_", " ") + (f", {one.variant}" if one.variant else ""), one.reason)
+            for one in diagnosis.dropped
+        ),
     )
 
 
@@ -128,10 +134,11 @@ def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
     )
     noise = chance(diagnosis.p_value)
     if not diagnosis.mismatch:
-        return (
-            f"{nothing(diagnosis.p_value)}.",
-            f"Noise alone looks like what {model} leaves (chance {noise}).",
-        )
+        headline, _, more = nothing(diagnosis).partition("; ")
+        lead = [f"{more[0].upper()}{more[1:]}."] if more else []
+        if diagnosis.too_few is None:
+            lead.append(f"Noise alone looks like what {model} leaves (chance {noise}).")
+        return f"{headline}.", " ".join(lead)
     names = [one.effect.replace("_", " ") for one in diagnosis.findings]
     told = list(dict.fromkeys(n for n in names if n != "unknown"))
     nameless = names.count("unknown")
@@ -158,16 +165,15 @@ def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str]
     facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
     facts += sky_rms(completed(diagnosis))
     aside = len(recordings.set_aside)
-    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"))
+    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"))
     return tuple(facts)
 
 
 def _card(finding: Finding, layer: int) -> Card:
-    size = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
-    facts = [
-        ("size", size),
-        ("of it visible", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms"),
-    ]
+    facts = [("adds to the residuals", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms")]
+    if finding.true_rms <= finding.largest:
+        absorbed = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
+        facts.append(("before the fitted terms absorb their share", absorbed))
     if finding.heldout is not None:
         held = finding.heldout
         facts.append(
@@ -193,6 +199,8 @@ def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
     said = []
     if diagnosis.wild:
         said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    together = [one.sentence for one in diagnosis.combinations[:MOST_COMBINATIONS]]
+    said += [f"{one[0].upper()}{one[1:]}." for one in together]
     said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]
     said += [f"{one[0].upper()}{one[1:]}." for one in soundness.warnings(diagnosis)]
     return tuple(said)

@@ -8,8 +8,10 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.fitting import advice
+from pyport.fitting.combinations import of_fit as combined
 from pyport.fitting.completed import completed
 from pyport.fitting.fit import Fit
+from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Bar, Row, Story, rows_of, sky_rms
@@ -48,7 +50,9 @@ def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
 def _story(fit: Fit, picture: Picture) -> Story:
     recordings = fit.recordings
     names, matrix = _correlation(fit)
+    together = combined(fit)[:MOST_COMBINATIONS]
     warnings = tuple(f"{one}." for one in advice.warnings(fit))
+    warnings += tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in together)
     sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
     said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
     facts = [

@@ -151,6 +151,16 @@ def sight(story: Story) -> Markup | None:
                 unfolded=story.good,
             )
         )
+    if story.dropped:
+        parts.append(
+            _folded(
+                f"Looked at and dropped: {len(story.dropped)} effects",
+                "The search found them, and they do not predict data that were left out.",
+                table(("effect", "why"), story.dropped),
+            )
+        )
+    if story.noise:
+        parts.append(tag("ul", *(tag("li", one) for one in story.noise), class_="noise"))
     if story.untestable:
         rows = [(name.replace("_", " "), reason) for name, reason in story.untestable]
         parts.append(

@@ -138,3 +138,5 @@ class Story:
     limits: tuple[tuple[str, float], ...] = ()
     untestable: tuple[tuple[str, str], ...] = ()
     outliers: tuple[tuple[int, str], ...] = ()
+    noise: tuple[str, ...] = ()
+    dropped: tuple[tuple[str, str], ...] = ()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.effects.base import Circumstances, Site
+from pyport.effects.mounts import MOUNT, MOUNTS, unknown
 from pyport.recordings import sky
 from pyport.recordings.columns import (
     ANGLES,
@@ -55,6 +56,7 @@ def interpret(raw: Raw) -> Recordings:
         Required columns are missing, two say the same, a cell is no number or
         out of range, a header key is no number.
     """
+    _known_mount(raw)
     angles = angles_of(raw)
     at = _circumstances(raw, angles)
     x, y = offsets_of(raw, angles, at.el)
@@ -139,6 +141,13 @@ def _key(raw: Raw, key: str, largest: float) -> float | None:
             f"{key} is {text!r}, expected a number between {-largest:g} and {largest:g}"
         )
     return value
+
+
+def _known_mount(raw: Raw) -> None:
+    """Refuse a kind of mount that no effect knows."""
+    if wrong := unknown(raw.meta):
+        known = ", ".join(MOUNTS)
+        raise raw.error(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}")
 
 
 def azimuth_from_south(raw: Raw) -> bool:

@@ -6,9 +6,9 @@ from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
+from pyport.diagnosis.pointings import pointings
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.pointings import pointings
 from pyport.fitting.models import load
 from pyport.recordings import read
 from pyport.trials.files import write_recordings

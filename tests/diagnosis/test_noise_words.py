@@ -1,0 +1,115 @@
+"""What the noise does is said with its size; what was derived or dropped is said too."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+
+from pyport import page
+from pyport.angles import ARCSEC
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.noise_words import by_elevation, sentences
+from pyport.diagnosis.settle import Dropped
+from pyport.diagnosis.summary import summary
+from pyport.fitting.fit import fit
+from pyport.fitting.models import load
+from pyport.fitting.sizes import axis_rms, sky_rms
+from pyport.fitting.stacking import Stack
+from pyport.fitting.table import as_json, text
+
+
+@pytest.fixture(scope="module")
+def wandering():
+    """Diagnose twelve nights whose elevation zero scatters by 20 arcsec."""
+    night = np.arange(360) // 30
+    zero = 20 * np.random.default_rng(7).normal(size=12)
+    made = recordings(
+        360,
+        3,
+        noise_arcsec=3,
+        y=lambda _: zero[night],
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + 86400.0 * night + 300.0 * (np.arange(360) % 30),
+    )
+    return diagnose(made, load("altaz"))
+
+
+def test_what_nights_do_is_a_size(wandering):
+    """Terminal, report and page give the standard deviation among the nights."""
+    found = record.as_json(wandering)["noise"]["departures"]
+    zeros = [one for one in found if one["term"] == "zero in elevation"]
+
+    assert zeros[0]["sigma_arcsec"] == pytest.approx(20, rel=0.6)
+    assert len(zeros[0]["labels"]) == 12
+    said = "Night-to-night scatter of the zero in elevation"
+    assert said in " ".join(summary(wandering).split())
+    assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
+
+
+def test_scatter_that_grows_toward_the_horizon_is_said():
+    """As one over sin E, by so much; even scatter is not worth a word."""
+    rng = np.random.default_rng(5)
+    more = lambda at: 6 * rng.normal(size=600) / np.sin(at.el)  # noqa: E731 - noise, drawn once
+    uneven = diagnose(recordings(600, 3, noise_arcsec=0.1, x=more, y=more), load("altaz"))
+    even = diagnose(recordings(600, 3), load("altaz"))
+
+    for one in by_elevation(uneven):
+        assert one["low_arcsec"] > 2 * one["high_arcsec"]
+        assert one["low_el_deg"] < one["high_el_deg"]
+    assert {one["axis"] for one in by_elevation(uneven)} == {"cross-elevation", "elevation"}
+    assert not by_elevation(even)
+
+
+def test_what_was_derived_is_said():
+    """Nights from gaps, the order from the rows: the reader knows that nobody recorded them."""
+    made = recordings(120, 3)
+    columns = dict(made.at.columns)
+    del columns["session"]
+    gaps = diagnose(replace(made, at=replace(made.at, columns=columns)), load("altaz"))
+    del columns["time"]
+    order = diagnose(replace(made, at=replace(made.at, columns=columns)), load("altaz"))
+
+    assert any("taken from gaps of more than 6 h" in one for one in sentences(gaps))
+    assert any("the order of the rows" in one for one in sentences(order))
+
+
+def test_what_was_dropped_is_listed(wandering):
+    """Effect and reason, on the terminal and on the page."""
+    reason = "data left out are predicted worse with it, by 2 per cent"
+    done = replace(wandering, dropped=(Dropped("epoch_tilt", "s1", reason),))
+
+    assert f"Looked at and dropped: epoch_tilt (s1): {reason}." in " ".join(summary(done).split())
+    assert page.of_diagnosis(done)[1].dropped == (("epoch tilt, s1", reason),)
+
+
+def test_the_sky_rms_is_that_of_pointings():
+    """Three and four in one pointing are five on the sky; what has one axis does not count."""
+    data = Stack(np.array([0, 1, 0, 2]), np.array([False, False, True, True]), np.zeros(4))
+    left, used = np.array([3.0, 100.0, 4.0, 100.0]), np.ones(4, bool)
+
+    assert sky_rms(data, left, used) == (pytest.approx(5.0), 1)
+    assert sky_rms(data, left, np.array([True, True, False, True])) is None
+    assert axis_rms(data, left, used, is_y=False) == (pytest.approx(np.hypot(3, 100) / 2**0.5), 2)
+    assert axis_rms(data, left, ~used, is_y=True) is None
+
+
+def test_both_commands_say_the_same_rms_in_the_same_words():
+    """One definition per axis and on the sky, named where it is printed."""
+    made = recordings(200, 8)
+    done, fitted = diagnose(made, load("altaz")), fit(made, load("altaz"))
+    report, ours = record.as_json(done)["fit"], as_json(fitted)["rms"]
+
+    assert report["rms_on_sky"] == ours["on_sky"]
+    assert "as TPOINT's sky rms" in " ".join(summary(done).split())
+    assert "as TPOINT's sky rms" in text(fitted)
+    for axis in ("xel", "el", "sky"):
+        assert report["before"][f"rms_{axis}_arcsec"] == pytest.approx(
+            ours[f"{axis}_arcsec"], rel=0.01
+        )
+    assert sky_rms(fitted.stack, fitted.residual, fitted.noise.used)[0] == pytest.approx(
+        np.sqrt(2) * 5 * ARCSEC, rel=0.15
+    )

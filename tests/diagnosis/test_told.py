@@ -1,0 +1,74 @@
+"""What is said: combinations where no coefficient is known alone, sizes, and nothing too large."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+from diagnosis.test_verdict import finding
+
+from pyport.angles import ARCSEC
+from pyport.diagnosis import record
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.finding import Parameter, beyond
+from pyport.diagnosis.scene import centred
+from pyport.diagnosis.summary import summary
+from pyport.fitting.models import load
+
+
+@pytest.mark.parametrize(
+    ("visible", "true", "said"),
+    [
+        (
+            1.99,
+            330,
+            'adds 1.99" rms to the residuals (330" before the fitted terms absorb the rest)',
+        ),
+        (12.8, 12.9, 'adds 12.8" rms to the residuals'),
+        # Larger than the largest offset of the data: no such number is told.
+        (1.99, 1960, 'adds 1.99" rms to the residuals'),
+    ],
+)
+def test_sizes_are_what_is_added_to_the_residuals(visible, true, said):
+    """First what is left, then what was there before the model absorbed its share."""
+    one = replace(
+        finding(), visible_rms=visible * ARCSEC, true_rms=true * ARCSEC, largest=962 * ARCSEC
+    )
+
+    assert one.size == said
+    told = one.as_json()["true_rms_arcsec"]
+    assert told is None if true > 962 else told == pytest.approx(true)
+
+
+def test_a_parameter_beyond_the_data_is_known():
+    """Angles and their errors are compared with the largest offset, other units are not."""
+    assert beyond(Parameter("a", 50.0, 1.0, "arcsec"), 40 * ARCSEC)
+    assert beyond(Parameter("a", 5.0, 100.0, "arcsec"), 40 * ARCSEC)
+    assert not beyond(Parameter("a", 30.0, 1.0, "arcsec"), 40 * ARCSEC)
+    assert not beyond(Parameter("a", 50.0, 1.0, "s"), 40 * ARCSEC)
+
+
+def test_the_model_has_its_own_combinations():
+    """In a band of elevation zero, collimation and skew are one thing: terminal and report."""
+    made = recordings(600, 4)
+    done = diagnose(made.take((made.at.el > 0.7) & (made.at.el < 0.8)), load("altaz"))
+    together = record.as_json(done)["combinations"]
+    said = " ".join(summary(done).split())
+
+    assert ["azimuth_zero", "collimation", "skew"] in [one["coefficients"] for one in together]
+    assert "azimuth zero, collimation and skew are known in combination only" in said
+
+
+def test_a_mean_is_no_size():
+    """A curve's size is that about its mean in each axis: a zero takes the mean."""
+    done = diagnose(recordings(60, 4), load("none"))
+    scene = type("Scene", (), {"setup": done.setup, "share": done.share})
+    curve = 7.0 + 3.0 * done.setup.stack.is_y + np.sin(np.arange(len(done.share)))
+
+    for is_y in (False, True):
+        rows = done.setup.stack.is_y == is_y
+        left = centred(scene, curve)[rows]
+        assert np.average(left, weights=done.share[rows]) == pytest.approx(0, abs=1e-12)
+        assert np.std(left) == pytest.approx(np.std(curve[rows]))
