@@ -19,8 +19,8 @@ from pyport.noise.estimate import estimate
 from pyport.stages import stage
 
 #: Twice the log of the Bayes factor, the noise estimated anew in both worlds and the choice among
-#: the family paid for, from which an effect is accepted: odds of twenty to one.
-CONFIRMED = 6.0
+#: the family paid for, from which an effect is accepted: odds of fifty to one.
+CONFIRMED = 8.0
 
 
 @stage("confirming")

@@ -71,12 +71,10 @@ def unseen(
     A reading is a gross error when both predictions miss it by more than `GROSS` times the
     scatter that the readings of the other folds have about theirs.
     """
-    residuals = [
-        holdout.residuals(setup, own, chosen, partition)
-        for own, chosen in zip(weighed, (before, after), strict=True)
-    ]
-    finite = np.isfinite(residuals[0]) & np.isfinite(residuals[1])
-    nearest = np.where(finite, np.minimum(*np.abs(residuals)), np.inf)
+    first = holdout.residuals(setup, weighed[0], before, partition)
+    second = holdout.residuals(setup, weighed[1], after, partition)
+    finite = np.isfinite(first) & np.isfinite(second)
+    nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)
     counted = finite.copy()
     antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
     series = antenna * 2 + setup.stack.is_y
@@ -86,7 +84,7 @@ def unseen(
             others = (series == one) & (partition.fold != fold) & finite
             if others.any():
                 counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
-    return Unseen(partition, *residuals, counted)
+    return Unseen(partition, first, second, counted)
 
 
 @stage("settling findings")

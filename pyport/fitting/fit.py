@@ -125,7 +125,7 @@ def fit(
         start = stop
     left = value - columns @ np.nan_to_num(values)
     across = noise.whiten(columns * ~data.is_y[:, None])
-    compared = _two_axes(white, across, np.count_nonzero(noise.weights > 0), owners)
+    compared = _two_axes(white, across, int(np.count_nonzero(noise.weights > 0)), owners)
     return Fit(
         recordings,
         model,

@@ -146,7 +146,7 @@ class _Projected:
         gradient = power - np.bincount(self.kind, seen**2, count) / scale
         cells = self.kind[:, None] * count + self.kind
         curvature = np.bincount(cells.ravel(), (kernel**2).ravel(), count**2)
-        return gradient, curvature.reshape(count, count)
+        return gradient, np.asarray(curvature, float).reshape(count, count)
 
 
 def estimate(

@@ -128,14 +128,15 @@ def estimate(
         covariance = replace(covariance, departures=found)
         drafts = []
         for n, part in enumerate(parts):
-            own = (one[part.rows] for one in (covariance.weights, covariance.precision, residual))
-            moved = _departing(covariance, part, n)
+            rows = part.rows
             drafts.append(
                 draft(
-                    value[part.rows],
+                    value[rows],
                     columns[n],
-                    moved,
-                    *own,
+                    _departing(covariance, part, n),
+                    covariance.weights[rows],
+                    covariance.precision[rows],
+                    residual[rows],
                     part,
                     grid,
                     floors[part.is_y],
