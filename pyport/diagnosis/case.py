@@ -115,7 +115,7 @@ class Setup:
         What changes with time is not among them: the noise holds what nights and drifts do, and
         an effect of time has to stand out of that.
         """
-        lasting = [c.columns for c in self.candidates if not temporal(c.effect)]
+        lasting = [c.columns for c in self.candidates if not temporal(self, c.effect)]
         columns = self.columns[:, np.concatenate([np.zeros(0, np.intp), *lasting])]
         found = []
         for part in self.parts:
@@ -318,9 +318,12 @@ def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> 
     return setup.known[key][1]
 
 
-def temporal(effect: Effect) -> bool:
-    """Tell whether an effect changes with time alone: the noise may do what it does."""
-    return bool(effect.changes_with)
+def temporal(setup: Setup, effect: Effect) -> bool:
+    """Tell whether an effect changes with time alone, and the noise may do what it does.
+
+    In an array a change is each antenna's, and the others show what the noise does.
+    """
+    return bool(effect.changes_with) and len(np.unique(setup.blocks.antenna)) == 1
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:

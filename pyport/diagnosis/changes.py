@@ -43,7 +43,7 @@ def proposed(
         one
         for one in trials
         if one.candidate.effect.physical
-        and temporal(one.candidate.effect)
+        and temporal(setup, one.candidate.effect)
         and one.candidate.effect.id not in banned
         and not (departing and _of_every_session(one))
     ]

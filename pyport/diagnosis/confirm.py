@@ -12,15 +12,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Chosen, Setup, noise
+from pyport.diagnosis.case import Chosen, Setup, noise, temporal
 from pyport.diagnosis.evidence import VISIBLE, at_best
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate
 from pyport.stages import stage
 
-#: Twice the log of the Bayes factor, the noise estimated anew in both worlds and the choice among
-#: the family paid for, from which an effect is accepted: odds of fifty to one.
-CONFIRMED = 8.0
+#: Twice the log of the posterior odds from which an effect is accepted, twenty to one: the Bayes
+#: factor with the noise estimated anew in both worlds, less what its choice among all effects of
+#: its kind and among its family costs.
+CONFIRMED = 6.0
 
 
 @stage("confirming")
@@ -46,7 +47,14 @@ def confirmed(setup: Setup, others: Sequence[Chosen], one: Chosen, price: float)
     value, given = setup.residual, setup.frame
     without = estimate(value, model, given, like=whole)
     lack, gained = _lack(whole, model, own, value)
-    return _lack(without, model, own[:, :0], value)[0] - lack + gained - price
+    return _lack(without, model, own[:, :0], value)[0] - lack + gained - price - _among(setup, one)
+
+
+def _among(setup: Setup, one: Chosen) -> float:
+    """Return what it costs that an effect is one of many: changes with time, or all the others."""
+    kind = temporal(setup, one.candidate.effect)
+    ids = {each.effect.id for each in setup.candidates if temporal(setup, each.effect) == kind}
+    return 2 * float(np.log(max(len(ids), 1)))
 
 
 def _improbable(covariance: Covariance) -> float:

@@ -134,7 +134,7 @@ def _walk(
             return replace(now, p_value=first, last=trials)
         trial, setup, new = winner.trial, winner.setup, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
-        if temporal(trial.candidate.effect):
+        if temporal(setup, trial.candidate.effect):
             p_value = min(p_value, float(np.exp(-trial.evidence / 2)))
         if not now.steps:
             first = min(first, p_value)
@@ -161,7 +161,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
     for one in now.chosen[:-1]:
         own = alone(now.setup, now.weighed, now.chosen, one)
         effect = one.candidate.effect
-        if own is None or not effect.physical or temporal(effect):
+        if own is None or not effect.physical or temporal(now.setup, effect):
             continue
         others = tuple(each for each in now.chosen if each is not one)
         beside = now.weighed.evidence.beside(

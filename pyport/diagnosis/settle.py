@@ -133,12 +133,21 @@ def _worst(
         return chosen[harm], (
             f"data left out are predicted worse with it, by {-100 * gains[harm]:.2g} per cent"
         )
-    if chosen:
-        alone = weigh(setup, (), searching=False)
-        partition = holdout.folds(setup, weighed, chosen)
-        held = unseen(setup, (alone, weighed), (), chosen, partition).compared(everywhere, floor)
-        if held.after >= held.before:
-            return chosen[int(np.argmin(evidence))], (
-                "with everything found data left out are predicted worse than by the model alone"
-            )
+    if chosen and (harm := _harm_to_all(setup, weighed, chosen)) is not None:
+        return harm, "with everything found data left out are predicted worse than by the model"
     return None
+
+
+def _harm_to_all(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> Chosen | None:
+    """Return the choice that all others do best without, where all do no better than the model."""
+    everywhere, floor = np.ones(len(setup.residual), bool), np.zeros(len(setup.residual))
+    alone = weigh(setup, (), searching=False)
+    partition = holdout.folds(setup, weighed, chosen)
+
+    def left(some: tuple[Chosen, ...]) -> HeldOut:
+        return unseen(setup, (alone, weighed), (), some, partition).compared(everywhere, floor)
+
+    held = left(chosen)
+    if held.after < held.before:
+        return None
+    return min(chosen, key=lambda one: left(tuple(c for c in chosen if c is not one)).after)

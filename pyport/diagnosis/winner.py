@@ -88,12 +88,20 @@ def winner_of(
     a `mismatch` beside the present noise nothing else does: the noise may have swallowed a change,
     and no other effect. In a `strict` turn everything is confirmed in that way.
     """
-    ranked = _changes(setup, weighed, chosen, trials, banned) if changes else []
-    if mismatch:
-        ranked += _lasting(setup, weighed, chosen, trials, least, banned)
+    moved = _changes(setup, weighed, chosen, trials, banned) if changes else []
+    lasting = []
+    if mismatch or moved:
+        lasting = _lasting(setup, weighed, chosen, trials, least, banned)
+    if moved:
+        # What was there all along may pass for a change: both are held to the same noise.
+        lasting.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
+        for n, one in enumerate(lasting[:MOST_TRIED]):
+            sure = max(one.trial.evidence, _confirmed(one, chosen))
+            lasting[n] = replace(one, trial=replace(one.trial, evidence=sure))
+    ranked = [*moved, *lasting]
     ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
     for one in ranked[:MOST_TRIED]:
-        if temporal(one.chosen.candidate.effect):
+        if temporal(setup, one.chosen.candidate.effect):
             return one
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
@@ -133,7 +141,7 @@ def _lasting(
     """Return the lasting effects whose evidence is above the least, edges where they fit best."""
     found = []
     refined: set[str] = set()
-    for trial in _worth(trials, least, banned):
+    for trial in _worth(setup, trials, least, banned):
         one = Winner(trial, setup, Chosen(trial.candidate, trial.scope), 0.0)
         if trial.candidate.effect.id not in refined:
             refined.add(trial.candidate.effect.id)
@@ -163,7 +171,9 @@ def _confirmed(one: Winner, chosen: tuple[Chosen, ...]) -> float:
     return confirmed(one.setup, others, one.chosen, price)
 
 
-def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> list[Trial]:
+def _worth(
+    setup: Setup, trials: Sequence[Trial], least: float, banned: Collection[str]
+) -> list[Trial]:
     """Return the named trials that are worth a closer look, the best first.
 
     One whose known size does not come out is among them only where it leads by
@@ -173,7 +183,7 @@ def _worth(trials: Sequence[Trial], least: float, banned: Collection[str]) -> li
         t
         for t in trials
         if t.candidate.effect.physical
-        and not temporal(t.candidate.effect)
+        and not temporal(setup, t.candidate.effect)
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]

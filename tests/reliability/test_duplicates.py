@@ -6,10 +6,10 @@ from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
-from pyport.diagnosis.pointings import pointings
 
 from pyport.diagnosis.diagnose import diagnose
 from pyport.fitting.models import load
+from pyport.noise.pointings import pointings
 from pyport.recordings import read
 from pyport.trials.files import write_recordings
 from pyport.trials.protocol import Spec
