@@ -251,6 +251,9 @@ def _scattered(
             continue
         # Deviations as they would be with full weight.
         deviation = left[rows] / np.sqrt(weights[rows])
+        if np.abs(deviation).max() < scatter.NOTHING:
+            noises.append(noise)
+            continue
         shape, size = scatter.tails(deviation)
         log_variance, _ = scatter.variance_function(
             deviation / size,
