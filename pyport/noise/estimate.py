@@ -293,7 +293,8 @@ def _coupling(parts: Sequence[Series], left: Array) -> dict[str, float]:
     found = {}
     for antenna in dict.fromkeys(part.antenna for part in parts):
         x, y = both_axes(parts, antenna)
-        if len(x) < ENOUGH_FOR_COUPLING:
+        least = min((_rms(left[rows]) for rows in (x, y) if len(rows)), default=0.0)
+        if len(x) < ENOUGH_FOR_COUPLING or least < scatter.NOTHING:
             continue
         one, other = (np.clip(left[rows] / max(_rms(left[rows]), 1e-300), -3, 3) for rows in (x, y))
         correlation = float((one * other).mean() / np.sqrt((one**2).mean() * (other**2).mean()))
