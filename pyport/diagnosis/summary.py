@@ -114,8 +114,8 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
             f"Antenna by antenna the held-out rms falls by a factor {np.median(factor):.2f} in the "
             f"median; {sum(f >= 2 for f in factor)} of {len(factor)} fall by two or more."
         )
-    if diagnosis.wild:
-        lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    if diagnosis.noisy:
+        lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.noisy)}.")
     if not diagnosis.weighed.used.all():
         lines.append(
             f"Outliers: {int((~diagnosis.weighed.used).sum())} readings; see weight in rows.csv."

@@ -61,7 +61,7 @@ def jumps(at):
     [
         (follows_temperature, {"temperature", "drift"}, "one night, in which"),
         (drifts, {"temperature", "drift"}, "one night, in which"),
-        (jumps, {"epoch_offset"}, "not to be seen in a single one"),
+        (jumps, {"epoch_offset"}, "cannot be tested in a single one"),
     ],
 )
 def test_one_night_carries_no_name_that_needs_more(hidden, names, reason):
