@@ -104,7 +104,7 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
     held = diagnosis.heldout
     before, after, floor = (v / ARCSEC for v in (held.before, held.after, held.noise_floor))
     change = f"rms per axis {before:.3g} -> {after:.3g} arcsec, noise floor {floor:.3g}"
-    lines = [_in_fit(diagnosis), f"Held out ({held.scheme}): {change}."]
+    lines = [_in_fit(diagnosis), f"Cross-validated ({held.scheme}): {change}."]
     table = [row for row in record.antennas(diagnosis) if not row["drowns_in_noise"]]
     if len(table) > 1 and diagnosis.mismatch:
         factor = [
