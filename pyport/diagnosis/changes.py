@@ -1,9 +1,9 @@
 """Changes with time, proposed: beside noise that holds still, for the present noise may hold them.
 
 A noise that was estimated beside the model alone has taken a step for a night's departure or a
-long drift, and beside it the step gains nothing. So changes are looked for beside what is left of
-the noise without departures and without drifts longer than a night; whether one is more than the
-noise can do is then for its confirmation to say.
+drift, and beside it the step gains nothing. So changes are looked for beside what is left of the
+noise without departures and drifts; whether one is more than the noise can do is then for its
+confirmation to say.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
 from pyport.diagnosis.identify import TIE
 from pyport.effects import CATALOGUE
 from pyport.noise.covariance import Covariance
-from pyport.recordings.nights import NIGHT_GAP_S
 from pyport.stages import stage
 
 #: So many kinds of change are confirmed in a turn, those with the most evidence.
@@ -93,9 +92,6 @@ def _of_every_session(trial: Trial) -> bool:
 
 
 def _still(covariance: Covariance) -> Covariance:
-    """Return a covariance without departures and without drifts longer than a night."""
-    noises = tuple(
-        replace(one, drifts=tuple(drift for drift in one.drifts if drift[1] < NIGHT_GAP_S))
-        for one in covariance.noises
-    )
+    """Return a covariance without departures and drifts."""
+    noises = tuple(replace(one, drifts=()) for one in covariance.noises)
     return replace(covariance, noises=noises, departures=())

@@ -50,6 +50,18 @@ def confirmed(setup: Setup, others: Sequence[Chosen], one: Chosen, price: float)
     return _lack(without, model, own[:, :0], value)[0] - lack + gained - price - _among(setup, one)
 
 
+def likeliest(setup: Setup, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
+    """Return the member of a family that makes the data likeliest, each beside its own noise."""
+    model = setup.expanded((*setup.base, *others))
+
+    def worth(one: Chosen) -> float:
+        whole = noise(setup, (*others, one), searching=False)
+        lack, gained = _lack(whole, model, setup.expanded([one]), setup.residual)
+        return gained - lack
+
+    return max(members, key=worth)
+
+
 def _among(setup: Setup, one: Chosen) -> float:
     """Return what it costs that an effect is one of many: changes with time, or all the others."""
     kind = temporal(setup, one.candidate.effect)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from pyport.diagnosis.evidence import Trial
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.search import search
 from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
-from pyport.diagnosis.significance import FAMILY_ERROR, gain_needed, threshold
+from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.diagnosis.winner import trials_of
@@ -141,6 +141,10 @@ def diagnose(
         outcome = _unsearched(setup, few)
     setup, weighed = outcome.setup, outcome.weighed
     alone = weigh(setup, (), searching=False)
+    if few is None and not outcome.chosen:
+        # Nothing stands: what noise alone does is what the whole noise does.
+        last = tuple(trials_of(setup, alone.evidence.beside([setup.part(b) for b in setup.base])))
+        outcome = replace(outcome, p_value=family_p_value(last), last=last)
     before = joint.fit(setup, alone, ())
     after = joint.fit(setup, weighed, outcome.chosen)
     scene = scenes.scene(setup, outcome, after, seed)

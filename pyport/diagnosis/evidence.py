@@ -18,7 +18,7 @@ from pyport.noise.common_mode import Excess
 from pyport.stages import stage
 
 #: Prior variances that are tried, over the variance with which the best direction is known.
-_STRENGTHS = np.geomspace(0.1, 1e4, 26)
+_STRENGTHS = np.geomspace(0.1, 1e9, 51)
 #: A candidate must keep this share of its length when the model is projected out.
 VISIBLE = 1e-5
 

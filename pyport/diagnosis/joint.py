@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.fitting import sizes
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.fitting.gram import Solution
 from pyport.fitting.stacking import Codes
@@ -92,8 +93,8 @@ def combined(setup: Setup, joint: Joint) -> tuple[Combination, ...]:
 
 
 def largest_offset(setup: Setup) -> float:
-    """Return the largest offset that was measured [rad]: no effect is told to be larger."""
-    return float(np.abs(setup.stack.value).max(initial=0.0))
+    """Return the largest offset that was measured [rad]: no effect is said to be larger."""
+    return sizes.largest_offset(setup.stack, setup.recordings.at)
 
 
 def contribution(setup: Setup, joint: Joint, choice: int) -> Array:

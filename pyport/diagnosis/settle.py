@@ -14,16 +14,22 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import holdout
-from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal, weigh
+from pyport.diagnosis.confirm import likeliest
 from pyport.diagnosis.finding import HeldOut
+from pyport.diagnosis.identify import TIE
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.winner import trials_of
 from pyport.fitting import robust
 from pyport.stages import stage
 
 #: A reading that both predictions miss by so many times the scatter of the other folds is a gross
 #: error: no prediction can be judged by it.
 GROSS = 10.0
+#: Members of a family that fell behind by less than this in evidence, at most so many, are tried
+#: beside noise of their own.
+NEAR, MOST_MEMBERS = 60.0, 3
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,7 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
 
     One at a time; then, while the whole predicts worse than the model alone, the weakest.
     """
+    outcome = _of_families(outcome)
     setup, dropped = outcome.setup, []
     chosen, steps = outcome.chosen, outcome.steps
     while True:
@@ -105,7 +112,74 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
         dropped.append(Dropped(effect.id, effect.variant, reason))
         chosen = tuple(each for each in chosen if each is not one)
         steps = tuple(step for step in steps if step.chosen is not one)
-    return replace(outcome, chosen=chosen, steps=steps, weighed=weighed), tuple(dropped)
+    done = replace(outcome, chosen=chosen, steps=steps, weighed=weighed)
+    return _held_to_the_end(done), tuple(dropped)
+
+
+def _held_to_the_end(outcome: Outcome) -> Outcome:
+    """Hold each lasting effect against its rivals once more, beside the final noise.
+
+    The noise in which it was found had grown to hold what it explains, and told it from its
+    rivals less well than the noise that is left.
+    """
+    setup, weighed, steps = outcome.setup, outcome.weighed, []
+    for step in outcome.steps:
+        one = step.chosen
+        refined = one.candidate is not step.winner.candidate
+        effect = one.candidate.effect
+        if refined or not effect.physical or effect.changes_with or _several(setup):
+            steps.append(step)
+            continue
+        others = tuple(each for each in outcome.chosen if each is not one)
+        beside = weighed.evidence.beside([setup.part(each) for each in (*setup.base, *others)])
+        own = beside.trials([(one.candidate, one.scope)])
+        if own:
+            trials = tuple(trials_of(setup, beside))
+            step = replace(  # noqa: PLW2901 - the same turn beside the final noise
+                step, winner=own[0], trials=trials, before=others, beside=beside
+            )
+        steps.append(step)
+    return replace(outcome, steps=tuple(steps))
+
+
+def _several(setup: Setup) -> bool:
+    return len(np.unique(setup.blocks.antenna)) > 1
+
+
+def _of_families(outcome: Outcome) -> Outcome:
+    """Choose the members of families anew, each beside the noise that it leaves.
+
+    The search holds all members against one noise, which may have grown to hold what the right
+    one explains.
+    """
+    setup = outcome.setup
+    for one in outcome.chosen:
+        step = next(each for each in reversed(outcome.steps) if each.chosen is one)
+        if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
+            continue
+        if temporal(setup, one.candidate.effect):
+            continue
+        same = [
+            each
+            for each in step.trials
+            if each.candidate.effect.id == one.candidate.effect.id
+            and each.scope == one.scope
+            and each.evidence > step.winner.evidence - NEAR
+        ]
+        same.sort(key=lambda each: -round(each.evidence, TIE))
+        members = [Chosen(each.candidate, each.scope) for each in same[:MOST_MEMBERS]]
+        members = [one, *(each for each in members if each.candidate is not one.candidate)]
+        others = tuple(each for each in outcome.chosen if each is not one)
+        best = likeliest(setup, others, members) if len(members) > 1 else one
+        if best is not one:
+            winner = next(each for each in same if each.candidate is best.candidate)
+            new = replace(step, winner=winner, chosen=best)
+            outcome = replace(
+                outcome,
+                chosen=tuple(best if each is one else each for each in outcome.chosen),
+                steps=tuple(new if each is step else each for each in outcome.steps),
+            )
+    return outcome
 
 
 def _worst(
@@ -133,8 +207,8 @@ def _worst(
         return chosen[harm], (
             f"data left out are predicted worse with it, by {-100 * gains[harm]:.2g} per cent"
         )
-    if chosen and (harm := _harm_to_all(setup, weighed, chosen)) is not None:
-        return harm, "with everything found data left out are predicted worse than by the model"
+    if chosen and (worst := _harm_to_all(setup, weighed, chosen)) is not None:
+        return worst, "with everything found data left out are predicted worse than by the model"
     return None
 
 

@@ -18,6 +18,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
 from pyport.fitting.fit import Fit
 from pyport.fitting.gram import inverted
+from pyport.fitting.sizes import largest_offset
 from pyport.fitting.stacking import term_columns
 
 #: A coefficient of whose column the other columns leave less than this share of the rms is not
@@ -209,7 +210,7 @@ def of_fit(fit: Fit) -> tuple[Combination, ...]:
     white = fit.noise.whiten(np.concatenate([design, data[:, None]], axis=1))
     inverse = inverted(white[:, :-1].T @ white[:, :-1])[0]
     solved = inverse @ (white[:, :-1].T @ white[:, -1]) + np.array(given)
-    largest = float(np.abs(fit.stack.value).max(initial=0.0))
+    largest = largest_offset(fit.stack, fit.recordings.at)
     return combinations(names, coefficients, design, solved, inverse, largest)
 
 

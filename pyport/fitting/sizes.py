@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.effects.base import Circumstances
 from pyport.fitting.stacking import Stack
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
@@ -19,6 +20,15 @@ ON_SKY = (
     "root of the mean of x^2 + y^2 over pointings with both axes, outliers excluded, not reduced "
     "for fitted terms (as TPOINT's sky rms)"
 )
+
+
+def largest_offset(data: Stack, at: Circumstances) -> float:
+    """Return the largest offset of either axis as it reads the telescope [rad].
+
+    Across the elevation that is the azimuth's own, x / cos E.
+    """
+    reading = np.where(data.is_y, 1.0, np.maximum(np.cos(at.el[data.row]), 1e-3))
+    return float((np.abs(data.value) / reading).max(initial=0.0))
 
 
 def axis_rms(

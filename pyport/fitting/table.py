@@ -12,7 +12,7 @@ from pyport.fitting import advice, leftover
 from pyport.fitting.combinations import Combination, of_fit
 from pyport.fitting.completed import completed
 from pyport.fitting.fit import Fit
-from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, largest_offset, sky_rms
 from pyport.models import toml, words
 from pyport.models.completed import Completed, Value
 
@@ -23,7 +23,7 @@ MOST_COMBINATIONS = 3
 def text(fit: Fit) -> str:
     """Return a table of values and sigmas, the rms, and how well the data determine it all."""
     values, together = _values(fit), of_fit(fit)
-    largest = float(np.abs(fit.stack.value).max(initial=0.0)) / ARCSEC
+    largest = largest_offset(fit.stack, fit.recordings.at) / ARCSEC
     shared = {place for one in together for place in one.places}
     fitted = [one for one in values if one.sigma is not None]
     lines = [_line(one, largest if place in shared else None) for place, one in enumerate(fitted)]

@@ -30,6 +30,8 @@ POINTINGS_PER_SOURCE = 2.0
 #: variance that is zero half of the estimates are positive by chance; this lets through 16 %,
 #: which cost precision, not truth.
 WORTH = 1.0
+#: Whitened data of less variance than this are fitted exactly: nothing departs.
+EXACT = 1e-6
 #: A column that keeps less of its squared length beside the model is drawn by it.
 DRAWN = 1e-6
 ROUNDS, CONVERGED = 30, 1e-4
@@ -126,6 +128,8 @@ class _Projected:
         """Return minus twice the restricted log-likelihood, the scale profiled out."""
         root = np.sqrt(variances[self.kind])
         inner = np.eye(len(root)) + root[:, None] * self.products * root
+        if not np.isfinite(inner).all():
+            return np.inf
         triangle = np.linalg.cholesky(inner)
         along = np.linalg.solve(triangle, root * self.moments)
         left = max(self.misfit - float(along @ along), 1e-300)
@@ -166,6 +170,8 @@ def estimate(
     if not some:
         return ()
     projected = _project(covariance, value, design, some)
+    if projected.misfit < EXACT * projected.dof:
+        return ()
     variances = _fitted(projected, len(some))
     variances = _without_idle(projected, variances)
     return tuple(
@@ -180,7 +186,7 @@ def _project(
 ) -> _Projected:
     kind = np.repeat(np.arange(len(some)), [one.columns.shape[1] for one in some])
     columns = np.concatenate([*(one.columns for one in some), design, value[:, None]], axis=1)
-    white = replace(covariance, departures=()).whiten(columns)
+    white = np.nan_to_num(replace(covariance, departures=()).whiten(columns))
     gram = white.T @ white
     q = len(kind)
     model, others = np.arange(q, len(gram) - 1), np.append(np.arange(q), len(gram) - 1)

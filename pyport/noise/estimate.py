@@ -251,6 +251,9 @@ def _scattered(
             continue
         # Deviations as they would be with full weight.
         deviation = left[rows] / np.sqrt(weights[rows])
+        if np.abs(deviation).max() < scatter.NOTHING:
+            noises.append(noise)
+            continue
         shape, size = scatter.tails(deviation)
         log_variance, _ = scatter.variance_function(
             deviation / size,
@@ -290,7 +293,8 @@ def _coupling(parts: Sequence[Series], left: Array) -> dict[str, float]:
     found = {}
     for antenna in dict.fromkeys(part.antenna for part in parts):
         x, y = both_axes(parts, antenna)
-        if len(x) < ENOUGH_FOR_COUPLING:
+        least = min((_rms(left[rows]) for rows in (x, y) if len(rows)), default=0.0)
+        if len(x) < ENOUGH_FOR_COUPLING or least < scatter.NOTHING:
             continue
         one, other = (np.clip(left[rows] / max(_rms(left[rows]), 1e-300), -3, 3) for rows in (x, y))
         correlation = float((one * other).mean() / np.sqrt((one**2).mean() * (other**2).mean()))

@@ -21,6 +21,8 @@ from pyport.recordings.schema import Recordings
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.
 DEGREES = np.array([2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, np.inf])
+#: Standardised deviations below this are rounding: there is nothing to estimate.
+NOTHING = 1e-6
 #: Gross errors scatter by at least so many times the scale of the others.
 LEAST_GROSS = 3.0
 #: Residuals from which on the variance may be a function of something.
@@ -82,6 +84,8 @@ def tails(deviation: Array) -> tuple[Tails, float]:
     Each number of degrees of freedom has the scale that suits it best; their inverses are
     averaged as likely as each is, so that few deviations do not choose between extremes.
     """
+    if float(np.abs(deviation).max(initial=0.0)) < NOTHING:
+        return Tails(), 1.0
     scale = np.ones(len(DEGREES))
     likelihood = np.empty(len(DEGREES))
     start = float(np.median(np.abs(deviation)) / 0.6745) or 1.0

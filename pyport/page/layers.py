@@ -14,9 +14,9 @@ from pyport.page.picture import Layer
 def visible(diagnosis: Diagnosis) -> list[Array]:
     """Return what each chosen effect takes off the residuals [rad], shape (m,) each.
 
-    An effect's curve less what the model draws of it, in the same weighing as
-    the fits: together they lead exactly from the residuals of the model alone
-    to those of the joint fit.
+    An effect's curve less what the model draws of it, in the same weighing as the joint fit. The
+    model alone is fitted under a noise of its own; what that changes is shared out evenly, so that
+    together they lead exactly from the residuals of the model alone to those of the joint fit.
     """
     setup, joint = diagnosis.setup, diagnosis.after
     gram = diagnosis.weighed.evidence.gram
@@ -29,7 +29,10 @@ def visible(diagnosis: Diagnosis) -> list[Array]:
         values = joint.solution.values[joint.slice(n)]
         shift = inverse @ (gram.cross(model, [setup.part(chosen)]) @ values)
         found.append(setup.expanded([chosen]) @ values - base @ shift)
-    return found
+    if not found:
+        return found
+    rest = diagnosis.left(diagnosis.before) - diagnosis.left(diagnosis.after) - sum(found)
+    return [one + rest / len(found) for one in found]
 
 
 def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list[int]]:

@@ -12,6 +12,8 @@ from pyport.recordings.schema import Recordings
 #: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
 #: than a summer's day.
 NIGHT_GAP_S = 6 * 3600.0
+#: Rows that turn back in azimuth or elevation less often than this are sorted by place.
+TURNING = 0.5
 #: Header keys under which it is said what stands for what.
 SESSIONS, ORDER = "sessions_from", "order_from"
 
@@ -24,10 +26,10 @@ def with_nights(recordings: Recordings) -> Recordings:
     """
     at = recordings.at
     columns, meta = dict(at.columns), dict(recordings.meta)
-    if "time" not in at:
+    if "time" not in at and not _sorted(recordings):
         columns["order"] = np.argsort(np.argsort(recordings.line, kind="stable")).astype(float)
         meta[ORDER] = "the order of the rows, no time being recorded"
-    elif "session" not in at:
+    elif "time" in at and "session" not in at:
         time = np.asarray(at.column("time"), float)
         if np.isfinite(time).all() and len(time):
             nights = _nights(time)
@@ -35,6 +37,22 @@ def with_nights(recordings: Recordings) -> Recordings:
                 columns["session"] = nights
                 meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
+
+
+def _sorted(recordings: Recordings) -> bool:
+    """Tell whether the rows stand in the order of their places: a table's order is no time's.
+
+    From one row to the next a random order of azimuths or elevations turns back in two of three
+    cases, the grid of a table in few.
+    """
+    order = np.argsort(recordings.line, kind="stable")
+
+    def turns(values: Array) -> float:
+        steps = np.diff(values[order])
+        steps = np.sign(steps[steps != 0])
+        return float(np.mean(steps[1:] != steps[:-1])) if len(steps) > 1 else 0.0
+
+    return max(turns(recordings.at.az), turns(recordings.at.el)) < TURNING
 
 
 def _nights(time: Array) -> Array:

@@ -59,8 +59,8 @@ def jumps(at):
 @pytest.mark.parametrize(
     ("hidden", "names", "reason"),
     [
-        (follows_temperature, {"temperature", "drift"}, "one night, in which"),
-        (drifts, {"temperature", "drift"}, "one night, in which"),
+        (follows_temperature, {"temperature", "driven_term", "drift"}, ""),
+        (drifts, {"temperature", "driven_term", "drift"}, ""),
         (jumps, {"epoch_offset"}, "cannot be tested in a single one"),
     ],
 )
@@ -70,10 +70,13 @@ def test_one_night_carries_no_name_that_needs_more(hidden, names, reason):
     several = told(WEEK_S, y=hidden).findings
 
     assert not names & {name for one in alone for name in one.members}
-    assert reason in alone[0].sentence
-    assert alone[0].verdict == "unknown"
-    assert "second" in alone[0].decide_by
-    assert names & {name for one in several for name in one.members}
+    # A slow curve is no more than a drift can do; a jump is, and is refused its name.
+    assert bool(alone) == (hidden is jumps)
+    assert all(reason in one.sentence and one.verdict == "unknown" for one in alone)
+    assert all("second" in one.decide_by for one in alone)
+    # Of a line over a week a random walk is as likely a cause.
+    found = {name for one in several for name in one.members}
+    assert bool(names & found) == (hidden is not drifts)
 
 
 def test_gusts_are_told_from_the_hour_within_one_night():

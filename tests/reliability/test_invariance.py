@@ -82,10 +82,12 @@ def test_jobs_change_no_byte(night, plain, tmp_path):
     told = diagnosed(night, again, out=tmp_path / "out", jobs=2)
     before, after = json.loads(plain), json.loads(told[1])
     files = [one.pop("files") for one in (before, after)]
+    models = [one.pop("completed_model") for one in (before, after)]
 
     assert told[0] == plain
     assert after.pop("input") == before.pop("input") | {"file": "again.csv"}
     assert after == before
+    assert {**models[0], "made": None} == {**models[1], "made": None}
     # the page and the pictures have the file's name in their titles
     assert files[0].keys() == files[1].keys()
     assert files[0]["rows.csv"] == files[1]["rows.csv"]
@@ -132,4 +134,6 @@ def test_rows_told_twice_make_nothing_surer(night, plain, tmp_path):
     assert all("the same as line" in one["reason"] for one in aside)
     assert before["input"]["used"] == after["input"]["used"]
     del before["input"], after["input"], before["files"], after["files"]
+    models = [one.pop("completed_model") for one in (before, after)]
     assert after == before
+    assert {**models[0], "made": None} == {**models[1], "made": None}

@@ -18,7 +18,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.effects import Circumstances, Site
 from pyport.errors import BadInput
-from pyport.fitting import advice, leftover, robust, table
+from pyport.fitting import advice, leftover, table
 from pyport.fitting.fit import fit
 from pyport.fitting.models import load
 from pyport.fitting.rt32 import METHODS, fit_rt32
@@ -182,18 +182,6 @@ def test_the_rt32_fit_and_a_diagnosis_say_it_too():
     assert "fit of the model: the condition number" in report[0]
     assert "Warning: fit of the model: the condition number" in summary(done)
     assert record.as_json(diagnose(made(spread(200)), load("altaz")))["warnings"] == []
-
-
-def test_weights_that_do_not_come_to_rest_are_told(monkeypatch):
-    """A robust fit that is stopped before its weights have settled says so, and one that is not."""
-    rng = np.random.default_rng(4)
-    columns, value = np.ones((300, 1)), rng.standard_t(2, 300)
-    assert robust.weights(columns, value, 6.0).settled
-    night = made(spread(60))
-    assert "converge" not in says(night)
-    monkeypatch.setattr(robust, "_ROUNDS", 1)
-    assert not robust.weights(columns, value, 6.0).settled
-    assert "the fit did not converge" in says(night)
 
 
 @given(st.integers(1, 6), st.integers(0, 2**32))
