@@ -31,7 +31,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Untestable:
-    """An effect that these recordings cannot show, and for want of what."""
+    """An effect that these recordings cannot show, and what it would need."""
 
     effect: str
     reason: str
@@ -65,7 +65,7 @@ def design(
             variants = effect.variants(conditions)
             bases = [stack.columns(variant, recordings.at) for variant in variants]
         except MissingColumn as lack:
-            untestable.append(Untestable(effect.id, f"for want of {lack.column}"))
+            untestable.append(Untestable(effect.id, f"needs {lack.column}"))
             continue
         for variant, basis in zip(variants, bases, strict=True):
             kept = np.flatnonzero(np.any(basis != 0, axis=0) & np.all(np.isfinite(basis), axis=0))

@@ -53,7 +53,7 @@ class Diagnosis:
     share
         How much each reading counts in an rms, shape (m,): one for most, less in antennas
         that are noisier than usual, zero for outliers and where noise drowns everything.
-    wild
+    noisy
         Antennas that drown in noise.
     heldout
         Predictions of unseen readings by both fits.
@@ -80,7 +80,7 @@ class Diagnosis:
     before: joint.Joint
     after: joint.Joint
     share: Array
-    wild: tuple[str, ...]
+    noisy: tuple[str, ...]
     heldout: HeldOut
     unseen: Unseen
     dropped: tuple[Dropped, ...] = ()
@@ -161,7 +161,7 @@ def diagnose(
         before=before,
         after=after,
         share=scene.share,
-        wild=tuple(scenes.wild_antennas(setup, scene.floor)),
+        noisy=tuple(scenes.wild_antennas(setup, scene.floor)),
         heldout=held.compared(np.ones(len(setup.residual), bool), weighed.covariance.floor),
         unseen=held,
         dropped=dropped,

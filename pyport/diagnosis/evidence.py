@@ -123,7 +123,7 @@ class Evidence:
     @cached_property
     @stage("products and draws")
     def _drawn(self) -> tuple[Array, Array]:
-        """Return products with drawn noise and the luck of each draw; let the columns go."""
+        """Return products with drawn noise and the common-mode scales; let the columns go."""
         assert self.gram is not None  # noqa: S101 - made before they are gone
         noise = self._draw(self._slabs, self._given[0].shape[1] - 1, self._draws, self._rng)
         luck = np.ones(self._draws)

@@ -87,7 +87,7 @@ def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
     if max(sessions, nights(scene)) > 1:
         return None
     return Refusal(
-        "a change from one session to another is not to be seen in a single one: whatever else "
+        "a change from one session to another cannot be tested in a single one: whatever else "
         "changed in that night looks the same",
         "observe in a second session",
     )

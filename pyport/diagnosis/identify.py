@@ -1,4 +1,4 @@
-"""Naming: which effects the data cannot tell from the winner, and what would tell them apart."""
+"""Naming: which effects the data cannot distinguish from the winner, and what would."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TIE = 6
 ALIKE = 0.95**2
 #: Squared cosine from which they are one and the same, whatever sizes physics allows them.
 IDENTICAL = 0.99
-#: Two curves that alike are told apart all the same when one of them leaves this much more, and
+#: Two curves that alike are distinguished all the same when one of them leaves this much more, and
 #: more than this share of what there was: what first-order shapes may be wrong by.
 DECISIVE, DECISIVE_SHARE = 60.0, 0.02
 #: An effect that falls behind by less than this in evidence is not excluded.
@@ -43,7 +43,7 @@ class Name:
     Attributes
     ----------
     members
-        Ids that the data cannot tell apart, the winner first.
+        Ids that the data cannot distinguish, the winner first.
     runner_up
         The best effect outside the class, None where there is none.
     others

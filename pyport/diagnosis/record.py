@@ -168,7 +168,7 @@ def antennas(diagnosis: Diagnosis) -> list[dict[str, Any]]:
             {
                 "antenna": str(name),
                 "readings": int(rows.sum()),
-                "drowns_in_noise": str(name) in diagnosis.wild,
+                "drowns_in_noise": str(name) in diagnosis.noisy,
                 "rms_before_arcsec": rms(before[rows]) / ARCSEC,
                 "rms_after_arcsec": rms(after[rows]) / ARCSEC,
                 "heldout_before_arcsec": rms(diagnosis.unseen.before[both]) / ARCSEC,

@@ -22,7 +22,7 @@ from pyport.fitting.combinations import Combination
 
 #: An axis belongs to a finding when it shows this share of what the other axis shows.
 AXIS_SHARE = 0.2
-#: An antenna that scatters by this many times the array's median tells nothing.
+#: An antenna that scatters by this many times the array's median counts as noisy.
 WILD = 10.0
 
 
@@ -30,7 +30,7 @@ WILD = 10.0
 class Scene:
     """What the findings are read from: the case, its last weighing and the joint fit.
 
-    `counted` tells which readings count in an rms: no outliers, no wild antennas.
+    `counted` tells which readings count in an rms: no outliers, no noisy antennas.
     `share` says how much: one, less where an antenna is noisier than is usual.
     """
 

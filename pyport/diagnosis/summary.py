@@ -104,7 +104,7 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
     held = diagnosis.heldout
     before, after, floor = (v / ARCSEC for v in (held.before, held.after, held.noise_floor))
     change = f"rms per axis {before:.3g} -> {after:.3g} arcsec, noise floor {floor:.3g}"
-    lines = [_in_fit(diagnosis), f"Held out ({held.scheme}): {change}."]
+    lines = [_in_fit(diagnosis), f"Cross-validated ({held.scheme}): {change}."]
     table = [row for row in record.antennas(diagnosis) if not row["drowns_in_noise"]]
     if len(table) > 1 and diagnosis.mismatch:
         factor = [
@@ -114,8 +114,8 @@ def _improvement(diagnosis: Diagnosis) -> list[str]:
             f"Antenna by antenna the held-out rms falls by a factor {np.median(factor):.2f} in the "
             f"median; {sum(f >= 2 for f in factor)} of {len(factor)} fall by two or more."
         )
-    if diagnosis.wild:
-        lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    if diagnosis.noisy:
+        lines.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.noisy)}.")
     if not diagnosis.weighed.used.all():
         lines.append(
             f"Outliers: {int((~diagnosis.weighed.used).sum())} readings; see weight in rows.csv."

@@ -21,7 +21,7 @@ from pyport.page.picture import Layer, Picture, Side, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
 from pyport.recordings.schema import Recordings
 
-#: Labels that tell recordings apart when one is pointed at.
+#: Labels that distinguish recordings when one is pointed at.
 LABELS = ("source", "antenna", "session", "receiver", "channel")
 #: Candidates shown for each turn of the search.
 MOST_RIVALS = 10
@@ -197,8 +197,8 @@ def _card(finding: Finding, layer: int) -> Card:
 
 def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
     said = []
-    if diagnosis.wild:
-        said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.wild)}.")
+    if diagnosis.noisy:
+        said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.noisy)}.")
     together = [one.sentence for one in diagnosis.combinations[:MOST_COMBINATIONS]]
     said += [f"{one[0].upper()}{one[1:]}." for one in together]
     said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]

@@ -68,7 +68,7 @@ def _story(fit: Fit, picture: Picture) -> Story:
     facts += [
         *sky_rms(completed(fit)),
         ("condition number", condition, "columns of unit length"),
-        ("recordings", f"{len(recordings):,}", f"{aside:,} rows set aside"),
+        ("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"),
     ]
     return Story(
         kind="fit",

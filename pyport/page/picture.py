@@ -92,7 +92,7 @@ class Picture:
 
     `time` in seconds of UTC since 1970 or None; `columns` with azimuth and
     elevation first and the hour angle next, then the others, the one with the most
-    structure first; `labels` tell recordings apart when one is pointed at; `show`
+    structure first; `labels` distinguish recordings when one is pointed at; `show`
     is what is drawn first: before, after or both.
     """
 

@@ -179,7 +179,7 @@ def rows_aside(story: Story) -> Markup | None:
     """Return the rows that were not used, each with its reason, and the outliers."""
     parts = []
     for title, rows in (
-        ("rows set aside", story.source.set_aside),
+        ("excluded rows", story.source.set_aside),
         ("offsets not counted, as outliers", story.outliers),
     ):
         if rows:

@@ -108,7 +108,7 @@ class Turn:
 
 @dataclass(frozen=True)
 class Source:
-    """Where the recordings come from: the file, its hash, header, and the rows set aside."""
+    """Where the recordings come from: the file, its hash, header, and the excluded rows."""
 
     file: str
     sha256: str | None

@@ -156,7 +156,7 @@ def candidates(story: Story) -> Markup | None:
         "What competed",
         "In each turn every effect of the catalogue was tried with the model refitted. The gain is "
         "in BIC: what it explains less what its coefficients cost. In orange, the class that these "
-        "recordings cannot tell apart.",
+        "recordings cannot distinguish.",
         tag("div", *parts, class_="split"),
     )
 

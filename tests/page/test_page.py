@@ -73,7 +73,7 @@ def test_a_hostile_name_is_escaped_wherever_it_stands(written):
 
 
 def test_it_says_what_was_found(diagnosis, written):
-    """The verdict, the finding and the row set aside are words, there without any script."""
+    """The verdict, the finding and the excluded row are words, there without any script."""
     text = written.read_text()
 
     assert [one.effect for one in diagnosis.findings] == ["refraction"]

@@ -229,7 +229,7 @@ def test_the_command_prints_text_or_json(tmp_path):
     )
 
     assert "To observe next" in run.output
-    assert "for want of temperature_c: temperature" in run.output
+    assert "needs temperature_c: temperature" in run.output
     assert json.loads(also.output) == json.loads((tmp_path / "look.json").read_text())
 
 

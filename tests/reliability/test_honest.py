@@ -61,7 +61,7 @@ def jumps(at):
     [
         (follows_temperature, {"temperature", "driven_term", "drift"}, ""),
         (drifts, {"temperature", "driven_term", "drift"}, ""),
-        (jumps, {"epoch_offset"}, "not to be seen in a single one"),
+        (jumps, {"epoch_offset"}, "cannot be tested in a single one"),
     ],
 )
 def test_one_night_carries_no_name_that_needs_more(hidden, names, reason):
