@@ -70,7 +70,7 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     `power` (K,) holds the information on independent directions of equal prior
     variance, `along` (K,) the products with the data.
     """
-    variance = _STRENGTHS[:, None] / max(float(power.max(initial=0.0)), 1e-280)
+    variance = _STRENGTHS[:, None] / max(float(power.max(initial=0.0)), 1e-150)
     raised = variance * along**2 / (1 + variance * power) - np.log1p(variance * power)
     evidence = raised.sum(axis=1)
     best = int(np.argmax(evidence))
