@@ -1,5 +1,6 @@
 # Everything a newcomer runs. `make demo` needs Python and a network to the package index;
-# `make test` also needs gfortran, and Chromium for the page, and installs them when missing.
+# `make test` also needs gfortran and Python's headers, and Chromium for the page, and installs them
+# when missing.
 
 PYTHON ?= python3
 VENV := .venv
@@ -30,6 +31,7 @@ $(BIN)/tox: $(BIN)/pyport
 
 test: $(BIN)/tox
 	@sh .ci/install gfortran
+	@PYTHON=$(PYTHON) sh .ci/install headers
 	@sh .ci/install chromium || [ "$$PYPORT_BROWSER" != required ]
 	$(BIN)/tox run
 
@@ -80,6 +82,7 @@ screenshots: $(BIN)/pyport
 # What the long checks of parity need beside the program.
 $(VENV)/oracle: $(BIN)/pyport
 	@sh .ci/install gfortran
+	@PYTHON=$(PYTHON) sh .ci/install headers
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 

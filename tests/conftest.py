@@ -22,7 +22,7 @@ def same_library():
 
 @pytest.fixture(scope="session")
 def oracle():
-    """Return the compiled Fortran; skip without gfortran, fail where PYPORT_ORACLE=required."""
+    """Return the compiled Fortran; skip without compilers, fail where PYPORT_ORACLE=required."""
     if not compiled.available(rt32.DESCRIPTION):
-        pytest.skip("no gfortran on this machine")
+        pytest.skip("no gfortran, C compiler or Python.h on this machine")
     return compiled.of(rt32.DESCRIPTION.path, "reference")

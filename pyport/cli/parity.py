@@ -68,8 +68,9 @@ def command(
 ) -> None:
     """Hold Python ports to the Fortran that a parity.toml describes, to the last bit.
 
-    With gfortran the routines are compiled and asked anew at every point; without it the ports are
-    held to their stored answers. Killed and called again in the same words it goes on.
+    With gfortran the routines are compiled, wrapped by f2py and asked anew at every point; without
+    it the ports are held to their stored answers. Killed and called again in the same words it
+    goes on.
     """
     if context.invoked_subcommand is not None:
         return
@@ -109,7 +110,10 @@ def golden(config: Path | None, *, as_json: bool) -> None:
 
     description = _described(config)
     if not oracle.available(description):
-        raise BadInput("no gfortran, or no Fortran files: expected both", description.path)
+        raise BadInput(
+            "no gfortran, C compiler or Python.h, or no Fortran files: expected all of them",
+            description.path,
+        )
     oracles = {name: oracle.of(description.path, name) for name in description.builds}
     written = {
         stored.path_of(description, group, routine).name: stored.write(

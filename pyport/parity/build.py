@@ -1,4 +1,4 @@
-"""Compile the Fortran files of a description, patched, with the loops that call them."""
+"""Compile the Fortran of a description, patched, with its loops, into a module that f2py wraps."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
+import sysconfig
 import tempfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from pyport.checkpoint import cache_folder
 from pyport.errors import BadInput
@@ -19,8 +24,11 @@ from pyport.parity import driver
 from pyport.parity.description import Build, Description
 from pyport.parity.patches import PatchDoesNotApply, patched
 
-LIBRARY = "routines.so"
+LIBRARY = f"{driver.MODULE}.so"
 LOOPS = "parity_loops.f90"
+SIGNATURE = f"{driver.MODULE}.pyf"
+#: What f2py writes for a signature file, and what of its own is compiled with it, as objects.
+WRAPPER = {f"{driver.MODULE}module.c": "wrapper.o", "fortranobject.c": "fortranobject.o"}
 
 
 def command_of(compiler: str) -> str | None:
@@ -29,6 +37,24 @@ def command_of(compiler: str) -> str | None:
         return compiler
     versions = [one.name for one in Path("/usr/bin").glob(f"{compiler}*")]
     return next(filter(shutil.which, sorted(versions, reverse=True)), None)
+
+
+@cache
+def c_compiler() -> str | None:
+    """Return the command of a C compiler: the one that built this Python where it is there."""
+    words = str(sysconfig.get_config_var("CC") or "").split()
+    return next(filter(shutil.which, [*words[:1], "gcc", "cc", "clang"]), None)
+
+
+def lacking(compiler: str) -> str:
+    """Name what a machine lacks to build the oracle; nothing where it lacks nothing."""
+    if command_of(compiler) is None:
+        return compiler
+    if c_compiler() is None:
+        return "a C compiler"
+    if not (Path(sysconfig.get_path("include")) / "Python.h").is_file():
+        return "Python.h (of Python's development files)"
+    return ""
 
 
 @cache
@@ -77,36 +103,78 @@ def library(description: Description, build: Build, changed: dict[str, str] | No
         There is no compiler, or it refuses: its first message.
     """
     texts = sources(description, build) | (changed or {})
-    loops = driver.source(description)
+    texts[LOOPS] = loops = driver.source(description, build)
     compiler = command_of(build.compiler)
-    if compiler is None:
-        raise BadInput(f"no {build.compiler} on this machine: expected a Fortran compiler")
+    missing = lacking(build.compiler)
+    if compiler is None or missing:
+        raise BadInput(f"no {missing} on this machine: expected what compiles the Fortran")
+    wrapper = wrapped(driver.signature(description, build))
     if changed is not None:
         folder = Path(tempfile.mkdtemp(prefix="parity-"))
-        compile_into(folder, description, build, compiler, {**texts, LOOPS: loops})
+        compile_into(folder, description, build, compiler, texts, wrapper)
         return folder / LIBRARY
-    what = [version(compiler), platform.machine(), *build.flags, loops]
+    what = [version(compiler), platform.machine(), *build.flags, loops, wrapper.name]
     what += [f"{name}\n{text}" for name, text in texts.items()]
+
+    def make(folder: Path) -> None:
+        compile_into(folder, description, build, compiler, texts, wrapper)
+
+    return _kept(what, LIBRARY, make) / LIBRARY
+
+
+def wrapped(signature: str) -> Path:
+    """Return a folder with f2py's wrapper of a signature file as objects, from the cache or made.
+
+    The wrapper depends on the routines' arguments alone: builds and mutants share it.
+    """
+    from numpy import f2py
+
+    compiler = c_compiler()
+    if compiler is None:
+        raise BadInput("no C compiler on this machine: expected one for the wrapper of f2py")
+    home = Path(f2py.get_include())
+    include = [np.get_include(), str(home), sysconfig.get_path("include")]
+
+    def make(folder: Path) -> None:
+        (folder / SIGNATURE).write_text(signature, encoding="ascii", newline="\n")
+        # -P: what lies in the folder is no module to import
+        _call(sys.executable, ["-P", "-m", "numpy.f2py", "--quiet", SIGNATURE], folder)
+        shutil.copy(home / "fortranobject.c", folder)
+        for name, made in WRAPPER.items():
+            options = ["-O1", "-fPIC", "-w", *(f"-I{one}" for one in include)]
+            _call(compiler, [*options, "-c", name, "-o", made], folder)
+
+    what = [version(compiler), platform.machine(), sys.version, np.__version__, *include, signature]
+    return _kept(what, list(WRAPPER.values())[-1], make)
+
+
+def _kept(what: list[str], made: str, make: Callable[[Path], None]) -> Path:
+    """Return the folder of the cache for `what`; where the file `made` is not in it, make it."""
     key = hashlib.sha256("\0".join(what).encode()).hexdigest()[:32]
     home = cache_folder() / "fortran" / key
-    if not (home / LIBRARY).is_file():
+    if not (home / made).is_file():
         home.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f"{key}.", dir=home.parent))
         try:
-            compile_into(folder, description, build, compiler, {**texts, LOOPS: loops})
+            make(folder)
             folder.replace(home)
         except OSError:
-            if not (home / LIBRARY).is_file():  # another process was not faster
+            if not (home / made).is_file():  # another process was not faster
                 raise
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-    return home / LIBRARY
+    return home
 
 
 def compile_into(
-    folder: Path, description: Description, build: Build, compiler: str, texts: dict[str, str]
+    folder: Path,
+    description: Description,
+    build: Build,
+    compiler: str,
+    texts: dict[str, str],
+    wrapper: Path,
 ) -> None:
-    """Compile texts into a shared library in `folder`.
+    """Compile texts into an extension module in `folder`, with f2py's objects from `wrapper`.
 
     Objects are linked apart, without the flags: linking with -ffast-math would switch the whole
     process to flushing subnormals.
@@ -120,13 +188,14 @@ def compile_into(
     for name in [one.name for one in description.files] + [LOOPS]:
         objects.append(f"{Path(name).stem}.o")
         _call(compiler, [*flags, "-I.", "-fPIC", "-c", name, "-o", objects[-1]], folder)
-    coverage = ["--coverage"] if "--coverage" in build.flags else []
+    objects += [str(wrapper / one) for one in WRAPPER.values()]
+    coverage = ["--coverage"] if build.counted else []
     _call(compiler, [*coverage, "-shared", *objects, "-o", LIBRARY], folder)
 
 
-def _call(compiler: str, arguments: list[str], folder: Path) -> None:
-    done = subprocess.run(  # noqa: S603 - the compiler
-        [compiler, *arguments], cwd=folder, check=False, capture_output=True, text=True
+def _call(program: str, arguments: list[str], folder: Path) -> None:
+    done = subprocess.run(  # noqa: S603 - a compiler, or f2py
+        [program, *arguments], cwd=folder, check=False, capture_output=True, text=True
     )
     if done.returncode:
         raise BadInput(_first_message(done.stderr))

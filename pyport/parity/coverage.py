@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import dataclasses
 import json
 import shutil
@@ -73,17 +72,15 @@ def _counts(gcov: str, folder: Path, path: Path) -> list[dict[str, Any]]:
 
 
 def _ask_all(description: Description, library: str, random_points: int) -> None:
-    """Call every loop at every group's points; the counters are written when it is unloaded."""
-    import _ctypes
-
-    loaded = ctypes.CDLL(library)
+    """Call every loop at every group's points, and have the counters written."""
+    loaded = oracle.imported(library)
     for number, routine in enumerate(description.routines):
         for group in description.groups:
             batch = inputs.points(description, group, routine, random_points, 0)
             whole = filled(routine, batch)
             arrays = [whole[one.key] for one in driver.passed(routine)]
             oracle.call(loaded, number, arrays)
-    _ctypes.dlclose(loaded._handle)  # noqa: SLF001 - ctypes has no other way to unload
+    getattr(loaded, driver.WRITE_COUNTERS)()
 
 
 def show(content: dict[str, Any]) -> str:

@@ -239,6 +239,11 @@ class Build:
         """Whether every REAL*4 is REAL*8 in it."""
         return "-freal-4-real-8" in self.flags
 
+    @property
+    def counted(self) -> bool:
+        """Whether gcov's counters are compiled into it."""
+        return "--coverage" in self.flags
+
 
 @dataclass(frozen=True)
 class Group:

@@ -2,12 +2,18 @@
 
 What it takes and gives are flat arrays, whatever the routine's own arguments are: LOGICAL comes as
 INTEGER, CHARACTER as bytes, members of COMMON blocks like arguments. A build that promotes REAL*4
-promotes these arrays too.
+promotes these arrays too. f2py reads the same arrays from a signature file, where all are `intent
+(inout)`: an array of another type or layout is an error there, never a converted copy.
 """
 
 from __future__ import annotations
 
-from pyport.parity.description import Description, Routine, Variable
+from pyport.parity.description import Build, Description, Routine, Variable
+
+#: The extension module that f2py makes of the loops.
+MODULE = "parity_routines"
+#: The routine that writes gcov's counters: an extension module is never unloaded.
+WRITE_COUNTERS = "parity_write_counters"
 
 
 def entry(number: int) -> str:
@@ -20,11 +26,60 @@ def passed(routine: Routine) -> list[Variable]:
     return [one for one in routine.variables if one.kind is not None]
 
 
-def source(description: Description) -> str:
-    """Return the loops over all routines of a description."""
-    return "\n".join(
+def source(description: Description, build: Build) -> str:
+    """Return the loops over all routines of a description, and what else a build calls."""
+    loops = [
         _loop(description, number, routine) for number, routine in enumerate(description.routines)
-    )
+    ]
+    return "\n".join([*loops, *([counters()] if build.counted else [])])
+
+
+def signature(description: Description, build: Build) -> str:
+    """Return the signature file from which f2py wraps the loops of a build."""
+    lines = [f"python module {MODULE}", "interface"]
+    for number, routine in enumerate(description.routines):
+        names = [f"x{k}" for k in range(len(passed(routine)))]
+        lines += [
+            f"subroutine {entry(number)}({', '.join(['n', *names])})",
+            "  integer*8, intent(in), required :: n",
+            *(
+                f"  {_stored(one, build)}, intent(inout), dimension({_extent(one)}) :: {name}"
+                for one, name in zip(passed(routine), names, strict=True)
+            ),
+            f"end subroutine {entry(number)}",
+        ]
+    if build.counted:
+        lines += [f"subroutine {WRITE_COUNTERS}()", f"end subroutine {WRITE_COUNTERS}"]
+    return "\n".join([*lines, "end interface", f"end python module {MODULE}", ""])
+
+
+def _stored(one: Variable, build: Build) -> str:
+    """Return the kind of the elements of a variable's array, as they are in a build."""
+    kind = one.type
+    if kind.base == "character":
+        return "integer*1"
+    if kind.base == "logical":
+        return "integer*4"
+    return f"{kind.base}*{kind.dtype(promoted=build.promoted).itemsize}"
+
+
+def _extent(one: Variable) -> str:
+    first = [one.type.size] if one.type.base == "character" else one.shape
+    return ", ".join([*map(str, first), "n"])
+
+
+def counters() -> str:
+    """Return the subroutine that writes gcov's counters."""
+    return f"""
+subroutine {WRITE_COUNTERS}()
+  implicit none
+  interface
+    subroutine dump() bind(C, name="__gcov_dump")
+    end subroutine dump
+  end interface
+  call dump()
+end subroutine {WRITE_COUNTERS}
+"""
 
 
 def _declared(one: Variable) -> str:
@@ -88,7 +143,7 @@ def _loop(description: Description, number: int, routine: Routine) -> str:
         call = f"{locals_.get(result.key) or _at(result, arrays[result.key], '1')} = {call}"
     names = ", &\n    ".join(["n", *arrays.values()])
     lines = [
-        f"subroutine {entry(number)}({names}) bind(C)",
+        f"subroutine {entry(number)}({names})",
         "  implicit none",
         "  integer(8) :: n, i",
         *(f"  {line}" for line in declared),

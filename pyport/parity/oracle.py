@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import shutil
 import tempfile
 from functools import cache
+from importlib.machinery import ExtensionFileLoader, ModuleSpec
 from multiprocessing import Pipe, Process
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,9 +165,17 @@ def _serve(pipe: Connection) -> None:
         pipe.send(_ask(path, number, arrays, fresh=fresh))
 
 
+def imported(path: str) -> ModuleType:
+    """Import the extension module that f2py made, from wherever it is."""
+    loader = ExtensionFileLoader(driver.MODULE, path)
+    module = loader.create_module(ModuleSpec(driver.MODULE, loader, origin=path))
+    loader.exec_module(module)
+    return module
+
+
 @cache
-def _loaded(path: str) -> ctypes.CDLL:
-    return ctypes.CDLL(path)
+def _loaded(path: str) -> ModuleType:
+    return imported(path)
 
 
 def _ask(path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:
@@ -174,34 +183,41 @@ def _ask(path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[
     return call(_fresh(path) if fresh else _loaded(path), number, arrays)
 
 
-def call(library: ctypes.CDLL, number: int, arrays: list[NDArray]) -> list[NDArray]:
-    """Call the loop of that number; return its arrays as they are afterwards."""
-    n = ctypes.c_int64(len(arrays[0]))
-    # LOGICAL as INTEGER, CHARACTER as bytes; the points are Fortran's last dimension, NumPy's
-    # first, and the dimensions before it run the other way round
-    passed = [
-        array.astype(np.int32) if array.dtype.kind == "b" else array.copy() for array in arrays
-    ]
-    passed = [
-        np.ascontiguousarray(a.transpose(0, *range(a.ndim - 1, 0, -1)) if a.ndim > 2 else a)
-        for a in passed
-    ]
-    getattr(library, driver.entry(number))(
-        ctypes.byref(n), *(one.ctypes.data_as(ctypes.c_void_p) for one in passed)
-    )
-    back = [a.transpose(0, *range(a.ndim - 1, 0, -1)) if a.ndim > 2 else a for a in passed]
-    return [
-        after != 0 if before.dtype.kind == "b" else np.ascontiguousarray(after)
-        for before, after in zip(arrays, back, strict=True)
-    ]
+def call(library: ModuleType, number: int, arrays: list[NDArray]) -> list[NDArray]:
+    """Call the loop of that number; return its arrays as they are afterwards.
+
+    What f2py gets has the loop's types and Fortran's order of elements, so it copies nothing.
+    """
+    passed = [_flat(array) for array in arrays]
+    if not len(arrays[0]):  # f2py takes no array without elements for one of Fortran's
+        return [_unflat(before, after) for before, after in zip(arrays, passed, strict=True)]
+    getattr(library, driver.entry(number))(len(arrays[0]), *passed)
+    return [_unflat(before, after) for before, after in zip(arrays, passed, strict=True)]
 
 
-def _fresh(path: str) -> ctypes.CDLL:
+def _flat(array: NDArray) -> NDArray:
+    """Return a copy as the loop takes it: LOGICAL as INTEGER, CHARACTER as bytes, points last."""
+    if array.dtype.kind == "b":
+        array = array.astype(np.int32)
+    elif array.dtype.kind == "S":
+        array = np.ascontiguousarray(array).view(np.int8).reshape(len(array), -1)
+    return np.array(np.moveaxis(array, 0, -1), order="F")
+
+
+def _unflat(before: NDArray, after: NDArray) -> NDArray:
+    """Return an array of the loop with the type and order of the one that was given."""
+    back = np.ascontiguousarray(np.moveaxis(after, -1, 0))
+    if before.dtype.kind == "S":
+        return back.view(before.dtype).reshape(before.shape)
+    return back != 0 if before.dtype.kind == "b" else back
+
+
+def _fresh(path: str) -> ModuleType:
     handle, copy = tempfile.mkstemp(suffix=".so")
     os.close(handle)
     try:
         shutil.copy(path, copy)
-        return ctypes.CDLL(copy)
+        return imported(copy)
     finally:
         Path(copy).unlink()
 
@@ -216,21 +232,20 @@ def of(description_path: Path, build: str) -> Oracle:
 
 
 def available(description: Description) -> bool:
-    """Tell whether the Fortran and a compiler are there.
+    """Tell whether the Fortran is there, and what compiles and wraps it.
 
     Raises
     ------
     BadInput
         The Fortran is not there, nor are stored answers that could stand in for it; or there is
-        no compiler, and ``PYPORT_ORACLE=required`` in the environment.
+        no compiler, or no header of Python's, and ``PYPORT_ORACLE=required`` in the environment.
     """
     gone = next((one for one in description.files if not one.is_file()), None)
     if gone is not None:
         if description.answers.is_dir():  # installed without its Fortran
             return False
         raise BadInput(f"{gone} is not there: expected a Fortran file", description.path)
-    compiler = description.reference.compiler
-    found = building.command_of(compiler) is not None
-    if not found and os.environ.get("PYPORT_ORACLE") == "required":
-        raise BadInput(f"{compiler} is required (PYPORT_ORACLE), and not on this machine")
-    return found
+    lacking = building.lacking(description.reference.compiler)
+    if lacking and os.environ.get("PYPORT_ORACLE") == "required":
+        raise BadInput(f"{lacking} is required (PYPORT_ORACLE), and not on this machine")
+    return not lacking

@@ -5,8 +5,8 @@ import pytest
 import rt32
 
 from pyport.errors import BadInput
+from pyport.parity import driver, stored
 from pyport.parity import oracle as compiled
-from pyport.parity import stored
 
 HJUMP = rt32.DESCRIPTION.routine("Hjump")
 MODEL = rt32.DESCRIPTION.routine("Model")
@@ -40,6 +40,70 @@ def test_provenance_names_compiler_flags_and_sources():
     assert provenance["compiler"].startswith("gcc ")
     assert "-O0" in provenance["flags"]
     assert set(provenance["published_sha256"]) == {"hjump.f", "model.f", "modela.f"}
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda az: az.astype(np.float64),
+        lambda az: az.astype(np.int32),
+        lambda az: np.repeat(az, 2)[::2],
+        lambda az: az[:-1],
+    ],
+    ids=["real*8", "integer", "strided", "short"],
+)
+def test_f2py_converts_nothing(oracle, wrong):
+    """The wrapper refuses an array of another kind, layout or size: no copy, no rounding."""
+    module = compiled.imported(str(oracle.library))
+    loop = getattr(module, driver.entry(rt32.DESCRIPTION.routines.index(HJUMP)))
+    arrays = [np.linspace(0, 1, 4).astype(np.float32) for _ in driver.passed(HJUMP)]
+    loop(4, *arrays)
+
+    with pytest.raises(Exception, match=r"intent\(inout\)|shape"):
+        loop(4, wrong(arrays[0]), *arrays[1:])
+
+
+@pytest.mark.oracle
+@pytest.mark.usefixtures("oracle")
+@pytest.mark.parametrize("build", ["reference", "promoted"])
+def test_signature_has_the_kinds_of_the_build(build):
+    """REAL*4 arrays are REAL*4 to f2py, and REAL*8 where the build promotes them."""
+    asked = compiled.of(rt32.DESCRIPTION.path, build)
+    text = driver.signature(rt32.DESCRIPTION, asked.build)
+
+    assert ("real*4" in text, "real*8" in text) == ((True, False), (False, True))[
+        build == "promoted"
+    ]
+
+
+@pytest.mark.oracle
+def test_every_pattern_of_bits_passes(oracle):
+    """What a loop does not touch comes back as it was: payloads of NaN, -0, subnormals."""
+    bits = np.array([0x7F800001, 0xFFC12345, 0x80000000, 1, 0x7F800000], np.uint32)
+    at = {"az": bits.view(np.float32), "alt": np.full(5, 0.5, np.float32)}
+    arrays = [at.get(one.key, np.zeros(5, np.float32)) for one in driver.passed(HJUMP)]
+    module = compiled.imported(str(oracle.library))
+    number = rt32.DESCRIPTION.routines.index(HJUMP)
+
+    after = compiled.call(module, number, arrays)
+    assert after[0].tobytes() == bits.tobytes()
+    empty = compiled.call(module, number, [one[:0] for one in arrays])
+    assert [one.shape for one in empty] == [(0,)] * len(arrays)
+
+
+@pytest.mark.parametrize("gone", ["c_compiler", "header"])
+def test_missing_c_compiler_or_header_is_named(monkeypatch, tmp_path, gone):
+    """f2py's wrapper is C: without its compiler or Python.h the stored answers serve."""
+    monkeypatch.setattr(compiled.building, "command_of", lambda name: name)
+    monkeypatch.setattr(compiled.building, "c_compiler", lambda: None if gone != "header" else "cc")
+    monkeypatch.setattr(compiled.building.sysconfig, "get_path", lambda _: str(tmp_path))
+    monkeypatch.delenv("PYPORT_ORACLE", raising=False)
+    assert not compiled.available(rt32.DESCRIPTION)
+    monkeypatch.setenv("PYPORT_ORACLE", "required")
+
+    with pytest.raises(BadInput, match="C compiler" if gone != "header" else r"Python\.h"):
+        compiled.available(rt32.DESCRIPTION)
 
 
 def test_missing_compiler_is_an_error_where_it_is_required(monkeypatch):
