@@ -70,8 +70,17 @@ def meant(name: str) -> str | None:
     return "time_utc" if key in _TIMES else None
 
 
+#: Conditions: under a name that is not known such a column is kept, as any other is.
+_KEPT = frozenset(
+    {
+        *("temperature_c", "pressure_hpa", "humidity_pct", "wind_speed_m_s", "wind_az_deg"),
+        *("frequency_mhz", "polarisation"),
+    }
+)
+
+
 def refuse_columns(names: Iterable[str]) -> None:
-    """Refuse a column whose name is nearly one of the contract's.
+    """Refuse a column of places, offsets or times whose name is nearly one of the contract's.
 
     Raises
     ------
@@ -81,7 +90,7 @@ def refuse_columns(names: Iterable[str]) -> None:
     there = set(names)
     for name in there:
         right = meant(name)
-        if right is None or right in there:
+        if right is None or right in there or right in _KEPT:
             continue
         part = _TIMES.get(name.lower(), "")
         way = f"--columns '{right}={name}{f'|{part}' if part else ''}, ...' reads it"

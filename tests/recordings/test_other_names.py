@@ -143,7 +143,6 @@ def test_the_map_of_a_real_log():
         ("# lat: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
         ("# Latitude_deg: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
         ("", "az_deg,el_deg,d_el_arcsec,time_mjd", "time_utc=time_mjd|mjd"),
-        ("", "az_deg,el_deg,d_el_arcsec,temperature", "did you mean temperature_c"),
         ("", "azimuth_deg,el_deg,d_el_arcsec", "did you mean az_deg"),
     ],
 )
@@ -155,6 +154,14 @@ def test_a_name_that_is_nearly_right_is_refused(tmp_path, header, columns, said)
 
     with pytest.raises(BadInput, match=said.replace("|", r"\|")):
         read(path)
+
+
+def test_a_condition_of_another_name_is_kept(tmp_path):
+    """A column that nobody knows is kept, also where its name is nearly a known condition's."""
+    path = tmp_path / "q.csv"
+    path.write_text("az_deg,el_deg,d_el_arcsec,temperature\n1,40,3,10\n2,41,4,11\n")
+
+    np.testing.assert_array_equal(read(path).at.column("temperature"), [10, 11])
 
 
 def test_a_key_given_by_hand_is_held_to_the_same(log):
