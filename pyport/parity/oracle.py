@@ -157,6 +157,9 @@ class _Child:
 
 def _serve(pipe: Connection) -> None:
     end_with_parent()
+    # Pipes of the parent's other processes: held open here, they would keep those from ending.
+    os.closerange(3, pipe.fileno())
+    os.closerange(pipe.fileno() + 1, os.sysconf("SC_OPEN_MAX"))
     while True:
         try:
             path, number, arrays, fresh = pipe.recv()
