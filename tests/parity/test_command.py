@@ -40,6 +40,7 @@ def test_without_a_compiler_stored_answers_serve(monkeypatch, tmp_path):
     What a run kept that was killed before it is removed.
     """
     monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
+    monkeypatch.delenv("PYPORT_ORACLE", raising=False)
     monkeypatch.setattr("pyport.parity.build.command_of", lambda _: None)
     path = tmp_path / "parity.md"
     kept_beside(str(path), rt32.DESCRIPTION, 20_000, 0).write_bytes(b"half")
