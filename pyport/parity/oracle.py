@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import tempfile
 from functools import cache
 from importlib.machinery import ExtensionFileLoader, ModuleSpec
-from multiprocessing import Pipe, Process
+from multiprocessing import Pipe, Process, parent_process
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import ModuleType
@@ -158,8 +159,10 @@ class _Child:
 def _serve(pipe: Connection) -> None:
     end_with_parent()
     # Pipes of the parent's other processes: held open here, they would keep those from ending.
-    os.closerange(3, pipe.fileno())
-    os.closerange(pipe.fileno() + 1, os.sysconf("SC_OPEN_MAX"))
+    parent = parent_process()
+    kept = sorted({2, pipe.fileno(), *([] if parent is None else [int(parent.sentinel)])})
+    for low, high in itertools.pairwise([*kept, os.sysconf("SC_OPEN_MAX")]):
+        os.closerange(low + 1, high)
     while True:
         try:
             path, number, arrays, fresh = pipe.recv()
