@@ -120,8 +120,8 @@ def table_of(raw: Raw) -> Table:
     return Table(
         raw.meta,
         {
-            name: column.astype(np.str_) if column.dtype.kind == "O" else column
-            for name, column in raw.columns.items()
+            name: cells.astype(np.str_) if cells.dtype.kind == "O" else cells
+            for name, cells in ((name, np.asarray(one)) for name, one in raw.columns.items())
         },
     )
 

@@ -7,6 +7,7 @@ that is encoder minus true. A standard deviation of zero stands for none.
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
 
@@ -74,19 +75,19 @@ def read(path: Path) -> Raw:
             if equals and key.strip() == "antenna":
                 meta |= _antenna(Line(path, line.number, value))
         elif line.text.strip():
-            (words,) = csv.reader([line.text], skipinitialspace=True)
+            if '"' in line.text:
+                (words,) = csv.reader([line.text], skipinitialspace=True)
+            else:
+                words = line.text.split(",")
             rows.append((line.number, [word.strip() for word in words]))
     if not rows:
         raise BadInput("no line of column names, expected azimuth, elevation, ...", path)
     (header, names), *body = rows
     _check(header, names, body, path)
-    columns = {
-        _name(name): [_cell(_name(name), words[n]) for _, words in body]
-        for n, name in enumerate(names)
-        if name != KEEP
-    }
-    if KEEP in names:
-        kept = [words[names.index(KEEP)] for _, words in body]
+    cells = dict(zip(names, zip(*(words for _, words in body), strict=True), strict=True))
+    kept = cells.pop(KEEP, None)
+    columns = {_name(name): _measured(_name(name), words) for name, words in cells.items()}
+    if kept is not None:
         columns[SET_ASIDE] = ["" if word not in {"0", "False"} else NOT_KEPT for word in kept]
     return raw_of(path, meta, columns, [number for number, _ in body], header)
 
@@ -109,11 +110,11 @@ def _name(theirs: str) -> str:
     return COLUMNS.get(theirs, theirs)
 
 
-def _cell(name: str, word: str) -> str:
-    """Return a cell, blank where it is no measurement."""
-    if word.lower() == "nan" or (name in _SIGMAS and not exact.number(word)):
-        return ""
-    return word
+def _measured(name: str, words: Sequence[str]) -> list[str]:
+    """Return a column's cells, blank where they are no measurements."""
+    if name in _SIGMAS:
+        return [word if exact.number(word) else "" for word in words]
+    return ["" if word.lower() == "nan" else word for word in words]
 
 
 def _antenna(line: Line) -> dict[str, str]:

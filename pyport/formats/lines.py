@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ from pyport.recordings.raw import Raw
 LONGEST_NUMBER = 40
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A line of a file, where it stands, and what it says."""
 
     file: Path
@@ -63,7 +62,8 @@ def lines_of(path: Path) -> list[Line]:
 
 def spelled(value: Decimal) -> str:
     """Return a decimal number without an exponent, digit for digit."""
-    return format(value, "f")
+    text = str(value)  # four times as fast, and without an exponent for nearly all numbers
+    return text if "E" not in text else format(value, "f")
 
 
 def padded(value: Decimal, width: int, decimals: int, sign: str = "") -> str:

@@ -185,12 +185,12 @@ def mapped(raw: Raw, columns: Mapping[str, str], *, numbered: bool = False) -> R
 def _found(raw: Raw, name: str, *, numbered: bool) -> NDArray[Any]:
     """Return a column by its name, with or without a format behind it, or by its number."""
     if name in raw.columns:
-        return raw.columns[name]
+        return np.asarray(raw.columns[name])
     bare = {_FORMAT.sub("", one).strip(): one for one in raw.columns}
     if name in bare:
-        return raw.columns[bare[name]]
+        return np.asarray(raw.columns[bare[name]])
     if numbered and name.isdigit() and 1 <= int(name) <= len(raw.columns):
-        return list(raw.columns.values())[int(name) - 1]
+        return np.asarray(list(raw.columns.values())[int(name) - 1])
     near = difflib.get_close_matches(name, bare, 1)
     meant = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(list(bare)[:20])}"
     raise raw.error(f"--columns: no column {name!r}: {meant}")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import gc
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -97,6 +99,25 @@ def read(
     BadInput
         There is no such format, the file is not of it, or names its columns itself.
     """
+    with _collector_paused():
+        return _read(path, name, columns, mapping)
+
+
+@contextmanager
+def _collector_paused() -> Iterator[None]:
+    """Keep the collector from going through all rows again and again: they make no cycles."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+def _read(
+    path: Path, name: str, columns: tuple[str, ...], mapping: Mapping[str, str] | None
+) -> Raw:
     if mapping:
         kept = FORMATS[name] if name in FORMATS else BY_SUFFIX.get(path.suffix.lower())
         if kept is None or kept.name == "csv":

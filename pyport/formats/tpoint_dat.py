@@ -8,6 +8,7 @@ or its right ascension and declination: see `tpoint_equatorial`.
 
 from __future__ import annotations
 
+import re
 from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
 
@@ -28,7 +29,9 @@ REMARK = "tpoint_remark_"
 #: What stands behind azimuth and elevation, true and as read.
 ROTATOR, AUXILIARY, NOTE = "rotator_deg", "auxiliary_", "note"
 _COMMENT = ";!"
+_MARK = re.compile(f"[{_COMMENT}]")
 _NAN = "nan"
+_HALF_TURN = Decimal(180)
 
 
 def read(path: Path) -> Raw:
@@ -120,9 +123,8 @@ def _options(body: list[Line], path: Path) -> dict[str, str]:
 
 def _split(text: str) -> tuple[str, str]:
     """Return what stands before a comment, and the comment."""
-    places = [text.find(mark) for mark in _COMMENT if mark in text]
-    cut = min(places, default=len(text))
-    return text[:cut], text[cut + 1 :].strip()
+    mark = _MARK.search(text)
+    return (text, "") if mark is None else (text[: mark.start()], text[mark.end() :].strip())
 
 
 def _is_star(words: list[str]) -> bool:
@@ -136,7 +138,7 @@ def _is_star(words: list[str]) -> bool:
 
 def _unread(word: str) -> bool:
     """Tell whether a number was never read, however a program padded it."""
-    return word.lstrip("0+-").lower() == _NAN
+    return word.endswith(("n", "N")) and word.lstrip("0+-").lower() == _NAN
 
 
 def _site(line: Line, words: list[str]) -> dict[str, str]:
@@ -161,9 +163,8 @@ def _tabulated(
     """Return the columns: true place, offsets as read minus true, and all that follows."""
     widest = max(len(words) for _, words, _, _ in found)
     extra = [ROTATOR if n == 0 else f"{AUXILIARY}{n}" for n in range(widest - 4)]
-    columns: dict[str, list[str]] = {
-        name: [] for name in ("az_deg", "el_deg", "d_az_deg", "d_el_deg", *extra, NOTE, SET_ASIDE)
-    }
+    names = ("az_deg", "el_deg", "d_az_deg", "d_el_deg", *extra, NOTE, SET_ASIDE)
+    rows = []
     for line, words, note, masked in found:
         if len(words) < 4:
             wanted = "expected azimuth and elevation, true and as read"
@@ -171,11 +172,8 @@ def _tabulated(
         az, el = line.decimal(words[0], "azimuth"), line.decimal(words[1], "elevation")
         rest = words[4:] + [""] * (widest - len(words))
         offsets = (_offset(line, words[2], az), _offset(line, words[3], el))
-        cells = [spelled(az), spelled(el), *offsets]
-        for name, cell in zip(
-            columns, [*cells, *rest, note, MASKED if masked else ""], strict=True
-        ):
-            columns[name].append(cell)
+        rows.append((spelled(az), spelled(el), *offsets, *rest, note, MASKED if masked else ""))
+    columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
     for name in (NOTE, SET_ASIDE):
         if not any(columns[name]):
             del columns[name]
@@ -269,4 +267,7 @@ def _site_line(table: Table, path: Path) -> str:
 
 def turned(degrees: Decimal) -> Decimal:
     """Return a difference of angles within half a turn."""
-    return degrees - 360 * ((degrees + 180) / 360).to_integral_value(ROUND_FLOOR)
+    if -_HALF_TURN <= degrees < _HALF_TURN:
+        return degrees
+    turns = ((degrees + _HALF_TURN) / (2 * _HALF_TURN)).to_integral_value(ROUND_FLOOR)
+    return degrees - 2 * _HALF_TURN * turns

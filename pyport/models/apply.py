@@ -108,7 +108,7 @@ def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:
     }
     for key in set(columns) & set(raw.columns):
         raise BadInput(f"--set {key}: the file has a column of this name", raw.file)
-    return replace(raw, columns=raw.columns | columns)
+    return replace(raw, columns={**raw.columns, **columns})
 
 
 def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:

@@ -296,5 +296,4 @@ def _quarantine(everything: Recordings, raw: Raw) -> Recordings:
         SetAside(int(line), str(why))
         for line, why in zip(everything.line[bad], reason[bad], strict=True)
     )
-    used = everything.take(~bad)
-    return replace(used, set_aside=aside)
+    return replace(everything.take(~bad), set_aside=aside) if aside else everything

@@ -120,7 +120,7 @@ def set_aside(raw: Raw, reasons: Mapping[int, str]) -> Raw:
     aside = [
         why or reasons.get(line, "") for why, line in zip(told, raw.line.tolist(), strict=True)
     ]
-    return replace(raw, columns=raw.columns | {SET_ASIDE: np.array(aside, object)})
+    return replace(raw, columns={**raw.columns, SET_ASIDE: np.array(aside, object)})
 
 
 def standing(raw: Raw, taken: Sequence[Step]) -> dict[int, str]:

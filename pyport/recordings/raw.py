@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
+from pyport.recordings.text_column import TextColumn
 
 #: Numpy pads text to its longest cell: one runaway cell would cost its length in every row.
 LONGEST_CELL, LARGEST_COLUMN = 1000, 2**28
@@ -30,7 +32,8 @@ class Raw:
     header_line
         The line of the column names, for errors that concern a whole column.
     columns
-        Name -> cells, shape (n,): text ("" for blank), or numbers (NaN for blank).
+        Name -> cells, shape (n,): text ("" for blank), of a large file held by Arrow, or
+        numbers (NaN for blank).
     line
         The line (or row) of each cell, shape (n,).
     """
@@ -38,7 +41,7 @@ class Raw:
     file: Path
     meta: dict[str, str]
     header_line: int
-    columns: dict[str, NDArray[Any]]
+    columns: Mapping[str, NDArray[Any] | TextColumn]
     line: NDArray[np.int64]
 
     def error(self, message: str, row: int | None = None) -> BadInput:
@@ -57,13 +60,16 @@ class Raw:
         if cells.dtype.kind in "fiub":
             # 130.0 names the same channel as 130
             return np.array(["" if v != v else f"{v:.15g}" for v in cells.tolist()], np.str_)  # noqa: PLR0124
-        text = [str(cell).strip() for cell in cells.tolist()]
+        different, which = (
+            cells.distinct() if isinstance(cells, TextColumn) else (cells.tolist(), slice(None))
+        )
+        text = [str(cell).strip() for cell in different]
         longest = max(map(len, text), default=0)
-        if longest > LONGEST_CELL or longest * len(text) > LARGEST_COLUMN:
-            row = next(n for n, cell in enumerate(text) if len(cell) == longest)
-            most = min(LONGEST_CELL, LARGEST_COLUMN // len(text))
-            raise self.error(f"{name} has more than {most} characters", row)
-        return np.array(text, np.str_)
+        if longest > LONGEST_CELL or longest * len(cells) > LARGEST_COLUMN:
+            long = np.array([len(cell) == longest for cell in text])[which]
+            most = min(LONGEST_CELL, LARGEST_COLUMN // len(cells))
+            raise self.error(f"{name} has more than {most} characters", int(np.argmax(long)))
+        return np.array(text, np.str_)[which]
 
     def numbers(self, name: str) -> Array:
         """Return a column as numbers, NaN where it is blank.
@@ -74,6 +80,10 @@ class Raw:
             A cell is neither blank nor a finite number.
         """
         cells = self.columns[name]
+        if isinstance(cells, TextColumn):
+            if (values := cells.numbers()) is not None:
+                return values
+            cells = np.asarray(cells)
         if cells.dtype.kind in "fiub":
             values = cells.astype(float)
         else:
@@ -111,6 +121,10 @@ class Raw:
             A cell is neither blank nor an ISO 8601 time.
         """
         cells = self.columns[name]
+        if isinstance(cells, TextColumn):
+            if (values := cells.seconds()) is not None:
+                return values
+            cells = np.asarray(cells)
         if cells.dtype.kind == "M":
             since = cells.astype("datetime64[us]").astype(float) / 1e6
             return np.where(np.isnat(cells), np.nan, since)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import operator
+import re
 from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
@@ -13,12 +15,15 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.recordings.formats import plain_csv
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 
 _BLOCK = 2**20
 #: Nothing that a telescope writes is larger; a file may be anything at all.
 LONGEST_LINE, LARGEST_TEXT, MOST_COLUMNS = 16 * 2**20, 2**30, 10_000
+
+_LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 
 
 def read_text(path: Path) -> str:
@@ -38,7 +43,7 @@ def read_text(path: Path) -> str:
         except UnicodeDecodeError as error:
             place = error.start
         else:
-            if not text.strip():
+            if not text or text.isspace():
                 raise BadInput("the file is empty, expected recordings", path)
             return text
     line = content.count(b"\n", 0, place) + 1
@@ -49,21 +54,23 @@ def read_text(path: Path) -> str:
 def _content(path: Path) -> bytes:
     """Return the bytes of a text file, refused as soon as a line or the whole is too long."""
     blocks: list[bytes] = []
-    size = lines = since_break = 0
+    size = since_break = 0
     with path.open("rb") as file:
         while block := file.read(_BLOCK):
-            lines += block.count(b"\n")
             last = max(block.rfind(b"\n"), block.rfind(b"\r"))
             since_break = since_break + len(block) if last < 0 else len(block) - 1 - last
             size += len(block)
             blocks.append(block)
             if since_break > LONGEST_LINE:
                 wrong = f"a line of more than {LONGEST_LINE // 2**20} MB, expected one a recording"
-                raise BadInput(wrong, path, lines + 1)
+                break
             if size > LARGEST_TEXT:
                 wrong = f"a text of more than {LARGEST_TEXT // 2**20} MB, expected several files"
-                raise BadInput(f"{wrong}, or Parquet", path, lines + 1)
-    return b"".join(blocks)
+                wrong = f"{wrong}, or Parquet"
+                break
+        else:
+            return b"".join(blocks)
+    raise BadInput(wrong, path, sum(block.count(b"\n") for block in blocks) + 1)
 
 
 def comment(line: str) -> tuple[str, str] | None:
@@ -83,10 +90,9 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     """
     text = read_text(path)
     meta: dict[str, str] = {}
-    stream = io.StringIO(text, newline="")
-    skipped = 0
+    skipped = size = 0
     header = ""
-    for header in stream:
+    for header in map(operator.itemgetter(0), _LINE.finditer(text)):
         if header.startswith("#"):
             pair = comment(header)
             if pair is not None:
@@ -94,10 +100,15 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
         elif header.strip():
             break
         skipped += 1
+        size += len(header)
     else:
         raise BadInput("no line of column names, expected one such as az_deg,el_deg,...", path)
     above = skipped if names else skipped + 1
     columns = _names(",".join(names) or header, path, above)
+    body = text[size if names else size + len(header) :]
+    plain = plain_csv.columns(body.encode(), columns, above)
+    if plain is not None:
+        return Raw(path, meta, max(above, 1), *plain)
     rows, lines = _rows(text, above, path)
     told = "as named" if names else "as in the header"
     for row, line in zip(rows, lines, strict=True):

@@ -17,6 +17,7 @@ from pyport.recordings.columns import ANGLES
 from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
 from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.tabulate import Table
+from pyport.recordings.text_column import TextColumn
 
 #: No table of recordings has more; a Parquet file of a few kB may promise any number.
 MOST_CELLS = 2 * 10**8
@@ -182,7 +183,7 @@ def first_double(names: Iterable[str]) -> str | None:
     return None
 
 
-def _arrow_cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - pyarrow is not typed
+def _arrow_cells(column: Any) -> NDArray[Any] | TextColumn:  # noqa: ANN401 - pyarrow is not typed
     """Return an Arrow column as numbers, times or text, blank where it is null."""
     import pyarrow
 
@@ -191,6 +192,8 @@ def _arrow_cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - pyarrow is not 
         return column.cast(pyarrow.timestamp("us")).to_numpy().astype("datetime64[us]")
     if pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind):
         return column.to_numpy()
+    if pyarrow.types.is_dictionary(kind) and pyarrow.types.is_string(kind.value_type):
+        return TextColumn(column.cast(pyarrow.string()).fill_null("").combine_chunks())
     return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], object)
 
 
