@@ -7,7 +7,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small detective docs physics api tutorial screenshots golden
+.PHONY: demo test lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist clean
 .PHONY: nulls real
 .PHONY: fuzz torture lock audit
@@ -45,7 +45,7 @@ format: $(BIN)/tox
 
 # The page on the effects, from the catalogue.
 physics: $(BIN)/pyport
-	$(BIN)/pyport effects --markdown -o docs/physics.md
+	$(BIN)/pyport dev effects --markdown -o docs/physics.md
 
 # The documentation as a site that needs no network: every warning is an error, every link is followed.
 $(VENV)/docs: $(BIN)/pyport
@@ -119,15 +119,15 @@ parity-slalib: $(VENV)/oracle
 
 # Sealed trials: hidden truths, solved blind, opened, scored. Killed and called again, they go on.
 proof-small: $(BIN)/pyport
-	$(BIN)/pyport trials prove $(OUT)/proof-small --set small --jobs 2
+	$(BIN)/pyport dev trials prove $(OUT)/proof-small --set small --jobs 2
 
 proof: $(BIN)/pyport
-	$(BIN)/pyport trials prove $(OUT)/proof --set full --jobs 2
+	$(BIN)/pyport dev trials prove $(OUT)/proof --set full --jobs 2
 
 # What is promised of a diagnosis, measured anew: real recordings and drawn cases.
 DATA ?= ../shared/data
-detective: $(BIN)/pyport
-	$(BIN)/pyport detective --jobs 2 --data $(DATA)
+acceptance: $(BIN)/pyport
+	$(BIN)/pyport dev acceptance --jobs 2 --data $(DATA)
 
 # Recordings with nothing hidden in every kind of noise: claims, and how often sigmas hold.
 CASES ?= 100

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from pyport.diagnosis import diagnose as steps
     from pyport.diagnosis.finding import Finding
     from pyport.fitting import fit as fitting
-    from pyport.fitting.models import Model
     from pyport.models.completed import Value
+    from pyport.models.model import Model
     from pyport.models.use import PointingModel
     from pyport.page.picture import Picture
     from pyport.page.story import Story
@@ -398,7 +398,7 @@ def load_model(model: str | Path | Model) -> PointingModel:
 
 
 def _model(model: str | Path | Model | PointingModel) -> Model:
-    from pyport.fitting.models import Model, load
+    from pyport.models.model import Model, load
     from pyport.models.use import PointingModel
 
     if isinstance(model, PointingModel):

@@ -34,10 +34,11 @@ def commands():
 def test_commands_of_the_guides_exist_with_their_options(guide, line):
     """Each is a command of pyport's, and every option in it is one that the command has."""
     words = line.split()[1:]
-    command = pyport.get_command(click.Context(pyport), words[0])
-    assert command is not None, (guide, line)
-    if isinstance(command, click.Group) and len(words) > 1:
-        command = command.commands[words[1]]
+    command = pyport
+    for word in words:
+        if isinstance(command, click.Group) and not word.startswith("-"):
+            command = command.get_command(click.Context(command), word)
+            assert command is not None, (guide, line)
     options = {flag for one in command.params for flag in one.opts} | {"--help"}
     used = {word.split("=")[0] for word in words if re.match(r"--?[a-z]", word)}
 

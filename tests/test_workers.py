@@ -18,10 +18,10 @@ from pyarrow import parquet
 
 from pyport.diagnosis import run as diagnoses
 from pyport.errors import BadInput
+from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.seal import seal
+from pyport.examiner.sealed.solve import run
 from pyport.recordings import read, resolve
-from pyport.trials.protocol import Spec
-from pyport.trials.seal import seal
-from pyport.trials.solve import run
 from pyport.workers import workers
 
 distributed = pytest.importorskip("distributed")

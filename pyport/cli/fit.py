@@ -104,9 +104,9 @@ def command(
     from pyport.fitting import leftover, table
     from pyport.fitting.completed import completed
     from pyport.fitting.fit import fit
-    from pyport.fitting.models import load
     from pyport.formats.completed import write_model
     from pyport.formats.terms.editing import edited
+    from pyport.models.model import load
     from pyport.page.of_fit import of_fit
     from pyport.progress import working
     from pyport.recordings import read
@@ -127,8 +127,8 @@ def command(
         for kept in pass_files(out):
             kept.unlink(missing_ok=True)
     if not as_json and model == "gmrt-paper":
-        from pyport.fitting.gmrt import comparison
-        from pyport.fitting.gmrt.beside import beside_table_18
+        from pyport.studies.gmrt import comparison
+        from pyport.studies.gmrt.beside import beside_table_18
 
         if days := beside_table_18(done):
             click.echo("\n" + comparison.text(days))
@@ -147,11 +147,11 @@ def _fit_rt32(
 ) -> tuple[dict[str, object], str, Drawn]:
     """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG
-    from pyport.fitting.rt32 import box_step, fit_rt32, table
-    from pyport.fitting.rt32.bootstrap import honest_sigmas
-    from pyport.page.of_rt32 import of_rt32
     from pyport.progress import working
     from pyport.recordings import read
+    from pyport.studies.rt32 import box_step, fit_rt32, table
+    from pyport.studies.rt32.bootstrap import honest_sigmas
+    from pyport.studies.rt32.page import of_rt32
 
     measured = read(recordings, given)
     box = box_step(measured, choice)

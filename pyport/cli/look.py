@@ -109,8 +109,8 @@ def command(
     from each other, and which not; and what to observe next to distinguish those.
     """
     from pyport.files import write_whole
-    from pyport.fitting.models import load
     from pyport.formats import mapped
+    from pyport.models.model import load
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text

@@ -75,14 +75,14 @@ def _hush(context: click.Context, _: click.Parameter, quiet: bool) -> None:  # n
 
 def models(_: click.Context, __: click.Parameter, typed: str) -> list[CompletionItem]:
     """Complete the name of a built-in model, or of a file."""
-    from pyport.fitting.models import BUILT_IN
+    from pyport.models.model import BUILT_IN
 
     return _completed(sorted(BUILT_IN), typed)
 
 
 def recordings(_: click.Context, __: click.Parameter, typed: str) -> list[CompletionItem]:
     """Complete the name of recordings shipped with pyport, or of a file."""
-    from pyport.recordings.gmrt import NAMES
+    from pyport.recordings.shipped import NAMES
 
     return _completed(sorted(NAMES), typed)
 

@@ -88,7 +88,7 @@ def _chosen(raw: Raw, lines: str, outliers: str, given: Given) -> tuple[int, ...
         import numpy as np
 
         from pyport.fitting.fit import fit
-        from pyport.fitting.models import load
+        from pyport.models.model import load
 
         done = fit(interpret(masks.masked(raw)), load(outliers))
         rows = np.unique(done.stack.row[~done.noise.used])

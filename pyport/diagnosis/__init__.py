@@ -1,1 +1,1 @@
-"""The detective: noise, detect, locate, identify, check, and what cannot be named."""
+"""Diagnosis: noise, detect, locate, identify, check, and what cannot be named."""

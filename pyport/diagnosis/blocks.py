@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.stacking import Codes
 
 
 @dataclass(frozen=True)

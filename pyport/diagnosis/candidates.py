@@ -9,7 +9,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.finding import Interval
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
-from pyport.fitting.stacking import Codes, Stack
+from pyport.least_squares.stacking import Codes, Stack
 from pyport.recordings.schema import Recordings
 
 

@@ -16,10 +16,10 @@ from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
 from pyport.effects.base import Effect
-from pyport.fitting.gram import Part
-from pyport.fitting.models import Model, Term
-from pyport.fitting.refit import Refit
-from pyport.fitting.stacking import Codes, Stack, group, stack, term_columns
+from pyport.least_squares.gram import Part
+from pyport.least_squares.refit import Refit
+from pyport.least_squares.stacking import Codes, Stack, group, stack, term_columns
+from pyport.models.model import Model, Term
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, estimate, frame, reweighed

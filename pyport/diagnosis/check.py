@@ -11,7 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Setup, Weighed
 from pyport.diagnosis.identify import agrees
 from pyport.diagnosis.joint import Joint, contribution
-from pyport.fitting.gram import Gram
+from pyport.least_squares.gram import Gram
 
 #: Halves whose strengths differ by more than this many sigmas and this share are not one effect.
 SIGMAS = 4.0
@@ -47,7 +47,7 @@ def halves(setup: Setup, weighed: Weighed, joint: Joint, choice: int) -> list[Ch
 
 
 def _compare(white: Array, label: str) -> Check | None:
-    from pyport.fitting.gram import Part
+    from pyport.least_squares.gram import Part
 
     gram = Gram.of(white, np.zeros(len(white), np.intp), 1)
     size = white.shape[1] - 1

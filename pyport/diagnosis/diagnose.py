@@ -24,7 +24,7 @@ from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.diagnosis.winner import trials_of
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
-from pyport.fitting.models import Model
+from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 from pyport.threads import one_thread

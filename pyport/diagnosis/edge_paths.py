@@ -21,8 +21,8 @@ from pyport.diagnosis.edges import LEVELS, Sky, sky_of
 from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.view import FEWEST
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
-from pyport.fitting.gram import inverted
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import inverted
+from pyport.least_squares.stacking import Codes
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.stages import stage
 

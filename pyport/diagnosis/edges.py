@@ -14,7 +14,7 @@ from pyport.diagnosis.case import Setup
 from pyport.diagnosis.view import FEWEST, View
 from pyport.effects import Effect
 from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.stacking import Codes
 
 #: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]
 _FIRST = np.array([4, 4, 4, 2, 2]) * DEG

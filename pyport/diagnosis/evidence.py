@@ -11,9 +11,9 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.fitting.gram import Gram, Part, index, inverse_of
-from pyport.fitting.slabs import Slab, slabs, without
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import Gram, Part, index, inverse_of
+from pyport.least_squares.slabs import Slab, slabs, without
+from pyport.least_squares.stacking import Codes
 from pyport.noise.common_mode import Excess
 from pyport.stages import stage
 

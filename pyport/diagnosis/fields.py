@@ -21,8 +21,8 @@ from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field, families
 from pyport.diagnosis.finding import Interval
 from pyport.effects.fields import field as as_effect
-from pyport.fitting.gram import inverted
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import inverted
+from pyport.least_squares.stacking import Codes
 from pyport.stages import stage
 
 #: A bump that fewer readings feel is left out.

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.fitting.gram import Gram, Part, Solution
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import Gram, Part, Solution
+from pyport.least_squares.stacking import Codes
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 

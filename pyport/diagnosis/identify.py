@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.diagnosis.evidence import Beside, Trial
 from pyport.effects import degeneracies
-from pyport.fitting.gram import inverted
+from pyport.least_squares.gram import inverted
 
 #: Evidence is compared to so many decimals: of effects that draw one and the same curve the
 #: catalogue's first stands, whatever rounding says.

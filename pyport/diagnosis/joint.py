@@ -11,8 +11,8 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.fitting import sizes
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
-from pyport.fitting.gram import Solution
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import Solution
+from pyport.least_squares.stacking import Codes
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,8 @@ from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.words import nothing
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
-from pyport.fitting.gram import inverted
 from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
+from pyport.least_squares.gram import inverted
 from pyport.models import toml
 from pyport.recordings.schema import Recordings
 

@@ -20,8 +20,8 @@ from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
 from pyport.diagnosis.identify import TIE, fits_physics
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.steps import Step
-from pyport.fitting.gram import inverse_of
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.gram import inverse_of
+from pyport.least_squares.stacking import Codes
 from pyport.stages import stage
 
 DRAWS = 40

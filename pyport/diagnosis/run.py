@@ -16,7 +16,7 @@ from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
-from pyport.fitting.models import Model, load
+from pyport.models.model import Model, load
 from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey

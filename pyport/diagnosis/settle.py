@@ -21,7 +21,7 @@ from pyport.diagnosis.identify import TIE
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.winner import trials_of
-from pyport.fitting import robust
+from pyport.least_squares import robust
 from pyport.stages import stage
 
 #: A reading that both predictions miss by so many times the scatter of the other folds is a gross

@@ -16,7 +16,7 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.finding import Interval
 from pyport.effects.base import Circumstances, Coefficient, Effect
-from pyport.fitting.stacking import Stack
+from pyport.least_squares.stacking import Stack
 from pyport.recordings.schema import Recordings
 
 #: Order of the curve that is laid through a column.

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.stacking import Codes
 
 #: Fewer readings than this on either side of a step or an edge decide nothing.
 FEWEST = 8

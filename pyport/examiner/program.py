@@ -99,4 +99,4 @@ def shipped(name: str) -> Path:
     """Return the file of recordings that come with the program."""
     import pyport
 
-    return Path(pyport.__file__).parent / "recordings" / "gmrt" / "data" / f"{name}.csv"
+    return Path(pyport.__file__).parent / "recordings" / "data" / f"{name}.csv"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.fitting.fit import Fit
-from pyport.fitting.models import Model
 from pyport.models.complete import Left, Solved, complete
+from pyport.models.model import Model
 
 
 def completed(fit: Fit) -> Model:

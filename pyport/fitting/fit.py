@@ -9,10 +9,10 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.errors import BadInput
-from pyport.fitting.gram import inverted
-from pyport.fitting.models import Model, Term
-from pyport.fitting.stacking import Stack, group, stack, term_columns
 from pyport.fitting.two_axes import Difference, from_products
+from pyport.least_squares.gram import inverted
+from pyport.least_squares.stacking import Stack, group, stack, term_columns
+from pyport.models.model import Model, Term
 from pyport.noise.covariance import Covariance
 from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame

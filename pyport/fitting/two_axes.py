@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.fitting.gram import inverted
+from pyport.least_squares.gram import inverted
 
 #: Axes that agree differ so much with less than this chance, over all effects of a model.
 UNLIKELY = 0.01

@@ -14,12 +14,12 @@ from pyport.effects import Circumstances, Effect
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.fitting.models import Model
 from pyport.formats import models
 from pyport.formats.model_file import KEPT, NAMES, WORDS, Entry, ModelFile, rounded, translated
 from pyport.formats.terms.alike import shape_of
 from pyport.formats.terms.words import SCALES
 from pyport.models import toml
+from pyport.models.model import Model
 
 #: Decimals that a value is written with, by its unit: 0.4 microarcsec in degrees.
 _DECIMALS = {"arcsec": 4, "deg": 10, "": 9}

@@ -9,10 +9,10 @@ from functools import partial
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.fitting.models import Model, Term
 from pyport.formats.terms import field_system, ska_mid, tpoint
 from pyport.formats.terms.shapes import Shape
 from pyport.formats.terms.words import SCALES, Word
+from pyport.models.model import Model, Term
 
 #: How many decimals a number gets in another unit. Degrees with ten are told exactly by
 #: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.

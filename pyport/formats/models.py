@@ -8,11 +8,11 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.fitting.models import Model
 from pyport.formats import discos, katpoint_model, ska_mid, toml_model, tpoint_mod
 from pyport.formats.field_system import ctl
 from pyport.formats.lines import Line
 from pyport.formats.model_file import ModelFile
+from pyport.models.model import Model
 
 
 @dataclass(frozen=True)

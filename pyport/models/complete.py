@@ -13,11 +13,11 @@ from pyport import __version__
 from pyport.angles import ARCSEC, Array
 from pyport.errors import BadInput
 from pyport.files import sha256
-from pyport.fitting.models import Model, Term, rt32_values
-from pyport.fitting.stacking import Stack
 from pyport.formats.model_file import KEPT
+from pyport.least_squares.stacking import Stack
 from pyport.models.completed import Completed, Value
 from pyport.models.members import frozen
+from pyport.models.model import Model, Term, rt32_values
 from pyport.recordings.schema import Recordings
 
 Labels = tuple[str, ...]

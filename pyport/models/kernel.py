@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
 from pyport.effects.structure import jump_at
-from pyport.fitting.models import Model, rt32_values
 from pyport.models.members import apart
+from pyport.models.model import Model, rt32_values
 from pyport.pointing.approximate import RT32_JUMP, effect_of
 from pyport.pointing.jump import has_jumped_one
 from pyport.pointing.one import exact_one

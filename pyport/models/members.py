@@ -46,7 +46,7 @@ def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
 
         return Word.of_member(told).effect()
     if "rt32" in told:
-        from pyport.fitting.models import rt32_parameter
+        from pyport.models.model import rt32_parameter
 
         return rt32_parameter(int(told["rt32"]))
     if identity == UNKNOWN:

@@ -14,9 +14,9 @@ from pyport.angles import DEG, Array
 from pyport.effects import Site
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.fitting.models import BUILT_IN, Model, Term, rt32_values
 from pyport.models.completed import Completed, Value
 from pyport.models.members import effect_of
+from pyport.models.model import BUILT_IN, Model, Term, rt32_values
 from pyport.recordings.formats.csv import read_text
 
 SCHEMA = "pyport.model/1"

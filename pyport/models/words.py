@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from pyport.effects.fields import UNKNOWN
-from pyport.fitting.models import Term
 from pyport.models.completed import Completed, Value
+from pyport.models.model import Term
 
 #: How every table calls a coefficient's value, what the file has, and their difference.
 ENTER, IN_FILE, CHANGE = (

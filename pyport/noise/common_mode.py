@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array
-from pyport.fitting.pivoting import most_different
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.pivoting import most_different
+from pyport.least_squares.stacking import Codes
 
 #: Antennas that must have recorded a scan for it to tell of the common mode.
 ENOUGH_ANTENNAS = 4

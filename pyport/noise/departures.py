@@ -17,7 +17,7 @@ from pyport.angles import Array
 from pyport.effects import CATALOGUE
 from pyport.effects.astrometry import parallactic
 from pyport.effects.base import MissingColumn
-from pyport.fitting.stacking import Codes, Stack, group
+from pyport.least_squares.stacking import Codes, Stack, group
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings

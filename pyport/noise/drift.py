@@ -14,8 +14,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from pyport.angles import Array
-from pyport.fitting import robust
-from pyport.fitting.stacking import Codes
+from pyport.least_squares import robust
+from pyport.least_squares.stacking import Codes
 from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
 
 #: Fewer pointings than this in one antenna and axis tell nothing of a drift.

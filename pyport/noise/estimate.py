@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.fitting import robust
-from pyport.fitting.pivoting import most_different
-from pyport.fitting.stacking import Stack
+from pyport.least_squares import robust
+from pyport.least_squares.pivoting import most_different
+from pyport.least_squares.stacking import Stack
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
 from pyport.noise.drift import beside, draft, grid_of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR, Array
-from pyport.fitting.stacking import Codes, group
+from pyport.least_squares.stacking import Codes, group
 from pyport.recordings.schema import Recordings
 
 #: No telescope makes two pointings within a second, at nearly the same place.

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from pyport.angles import Array
-from pyport.fitting.stacking import Stack, group
+from pyport.least_squares.stacking import Stack, group
 from pyport.recordings.schema import Recordings
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import Array
-from pyport.fitting.stacking import Codes, Stack, group
+from pyport.least_squares.stacking import Codes, Stack, group
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
 

@@ -7,7 +7,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
-from pyport.fitting.gram import inverted
+from pyport.least_squares.gram import inverted
 from pyport.page.picture import Layer
 
 

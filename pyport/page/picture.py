@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCMIN, ARCSEC, Array
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
-from pyport.fitting.stacking import Stack
+from pyport.least_squares.stacking import Stack
 from pyport.recordings.schema import Recordings
 
 #: From this rms on residuals are told in arcmin.

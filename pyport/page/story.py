@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pyport.effects.fields import UNKNOWN
-from pyport.fitting.models import Model
+from pyport.models.model import Model
 from pyport.models.words import has_before
 
 

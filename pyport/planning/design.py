@@ -9,9 +9,9 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
-from pyport.fitting import robust
-from pyport.fitting.models import Model, Term
-from pyport.fitting.stacking import Stack, group, stack, term_columns
+from pyport.least_squares import robust
+from pyport.least_squares.stacking import Stack, group, stack, term_columns
+from pyport.models.model import Model, Term
 from pyport.recordings.schema import Recordings
 
 

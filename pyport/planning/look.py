@@ -9,8 +9,8 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.candidates import Untestable
-from pyport.fitting.gram import inverted
-from pyport.fitting.models import Model
+from pyport.least_squares.gram import inverted
+from pyport.models.model import Model
 from pyport.planning.coverage import Coverage, coverage
 from pyport.planning.design import Design, design
 from pyport.planning.separate import Separation, separate

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.identify import ALIKE
-from pyport.fitting.gram import RANK_TOLERANCE
+from pyport.least_squares.gram import RANK_TOLERANCE
 from pyport.planning.design import Design
 
 #: An effect of which the model leaves less than this share (of its square) shows nothing.
@@ -188,7 +188,7 @@ def _sight(
 
 def _sigmas(columns: Array) -> Array:
     """Return the errors of coefficients whose columns were divided by the noise."""
-    from pyport.fitting.gram import inverted
+    from pyport.least_squares.gram import inverted
 
     inverse, _, _, known = inverted(columns.T @ columns)
     return np.where(known, np.sqrt(np.maximum(np.diag(inverse), 0)), np.inf)

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
-from pyport.fitting.models import Model
+from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.left_out import left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.errors import BadInput
-from pyport.fitting import robust
-from pyport.fitting.models import Model
-from pyport.fitting.stacking import Stack, stack, term_columns
+from pyport.least_squares import robust
+from pyport.least_squares.stacking import Stack, stack, term_columns
+from pyport.models.model import Model
 from pyport.prediction import picked, shrunk, waves
 from pyport.recordings.schema import Recordings
 

@@ -11,7 +11,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.fitting.models import Model
+from pyport.models.model import Model
 from pyport.prediction import shrunk, waves
 from pyport.prediction.contenders import Night
 from pyport.recordings.schema import Recordings

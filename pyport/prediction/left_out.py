@@ -13,7 +13,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.stacking import Codes
 from pyport.prediction.contenders import Contender, Night, Rows, solved
 
 #: Parts that pointings are dealt to, and that elevation and azimuth are cut into.

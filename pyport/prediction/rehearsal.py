@@ -15,7 +15,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Circumstances
-from pyport.fitting.models import Model
+from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted
 from pyport.prediction.left_out import left_out, on_the_sky, schemes
 from pyport.recordings.schema import Recordings

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.fitting import robust
+from pyport.least_squares import robust
 from pyport.prediction.waves import COUNT, FAMILIES
 from pyport.threads import one_thread
 

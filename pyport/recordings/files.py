@@ -9,7 +9,7 @@ from typing import Any
 
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.recordings import gmrt, nearly
+from pyport.recordings import nearly, shipped
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
@@ -31,15 +31,15 @@ def resolve(name: str | Path) -> Path:
     path = Path(name)
     if is_file(path):
         return path
-    if str(name) in gmrt.NAMES:
-        return gmrt.path(str(name))
+    if str(name) in shipped.NAMES:
+        return shipped.path(str(name))
     if path.is_dir():
         from pyport.recordings.stream import is_data_set
 
         if is_data_set(path):
             return path
         raise BadInput("a folder without Parquet files, expected recordings", path)
-    names = ", ".join(gmrt.NAMES)
+    names = ", ".join(shipped.NAMES)
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 

@@ -76,7 +76,7 @@ def large_array(grown: dict[str, Any], million_rows_s: float) -> list[str]:
         "digit of any result changes.",
         "",
         "A single data set of many antennas together (without `--each`) is gone through by all",
-        "workers, and its normal points are diagnosed by one process. `trials run --cluster`",
+        "workers, and its normal points are diagnosed by one process. `dev trials run --cluster`",
         "spreads a campaign of trials in the same way. Without a cluster `--jobs N` does all of it",
         "with processes of one machine.",
     ]  # fmt: skip

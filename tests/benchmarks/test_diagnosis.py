@@ -9,11 +9,11 @@ import pytest
 
 from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
-from pyport.fitting.models import load
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.worlds.kinds import make_case
+from pyport.models.model import load
 from pyport.recordings import read
 from pyport.stages import stage, timed
-from pyport.trials.files import write_recordings
-from pyport.trials.kinds import make_case
 
 ROWS = {
     "test_one_cause": "diagnosis",

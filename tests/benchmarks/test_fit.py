@@ -10,10 +10,10 @@ import pytest
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import Circumstances
-from pyport.fitting.rt32 import fit_rt32
 from pyport.pointing import Rt32Model, printed
 from pyport.pointing.exact import exact_offsets, tilted
 from pyport.recordings.schema import Recordings
+from pyport.studies.rt32 import fit_rt32
 
 POINTS = 5600
 SIGMA = 12 * ARCSEC

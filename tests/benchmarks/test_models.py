@@ -7,7 +7,7 @@ import pytest
 
 from pyport.effects import CATALOGUE
 from pyport.effects.structure import curved_jump
-from pyport.fitting.models import Term, load
+from pyport.models.model import Term, load
 from pyport.models.use import PointingModel
 
 DIRECTIONS = 1_000_000

@@ -15,23 +15,23 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.cli import COMMANDS, pyport
+from pyport.cli import FORMER, pyport
 from pyport.cli.manners import STATUSES, plain
 from pyport.recordings import resolve
 
 
-def leaves():
+def leaves(group, words=()):
     """Return every command with the words that call it, commands of groups among them."""
-    context = click.Context(pyport)
-    for name in COMMANDS:
-        command = pyport.get_command(context, name)
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
         if isinstance(command, click.Group):
-            yield from (((name, sub), one) for sub, one in command.commands.items())
+            yield from leaves(command, (*words, name))
         else:
-            yield (name,), command
+            yield (*words, name), command
 
 
-LEAVES = dict(leaves())
+LEAVES = dict(leaves(pyport))
 
 
 def run(*words):
@@ -55,6 +55,16 @@ def test_every_command_has_quiet_json_and_an_example_that_it_understands(words):
     assert used <= options | {"--help"}
 
 
+@pytest.mark.parametrize(("former", "now"), FORMER.items())
+def test_a_former_name_works_and_says_the_new_one(former, now):
+    """The help of the command it stands for, and a line on standard error."""
+    old, new = run(former, "--help"), run(*now.split(), "--help")
+
+    assert old.exit_code == 0
+    assert old.stderr == f"pyport: `pyport {former}` is `pyport {now}` now\n"
+    assert old.stdout.split("Options:")[1] == new.stdout.split("Options:")[1]
+
+
 def test_statuses_are_told_by_help():
     """`pyport --help` tells what 0, 2 and 130 mean, and one line says what is wrong."""
     assert " ".join(STATUSES.split()) in " ".join(run("--help").output.split())
@@ -72,7 +82,7 @@ def test_quiet_prints_nothing_and_does_the_work(tmp_path):
 def test_errors_are_told_even_when_quiet(tmp_path):
     """--quiet leaves the one line about bad input."""
     done = subprocess.run(
-        [sys.executable, "-m", "pyport", "effects", "nonsense", "--quiet"],
+        [sys.executable, "-m", "pyport", "dev", "effects", "nonsense", "--quiet"],
         capture_output=True,
         text=True,
         check=False,
@@ -86,11 +96,11 @@ def test_errors_are_told_even_when_quiet(tmp_path):
 
 def test_effects_as_json_are_the_catalogue():
     """Every effect with its coefficients and what it looks like."""
-    found = {one["id"]: one for one in json.loads(run("effects", "--json").output)}
+    found = {one["id"]: one for one in json.loads(run("dev", "effects", "--json").output)}
 
     assert found["refraction"]["coefficients"][0]["unit"] == "arcsec"
     assert "sag_sine" in {one["effect"] for one in found["refraction"]["looks_like"]}
-    assert len(json.loads(run("effects", "refraction", "tilt", "--json").output)) == 2
+    assert len(json.loads(run("dev", "effects", "refraction", "tilt", "--json").output)) == 2
 
 
 def test_a_table_as_json_says_what_was_written_and_checked(tmp_path):
@@ -143,7 +153,7 @@ def test_completion_is_printed_for_each_shell(shell):
         ("pyport dia", 1, "diagnose"),
         ("pyport fit gmrt-2003-06-0", 2, "gmrt-2003-06-01"),
         ("pyport diagnose x.csv --model rt3", 4, "rt32-exact"),
-        ("pyport effects refr", 2, "refraction_curvature"),
+        ("pyport dev effects refr", 3, "refraction_curvature"),
         ("pyport look x.csv --so", 3, "--sources"),
     ],
 )

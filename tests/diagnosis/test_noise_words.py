@@ -16,10 +16,10 @@ from pyport.diagnosis.noise_words import by_elevation, sentences
 from pyport.diagnosis.settle import Dropped
 from pyport.diagnosis.summary import summary
 from pyport.fitting.fit import fit
-from pyport.fitting.models import load
 from pyport.fitting.sizes import axis_rms, sky_rms
-from pyport.fitting.stacking import Stack
 from pyport.fitting.table import as_json, text
+from pyport.least_squares.stacking import Stack
+from pyport.models.model import load
 
 
 @pytest.fixture(scope="module")

@@ -1,11 +1,11 @@
-"""The command `pyport effects` and the document on the physics."""
+"""The command `pyport dev effects` and the document on the physics."""
 
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from pyport.cli.effects import command
+from pyport.cli.dev.effects import command
 from pyport.effects import CATALOGUE, describe
 from pyport.errors import BadInput
 

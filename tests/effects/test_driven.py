@@ -8,7 +8,7 @@ from pyport.diagnosis.candidates import design
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
 from pyport.effects.driven import MOST_DRIVERS, drivers
-from pyport.fitting.stacking import stack
+from pyport.least_squares.stacking import stack
 from pyport.recordings.schema import Recordings
 
 AT = campaign(120)

@@ -8,9 +8,9 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
-from pyport.fitting import models
 from pyport.fitting.fit import fit
-from pyport.fitting.models import ALTAZ
+from pyport.models import model as models
+from pyport.models.model import ALTAZ
 from pyport.recordings.schema import Recordings
 
 TRUTH = np.array([30.0, -55, 21, -13, 8, -5, 44]) * ARCSEC

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 from samples import sample
 
 from pyport.cli.convert import command
-from pyport.cli.field_system import command as field_system
+from pyport.cli.dev.field_system import command as field_system
 from pyport.formats.convert import FORMATS
 
 PAGE = Path(__file__).parents[2] / "docs" / "formats.md"
@@ -55,7 +55,7 @@ def test_signs_conversions_and_agreement_are_printed(tmp_path):
 
 
 def test_the_agreement_is_one_command():
-    """`pyport field-system`: every parameter at both angles, and both fits."""
+    """`pyport dev field-system`: every parameter at both angles, and both fits."""
     folder = sample("field_system/mdlpo.ctl").parent
 
     printed = CliRunner().invoke(field_system, [str(folder)], catch_exceptions=False).output

@@ -15,10 +15,10 @@ from pyport.errors import BadInput
 from pyport.fitting import advice
 from pyport.fitting.completed import completed
 from pyport.fitting.fit import fit
-from pyport.fitting.models import load
 from pyport.formats import models
 from pyport.formats.completed import write_model
 from pyport.formats.terms.editing import edited, named
+from pyport.models.model import load
 from pyport.recordings import read
 
 #: Truth of the recordings [arcsec].

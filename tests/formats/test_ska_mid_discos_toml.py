@@ -6,10 +6,10 @@ from decimal import Decimal
 import pytest
 
 from pyport.errors import BadInput
-from pyport.fitting.models import load
 from pyport.formats import models
 from pyport.formats.convert import convert
 from pyport.formats.terms.ska_mid import UNITS
+from pyport.models.model import load
 
 
 def coefficients(**values):

@@ -8,10 +8,10 @@ from samples import sample
 
 from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
+from pyport.examiner.worlds.mount import Mount, Wave, axes, readings
 from pyport.formats import tpoint_mod
 from pyport.formats.terms import field_system, tpoint
 from pyport.recordings import read
-from pyport.trials.mount import Mount, Wave, axes, readings
 
 AZ, EL = (one.ravel() for one in np.meshgrid(np.linspace(-3, 3, 9), np.linspace(0.2, 1.3, 7)))
 

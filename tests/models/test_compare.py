@@ -13,10 +13,10 @@ import pyport
 from pyport.angles import ARCSEC
 from pyport.cli import pyport as program
 from pyport.errors import BadInput
-from pyport.fitting.models import Model, Term
 from pyport.formats.terms.editing import named
 from pyport.models.compare import compare
 from pyport.models.compared import text
+from pyport.models.model import Model, Term
 from pyport.models.use import PointingModel
 from pyport.recordings import write
 

@@ -20,11 +20,11 @@ from pyport.diagnosis.record import as_json
 from pyport.effects import CATALOGUE
 from pyport.fitting.completed import completed as completed_fit
 from pyport.fitting.fit import fit
-from pyport.fitting.models import Model, Term, load
 from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
 from pyport.formats.terms.editing import edited
 from pyport.models import toml
+from pyport.models.model import Model, Term, load
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
 from pyport.recordings import read, write

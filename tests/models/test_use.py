@@ -20,8 +20,8 @@ from pyport.effects.epochs import epoch_step
 from pyport.effects.rail import azimuth_track
 from pyport.effects.structure import FreeEdge, curved_jump, jump_above
 from pyport.errors import BadInput
-from pyport.fitting.models import Model, Term, load
 from pyport.models.kernel import kernel
+from pyport.models.model import Model, Term, load
 from pyport.models.use import PointingModel
 from pyport.pointing import exact_offsets, printed
 from pyport.pointing.one import exact_one

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pyport.effects import Circumstances
-from pyport.fitting.stacking import stack
+from pyport.least_squares.stacking import stack
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings

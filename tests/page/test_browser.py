@@ -8,7 +8,7 @@ from pages import recordings
 
 from pyport import page
 from pyport.diagnosis.diagnose import diagnose
-from pyport.fitting.models import load
+from pyport.models.model import load
 
 pytestmark = pytest.mark.browser
 

@@ -15,14 +15,14 @@ from pages import HOSTILE, recordings
 
 from pyport import page
 from pyport.fitting.fit import fit
-from pyport.fitting.models import load
-from pyport.fitting.rt32 import fit_rt32
+from pyport.models.model import load
 from pyport.page import pack
 from pyport.page.against import _azimuth, columns
 from pyport.page.clock import MOST_STRETCHES, stretches
 from pyport.page.markup import tag
-from pyport.page.of_rt32 import of_rt32
 from pyport.page.payload import MOST_DRAWN
+from pyport.studies.rt32 import fit_rt32
+from pyport.studies.rt32.page import of_rt32
 
 
 class Balanced(HTMLParser):

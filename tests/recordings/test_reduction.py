@@ -7,12 +7,14 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.angles import ARCSEC, DEG
-from pyport.cli.reduction import command
+from pyport.cli.dev.reduction import command
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.worlds.kinds import make_case
 from pyport.recordings import read
 from pyport.recordings.reduction import DOCUMENT, STEPS, left_out, reduced
-from pyport.recordings.reduction_sizes import (
+from pyport.studies.rt32.reduction_sizes import (
     CAMPAIGNS,
     RT32,
     against_astropy,
@@ -22,8 +24,6 @@ from pyport.recordings.reduction_sizes import (
     sky_over,
     text,
 )
-from pyport.trials.files import write_recordings
-from pyport.trials.kinds import make_case
 
 SKY = ("nutation", "annual_aberration", "diurnal_aberration", "ut1", "polar_motion")
 

@@ -194,8 +194,8 @@ def work(name: str, seconds: float, folder: Path) -> None:
         import atheris
 
         with atheris.instrument_imports(include=["pyport.recordings", "pyport.formats",
-                                                 "pyport.steering", "pyport.fitting.models",
-                                                 "pyport.trials.published", "tomllib"],
+                                                 "pyport.steering", "pyport.models.model",
+                                                 "pyport.examiner.sealed.published", "tomllib"],
                                         enable_loader_override=False):  # fmt: skip
             attempt = Attempt(name, folder)
     else:

@@ -11,9 +11,12 @@ import seeds
 from seeds import ECSV, NIGHT, parquet
 
 from pyport.effects import Circumstances
-from pyport.fitting.models import load
+from pyport.examiner.sealed.judge import judge
+from pyport.examiner.sealed.places import place
+from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.formats.convert import convert
 from pyport.formats.field_system import agreement
+from pyport.models.model import load
 from pyport.recordings import masks, read
 from pyport.recordings.antennas import read_survey
 from pyport.recordings.formats import csv
@@ -21,9 +24,6 @@ from pyport.recordings.scans.measure import measure
 from pyport.recordings.where import where
 from pyport.steering import offsets_at, read_table
 from pyport.steering.lookup import answers
-from pyport.trials.judge import judge
-from pyport.trials.places import place
-from pyport.trials.published import read_answers, read_report, read_seal
 
 AT = Circumstances(np.array([0.1, 2.0]), np.array([0.3, 1.2]))
 
@@ -145,7 +145,7 @@ def readers() -> dict[str, Reader]:
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
     scans = ("recordings.scans.measure", "recordings.scans.beam")
-    judges = ("trials.judge", "trials.places")
+    judges = ("examiner.sealed.judge", "examiner.sealed.places")
     all_of_them = (
         ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *raw)),
         ("ecsv", ".ecsv", (ECSV,), recordings, ("recordings.formats.tables", *raw)),
@@ -159,7 +159,7 @@ def readers() -> dict[str, Reader]:
         ("survey", ".csv", (seeds.SURVEY,), read_survey, ("recordings.antennas",)),
         ("mask", ".mask", (seeds.mask(),), mask, ("recordings.masks",)),
         ("filter", ".txt", (seeds.FILTER,), filtered, ("recordings.where",)),
-        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("fitting.models",)),
+        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("models.model",)),
         ("toml-terms", ".toml", (seeds.TOML_TERMS,), model, ("formats.toml_model", *terms)),
         ("tpoint-mod", ".mod", (seeds.MOD,), model, ("formats.tpoint_mod", *terms)),
         ("fs-ctl", ".ctl", (seeds.CTL,), model, ("formats.field_system.ctl", *terms)),
@@ -173,9 +173,9 @@ def readers() -> dict[str, Reader]:
         ("table-binary", ".bin", (seeds.binary(),), table, ("steering.binary", "steering.lookup")),
         ("table-ascii", ".txt", (seeds.ascii_table(),), table, ("steering.ascii",)),
         ("table-places", ".txt", (b"1 10\n0.5 12.5\n",), places, ("steering.lookup",)),
-        ("seal", ".json", (seeds.SEAL,), read_seal, ("trials.published",)),
-        ("answers", ".json", (seeds.ANSWERS,), read_answers, ("trials.published",)),
-        ("report", ".json", (seeds.REPORT,), report, ("trials.published", *judges)),
+        ("seal", ".json", (seeds.SEAL,), read_seal, ("examiner.sealed.published",)),
+        ("answers", ".json", (seeds.ANSWERS,), read_answers, ("examiner.sealed.published",)),
+        ("report", ".json", (seeds.REPORT,), report, ("examiner.sealed.published", *judges)),
     )
     return {
         name: Reader(name, suffix, seeds, call, _modules(modules))

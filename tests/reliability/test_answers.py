@@ -11,10 +11,10 @@ import pytest
 import seeds
 
 from pyport.errors import BadInput
-from pyport.fitting.models import load
+from pyport.examiner.sealed.published import read_report
 from pyport.formats.field_system import agreement
+from pyport.models.model import load
 from pyport.recordings import read
-from pyport.trials.published import read_report
 
 REPORT = json.loads(seeds.REPORT)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.fitting.models import load
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.protocol import Spec
+from pyport.models.model import load
 from pyport.noise.pointings import pointings
 from pyport.recordings import read
-from pyport.trials.files import write_recordings
-from pyport.trials.protocol import Spec
 
 OFFSETS, PLACES = ("d_az_deg", "d_el_deg"), ("az_deg", "el_deg")
 

@@ -12,12 +12,12 @@ import time
 import pytest
 from click.testing import CliRunner
 
-from pyport.cli.verify import command
+from pyport.cli.dev.verify import command
 from pyport.diagnosis.folder import check, finish
 from pyport.errors import BadInput
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.protocol import Spec
 from pyport.recordings.stream import pass_files
-from pyport.trials.files import write_recordings
-from pyport.trials.protocol import Spec
 
 OLD = "finding-7-refraction.png"
 

@@ -10,11 +10,11 @@ import sys
 import numpy as np
 import pytest
 
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.protocol import Spec
 from pyport.fitting.fit import fit
-from pyport.fitting.models import load
+from pyport.models.model import load
 from pyport.recordings import read
-from pyport.trials.files import write_recordings
-from pyport.trials.protocol import Spec
 
 ROWS = 200
 

@@ -20,13 +20,13 @@ from pyport.effects import Circumstances, Site
 from pyport.errors import BadInput
 from pyport.fitting import advice, leftover, table
 from pyport.fitting.fit import fit
-from pyport.fitting.models import load
-from pyport.fitting.rt32 import METHODS, fit_rt32
-from pyport.fitting.rt32 import table as rt32_table
 from pyport.fitting.soundness import doubts, positive
+from pyport.models.model import load
 from pyport.page import of_diagnosis
 from pyport.page.document import html
 from pyport.recordings.schema import Recordings
+from pyport.studies.rt32 import METHODS, fit_rt32
+from pyport.studies.rt32 import table as rt32_table
 
 #: As programs write what is no number, standing alone.
 NO_NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(nan|inf|infinity)(?![A-Za-z_])", re.IGNORECASE)

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from pyport.examiner.sealed import seal
+from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.published import read_answers, read_seal
 from pyport.files import ABANDONED_S, tree, write_whole
-from pyport.trials import seal
-from pyport.trials.protocol import Spec
-from pyport.trials.published import read_answers, read_seal
 
 TABLE = (sys.executable, "-m", "pyport", "table", "--az", "0:100:1", "-o")
 

@@ -12,8 +12,8 @@ import time
 import pytest
 
 from pyport.errors import BadInput
-from pyport.trials import ledger, seal
-from pyport.trials.protocol import Spec
+from pyport.examiner.sealed import ledger, seal
+from pyport.examiner.sealed.protocol import Spec
 
 SPECS = [
     Spec("null", "null", rows=400, noise="white"),
@@ -25,7 +25,7 @@ import sys
 from pathlib import Path
 sys.path[:0] = [sys.argv[2]]
 from test_resume_trials import SPECS
-from pyport.trials.seal import seal
+from pyport.examiner.sealed.seal import seal
 seal(Path(sys.argv[1]), "a-set", SPECS)
 """
 

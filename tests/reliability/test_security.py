@@ -12,8 +12,8 @@ import matplotlib as mpl
 import pytest
 
 import pyport
-from pyport.trials.files import write_recordings
-from pyport.trials.protocol import Spec
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.protocol import Spec
 
 PACKAGE = Path(pyport.__file__).parent
 TREES = {
@@ -29,15 +29,15 @@ FORBIDDEN = {
 #: Who alone may import what starts another Python, a compiler, Dask, or calls compiled code.
 WHO_MAY = {
     "subprocess": {
-        *("trials/solve.py", "parity/build.py", "parity/coverage.py"),
+        *("examiner/sealed/solve.py", "parity/build.py", "parity/coverage.py"),
         "examiner/real/sets.py",
     },
-    "runpy": {"trials/cell.py"},
+    "runpy": {"examiner/sealed/cell.py"},
     "distributed": {"workers.py"},
     "ctypes": {"legacy/intrinsics.py", "parity/stored.py"},
 }
 #: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.
-BY_NAME = {"cli/__init__.py", "effects/__init__.py", "lazy.py", "parity/functions.py"}
+BY_NAME = {"cli/groups.py", "effects/__init__.py", "lazy.py", "parity/functions.py"}
 #: Who alone may import compiled code from a file: the module that f2py made of the Fortran.
 COMPILED = {"parity/oracle.py"}
 #: Functions that evaluate text, wherever they come from.
@@ -146,7 +146,7 @@ def test_commands_reach_no_network_and_write_in_their_folder_alone(night, tmp_pa
     """Names of columns lead nowhere; no connection is opened, no program started."""
     out = tmp_path / "out"
     commands = [
-        ("effects",),
+        ("dev", "effects"),
         ("look", night, "--out", out / "look"),
         ("fit", night, "--model", "altaz", "--out", out / "fit"),
         ("diagnose", night, "--out", out / "diagnosis"),
@@ -154,9 +154,9 @@ def test_commands_reach_no_network_and_write_in_their_folder_alone(night, tmp_pa
          "--panel", "against-_etc_escaped", "--out", out / "plots"),
         ("convert", night, out / "night.ecsv"),
         ("convert", night, out / "night.parquet"),
-        ("reduction", "sizes"),
+        ("dev", "reduction", "sizes"),
         ("table", "--az", "0:10:1", "-o", out / "table.txt"),
-        ("trials", "make", "--kind", "null", "--rows", "30", "-o", out / "cases"),
+        ("dev", "trials", "make", "--kind", "null", "--rows", "30", "-o", out / "cases"),
     ]  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-B", "-c", WATCHED],

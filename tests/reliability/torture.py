@@ -31,7 +31,7 @@ from pathlib import Path
 from victims import Victim, specs, victims
 
 from pyport import cli
-from pyport.trials import seal
+from pyport.examiner.sealed import seal
 
 #: With a fixed date in binary tables, two runs of one command write the same bytes.
 ALWAYS = {"SOURCE_DATE_EPOCH": "0", "OPENBLAS_NUM_THREADS": "1"}
@@ -178,8 +178,8 @@ def torture_trials(kills: int, folder: Path) -> Count:
     quiet, loud = folder / "quiet" / "set", folder / "loud" / "set"
     seal.seal(quiet, "set", specs())
     shutil.copytree(quiet.parent, loud.parent)
-    took_s = finish(("trials", "run", str(quiet)))
-    words = ("trials", "run", str(loud))
+    took_s = finish(("dev", "trials", "run", str(quiet)))
+    words = ("dev", "trials", "run", str(loud))
     count = Count("trials")
     while count.kills < kills:
         when = kill(words, loud, took_s / 2, writing=count.kills % 2 == 0)
@@ -189,7 +189,7 @@ def torture_trials(kills: int, folder: Path) -> Count:
             shutil.rmtree(loud / "reports")
     finish(words)
     for root in (quiet, loud):
-        finish(("trials", "reveal", str(root)))
+        finish(("dev", "trials", "reveal", str(root)))
     ours, theirs = _answers(loud), _answers(quiet)
     count.lost = tuple(f"{name} differs" for name in theirs if ours.get(name) != theirs[name])
     return count

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from pyport.examiner.sealed import files
+from pyport.examiner.sealed.protocol import Spec
 from pyport.formats.convert import convert
-from pyport.trials import files
-from pyport.trials.protocol import Spec
 
 ROWS = 60
 
@@ -121,7 +121,13 @@ def victims(folder: Path) -> dict[str, Victim]:
             "answer",
             6,
         ),
-        Victim("effects", ("effects", "-o"), ("effects", "--markdown", "-o"), "effects.md", 4),
+        Victim(
+            "effects",
+            ("dev", "effects", "-o"),
+            ("dev", "effects", "--markdown", "-o"),
+            "effects.md",
+            4,
+        ),
         Victim("diagnose", ("diagnose", old, "--out"), ("diagnose", new, "--out"), "answer", 20),
         Victim(
             "diagnose a data set",
@@ -132,7 +138,7 @@ def victims(folder: Path) -> dict[str, Victim]:
         ),
         Victim(
             "parity",
-            ("effects", "-o"),
+            ("dev", "effects", "-o"),
             ("parity", "--stored", "--report"),
             "parity.md",
             4,

@@ -19,8 +19,8 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
-from pyport.fitting import robust
-from pyport.fitting.stacking import Codes
+from pyport.least_squares import robust
+from pyport.least_squares.stacking import Codes
 from pyport.noise.covariance import OUTLIER_WEIGHT
 
 #: What is free in every session: encoders are set anew.

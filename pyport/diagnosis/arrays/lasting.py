@@ -20,7 +20,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, DEG, Array
 from pyport.diagnosis.arrays.blocks import Block
-from pyport.fitting.stacking import Codes
+from pyport.least_squares.stacking import Codes
 
 #: No mount and no clock is off by more [rad]: it ties down what recordings leave open.
 BOUND = 1 * DEG

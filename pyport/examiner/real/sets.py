@@ -193,7 +193,7 @@ def _nights(table: dict[str, NDArray[Any]]) -> NDArray[Any]:
 def _simulated() -> Read:
     """Let the program make its stand-in for a campaign that was never published."""
     with tempfile.TemporaryDirectory() as folder:
-        words = [sys.executable, "-m", "pyport", "rt32", "--out", folder, "--quiet"]
+        words = [sys.executable, "-m", "pyport", "study", "rt32", "--out", folder, "--quiet"]
         subprocess.run(words, check=True, capture_output=True)  # noqa: S603 - this program
         (file,) = Path(folder).glob("*.csv")
         return recordings(file)

@@ -9,11 +9,11 @@ from dataclasses import replace
 from pyport.angles import RADIANS_PER
 from pyport.effects import CATALOGUE, Effect
 from pyport.errors import BadInput
-from pyport.fitting.models import Model, Term
 from pyport.formats.terms import field_system, tpoint
 from pyport.formats.terms.alike import ratio, seen
 from pyport.formats.terms.words import Word
 from pyport.models.members import apart
+from pyport.models.model import Model, Term
 from pyport.recordings.columns import LABELS
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
@@ -138,7 +138,7 @@ def named(name: str) -> list[Term]:
         names = [coefficient.name for coefficient in effect.coefficients]
         if name in names:
             return [_apart(Term(effect))[names.index(name)]]
-    raise BadInput(f"no term is called {name[:40]!r}: TPOINT's, P1..P30 or one of `pyport effects`")
+    raise BadInput(f"no term is called {name[:40]!r}: TPOINT's, P1..P30, `pyport dev effects`")
 
 
 def word_of(name: str) -> Word | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.fitting import robust
+from pyport.least_squares import robust
 from pyport.recordings.columns import angle_of
 from pyport.recordings.stream.cells import Cells, Codes
 from pyport.recordings.stream.chunk import Chunk

@@ -1,0 +1,21 @@
+"""`pyport dev`: what those who work on the program need, and those who check it."""
+
+from __future__ import annotations
+
+from pyport.cli.groups import Lazy
+
+command = Lazy(
+    "dev",
+    "pyport.cli.dev",
+    {
+        "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
+        "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
+        "field-system": "Compare with the VLBI Field System's own outputs.",
+        "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",
+        "real": "Run fit and diagnose on public recordings, beside what was published of them.",
+        "reduction": "Take nutation, aberration, UT1, ... out of offsets; print their sizes.",
+        "trials": "Put causes into simulated recordings; check whether a diagnosis finds them.",
+        "verify": "Check that all files of a diagnosis are of one run.",
+    },
+    help="Check the program: its catalogue, its promises, its answers to simulated recordings.",
+)

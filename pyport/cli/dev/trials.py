@@ -1,0 +1,201 @@
+"""`pyport dev trials`: recordings with hidden causes, sealed, solved, opened and scored."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pyport.cli.manners import in_json, say
+
+if TYPE_CHECKING:
+    from pyport.examiner.sealed.examine import Score
+
+LEDGER = Path("docs/proof/ledger.md")
+PAGE = Path("docs/proof.md")
+
+_A_PATH = click.Path(path_type=Path)
+_jobs = click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
+_ledger = click.option(
+    "--ledger",
+    type=_A_PATH,
+    default=LEDGER,
+    show_default=True,
+    help="Where every set is written down.",
+)
+_which = click.option(
+    "--set",
+    "which",
+    type=click.Choice(["small", "full"]),
+    default="small",
+    show_default=True,
+    help="About a hundred cases, or near a thousand.",
+)
+
+
+@click.group()
+def command() -> None:
+    """Put causes into simulated recordings, and check whether a diagnosis finds them.
+
+    A sealed set is a new folder SET; its truths lie in SET.vault until they are opened.
+    """
+
+
+@command.command(epilog="Example: pyport dev trials make --kind one --effect refraction -o cases")
+@click.option("--kind", required=True, help="null, one, two, held, unknown, degenerate, ...")
+@click.option("--effect", help="Which cause, by its name; drawn when not given.")
+@click.option("--rho", default=0.5, show_default=True, help="Rms over the noise, base apart.")
+@click.option("--rows", type=int, help="Recordings of each case.")
+@click.option("--noise", help="white, drift, heavy, outliers or gappy.")
+@click.option("--site", help="rt32, gmrt or south.")
+@click.option("--weeks", type=float, help="Length of an ablation's campaign.")
+@click.option(
+    "--seed", default=0, show_default=True, help="The first case's; the next has one more."
+)
+@click.option("--count", default=1, show_default=True, help="How many cases.")
+@click.option("-o", "--out", type=_A_PATH, required=True, help="Folder to write to.")
+@in_json
+def make(
+    *,
+    kind: str,
+    effect: str | None,
+    rho: float,
+    rows: int | None,
+    noise: str | None,
+    site: str | None,
+    weeks: float | None,
+    seed: int,
+    count: int,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
+    from pyport.examiner.sealed.files import write_recordings, write_truth
+    from pyport.examiner.worlds.kinds import make_case
+    from pyport.progress import track
+
+    for each in track(range(seed, seed + count), "making cases", total=count):
+        case = make_case(
+            kind, each, effect=effect, rho=rho, rows=rows, noise=noise, site=site, weeks=weeks
+        )
+        stem = "-".join(filter(None, [kind, effect, f"{each:05d}"]))
+        write_recordings(case, out / "recordings" / f"{stem}.csv")
+        write_truth(case, out / "truth" / f"{stem}.json")
+    say(f"{count} cases in {out}", {"cases": count, "folder": out}, as_json=as_json)
+
+
+@command.command(epilog="Example: pyport dev trials seal out/set")
+@click.argument("folder", metavar="SET", type=_A_PATH)
+@_which
+@_ledger
+@in_json
+def seal(folder: Path, which: str, ledger: Path, *, as_json: bool = False) -> None:
+    """Draw truths, hide them, and publish the hashes that fix them."""
+    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed.protocol import SETS
+    from pyport.examiner.sealed.seal import seal as seal_set
+
+    sealed = seal_set(folder, folder.resolve().name, SETS[which]())
+    book.enter_seal(ledger, folder, sealed)
+    text = f"{len(sealed['cases'])} cases sealed: publish {folder / 'sealed.json'}"
+    told = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
+    say(text, told, as_json=as_json)
+
+
+@command.command(epilog="Example: pyport dev trials run out/set --jobs 2")
+@click.argument("folder", metavar="SET", type=_A_PATH)
+@_jobs
+@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the work.")
+@in_json
+def run(folder: Path, jobs: int, cluster: str | None, *, as_json: bool = False) -> None:
+    """Solve what is not solved yet, each case in a process that cannot see the truth."""
+    from pyport.examiner.sealed.solve import run as solve
+
+    solved = solve(folder, jobs, cluster=cluster)
+    say(f"{solved} cases solved", {"solved": solved}, as_json=as_json)
+
+
+@command.command(epilog="Example: pyport dev trials reveal out/set")
+@click.argument("folder", metavar="SET", type=_A_PATH)
+@in_json
+def reveal(folder: Path, *, as_json: bool = False) -> None:
+    """Fix the answers and open the truths."""
+    from pyport.examiner.sealed.seal import reveal as open_set
+
+    opened = open_set(folder)
+    text = f"{opened} truths opened in {folder / 'opened'}"
+    say(text, {"opened": opened, "folder": folder / "opened"}, as_json=as_json)
+
+
+@command.command(epilog="Example: pyport dev trials score out/set")
+@click.argument("folder", metavar="SET", type=_A_PATH)
+@_jobs
+@_ledger
+@in_json
+def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> None:
+    """Check every seal, print the score and write it down, good or bad."""
+    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed.examine import examine
+
+    whole = examine(folder, jobs)
+    book.enter_score(ledger, folder, whole)
+    if as_json:
+        from pyport.examiner.sealed.examine import as_json as told
+
+        say("", told(whole), as_json=True)
+    else:
+        show(whole)
+
+
+@command.command(epilog="Example: pyport dev trials prove out/set --set small --jobs 2")
+@click.argument("folder", metavar="SET", type=_A_PATH)
+@_which
+@_jobs
+@_ledger
+@in_json
+@click.pass_context
+def prove(
+    context: click.Context, folder: Path, which: str, jobs: int, ledger: Path, *, as_json: bool
+) -> None:
+    """Seal, run, reveal and score, from wherever that was interrupted."""
+    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed.published import read_seal
+
+    with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):
+        if not (folder / "sealed.json").exists():
+            context.invoke(seal, folder=folder, which=which, ledger=ledger)
+        book.enter_seal(ledger, folder, read_seal(folder / "sealed.json"))
+        if not (folder / "answers.json").exists():
+            context.invoke(run, folder=folder, jobs=jobs)
+        context.invoke(reveal, folder=folder)
+    context.invoke(score, folder=folder, jobs=jobs, ledger=ledger, as_json=as_json)
+
+
+@command.command(epilog="Example: pyport dev trials page out/set -o docs/proof.md")
+@click.argument("folders", metavar="SET...", type=_A_PATH, nargs=-1, required=True)
+@click.option("-o", "--out", type=_A_PATH, default=PAGE, show_default=True, help="The page.")
+@in_json
+def page(folders: tuple[Path, ...], out: Path, *, as_json: bool) -> None:
+    """Write the public record of sets that were scored: numbers, pictures, one case by hand."""
+    from pyport.examiner.sealed.page import write
+
+    write(folders, out)
+    say(f"{out}", {"page": out}, as_json=as_json)
+
+
+def show(whole: Score) -> None:
+    """Print a score as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"{whole.name}: {'passed' if whole.passed else 'not passed'}")
+    for heading in ("what", "result", "needed", "passed"):
+        table.add_column(heading, overflow="fold")
+    marks = {True: "yes", False: "NO", None: ""}
+    for row in whole.rows:
+        table.add_row(row.what, row.result, row.needed, marks[row.passed])
+    Console(width=118).print(table)

@@ -1,1 +1,0 @@
-"""The detective on trial: every figure that is promised of a diagnosis, measured anew."""

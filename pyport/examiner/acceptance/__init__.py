@@ -1,0 +1,1 @@
+"""Acceptance: every figure that is promised of a diagnosis, measured anew."""

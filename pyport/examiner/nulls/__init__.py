@@ -1,0 +1,1 @@
+"""Recordings in which nothing is hidden, or one cause, in every kind of noise."""

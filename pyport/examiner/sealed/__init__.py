@@ -1,0 +1,1 @@
+"""Sets of drawn cases: sealed before they are solved, opened once, scored."""

@@ -1,0 +1,234 @@
+"""Sealing and opening: a truth is fixed before anyone solves, and shown after everyone has.
+
+A set is a folder:
+
+    sealed.json     hashes of everything below, of the solver and of the examiner: published
+    recordings/     what the solver sees
+    reports/        what it said
+    opened/         truths and nonces, after the opening
+
+and a vault beside it, which holds truths and nonces until then.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from pyport.errors import BadInput
+from pyport.examiner.sealed import hashes
+from pyport.examiner.sealed.draft import draft
+from pyport.examiner.sealed.files import canonical, write_recordings
+from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
+from pyport.examiner.sealed.published import read_answers, read_report, read_seal
+from pyport.files import sha256, write_whole
+from pyport.progress import track
+
+SCHEMA = "pyport.sealed/1"
+
+
+@dataclass(frozen=True)
+class Folder:
+    """Where the parts of a set are."""
+
+    root: Path
+
+    @property
+    def seal(self) -> Path:
+        """Return the file that is published."""
+        return self.root / "sealed.json"
+
+    @property
+    def vault(self) -> Path:
+        """Return where truths are until they are opened."""
+        return self.root.with_name(f"{self.root.name}.vault")
+
+    @property
+    def draft(self) -> Path:
+        """Return what was drawn for the set, there while it is being sealed."""
+        return self.vault / "draft.json"
+
+    @property
+    def opened(self) -> Path:
+        """Return where truths are afterwards."""
+        return self.root / "opened"
+
+    @property
+    def answers(self) -> Path:
+        """Return the file that holds the hashes of all reports, written at the opening."""
+        return self.root / "answers.json"
+
+    def recordings(self, case: str) -> Path:
+        """Return what may be seen of a case."""
+        return self.root / "recordings" / f"{case}.csv"
+
+    def report(self, case: str) -> Path:
+        """Return what the solver said of it."""
+        return self.root / "reports" / case / "report.json"
+
+    def rows(self, case: str) -> Path:
+        """Return its residuals, reading by reading."""
+        return self.root / "reports" / case / "rows.csv"
+
+
+def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON holds
+    """Write readable JSON, whole or not at all."""
+    with write_whole(path) as file:
+        json.dump(data, file, indent=1, ensure_ascii=False)
+        file.write("\n")
+
+
+def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None) -> dict[str, Any]:
+    """Draw the truths of a set, write its recordings, and publish what fixes them.
+
+    Killed and called again with the same cases it goes on, and seals the set that it began.
+
+    Parameters
+    ----------
+    root
+        Folder of the set, new or empty; the vault is made beside it.
+    name
+        What the set is called in the ledger.
+    specs
+        Its cases, before their seeds are drawn.
+    solver
+        Tree hash of the solver; that of this program when not given.
+
+    Raises
+    ------
+    BadInput
+        The folder holds something already: a set is sealed once. Or sealing was begun there
+        with other cases, or by another program.
+    """
+    folder = Folder(root)
+    if folder.seal.exists() or not folder.draft.exists():
+        for place in (root, folder.vault):
+            # A hidden file is what is left of a run that was killed as it began.
+            if place.exists() and any(one.name[0] != "." for one in place.iterdir()):
+                raise BadInput("this folder is not empty: expected a new one for each set", place)
+    drawn = draft(folder.draft, name, specs, solver)
+    cases = [_seal_case(folder, one) for one in track(drawn["cases"], "sealing")]
+    sealed = {
+        "schema": SCHEMA,
+        "name": name,
+        "sealed_utc": datetime.now(UTC).isoformat(timespec="seconds"),
+        "solver_sha256": drawn["solver_sha256"],
+        "examiner_sha256": drawn["examiner_sha256"],
+        "libraries": drawn["libraries"],
+        "thresholds": THRESHOLDS,
+        "cases": cases,
+    }
+    write_json(folder.seal, sealed)
+    folder.draft.unlink()
+    return sealed
+
+
+def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
+    """Make one case, put its truth into the vault, and return what is published of it.
+
+    The nonce is written last: where it is, the case was made before.
+    """
+    case, seed, spec = (drawn[key] for key in ("case", "seed", "spec"))
+    truth, nonce = (folder.vault / f"{case}.{kind}" for kind in ("truth.json", "nonce"))
+    if not nonce.exists():
+        made = Spec(**spec).make(seed)
+        write_recordings(made, folder.recordings(case))
+        with write_whole(truth) as file:
+            file.write(canonical({"case": case, "seed": seed, "spec": spec, "truth": made.truth}))
+        with write_whole(nonce) as file:
+            file.write(drawn["nonce"])
+    text = truth.read_bytes().decode("utf-8")
+    return {
+        "case": case,
+        "recordings_sha256": sha256(folder.recordings(case)),
+        "truth_commitment": hashes.commitment(drawn["nonce"], text),
+        "arguments": json.loads(text)["truth"]["arguments"],
+    }
+
+
+def reveal(root: Path) -> int:
+    """Open a set: fix what was answered, then move the truths out of the vault; return how many.
+
+    Raises
+    ------
+    BadInput
+        A case has no answer yet, or a truth is not the one that was sealed.
+    """
+    folder = Folder(root)
+    sealed = read_seal(folder.seal)
+    names = [one["case"] for one in sealed["cases"]]
+    missing = [name for name in names if not folder.report(name).exists()]
+    if missing and not folder.answers.exists():
+        raise BadInput(
+            f"{len(missing)} cases are not solved yet, {missing[0]} the first: expected all of"
+            " them, since a set is opened once",
+            folder.seal,
+        )
+    check_truths(folder.vault, sealed)
+    if folder.answers.exists():
+        check_answers(root)  # what was answered is fixed: the opening goes on
+    else:
+        answers = {name: sha256(folder.report(name)) for name in names}
+        write_json(folder.answers, {"opened_utc": _now(), "reports_sha256": answers})
+    for name in names:
+        for suffix in ("truth.json", "nonce"):
+            with write_whole(folder.opened / f"{name}.{suffix}", "wb") as file:
+                file.write((folder.vault / f"{name}.{suffix}").read_bytes())
+    return len(names)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def check_truths(place: Path, sealed: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the truths in a folder by case, each held to its commitment."""
+    truths = {}
+    for one in sealed["cases"]:
+        path = place / f"{one['case']}.truth.json"
+        try:
+            text = path.read_bytes().decode("utf-8")
+            nonce = (place / f"{one['case']}.nonce").read_text(encoding="utf-8").strip()
+            same = hashes.commitment(nonce, text) == one["truth_commitment"]
+        except (OSError, ValueError):
+            same = False
+        if not same:
+            raise BadInput("this truth is not the one that was sealed", path)
+        truths[one["case"]] = json.loads(text)
+    return truths
+
+
+def check_untouched(root: Path, solver: str | None = None) -> None:
+    """Raise `BadInput` unless recordings, solver, examiner and thresholds are those sealed."""
+    folder = Folder(root)
+    sealed = read_seal(folder.seal)
+    for one in sealed["cases"]:
+        path = folder.recordings(one["case"])
+        if not path.exists() or sha256(path) != one["recordings_sha256"]:
+            raise BadInput("these recordings are not the ones that were sealed", path)
+    for who, now in (("solver", solver or hashes.solver()), ("examiner", hashes.examiner())):
+        then = sealed[f"{who}_sha256"]
+        if then != now:
+            raise BadInput(
+                f"the {who} has changed since the set was sealed (now {now[:12]}, then"
+                f" {then[:12]}): expected the same, or a new set",
+                folder.seal,
+            )
+    if sealed["thresholds"] != THRESHOLDS:
+        raise BadInput("the thresholds are not those of this examiner", folder.seal)
+
+
+def check_answers(root: Path) -> None:
+    """Raise `BadInput` unless the reports are those that stood when the set was opened."""
+    folder = Folder(root)
+    for name, expected in read_answers(folder.answers).items():
+        path = folder.report(name)
+        if not path.exists() or sha256(path) != expected:
+            raise BadInput("this report is not the one that stood when the set was opened", path)
+        rows, examined = folder.rows(name), read_report(path)["examined"]
+        if rows.exists() and sha256(rows) != examined.get("rows_sha256"):
+            raise BadInput("these residuals are not those that came with the report", rows)

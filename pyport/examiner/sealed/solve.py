@@ -1,0 +1,150 @@
+"""Solving a sealed set: each case in a process of its own that has the recordings and no more."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pyport.errors import BadInput
+from pyport.examiner.sealed.published import check_report, read_json, read_seal
+from pyport.examiner.sealed.seal import Folder, check_untouched
+from pyport.files import sha256, write_whole
+from pyport.progress import track
+from pyport.workers import workers
+
+#: What solves, when nothing else is asked for: a module and its first arguments.
+SOLVER = ("pyport", "diagnose")
+_TIMEOUT_S = 900.0
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case to solve, and by whom."""
+
+    folder: Folder
+    case: str
+    arguments: tuple[str, ...]
+    solver: tuple[str, ...]
+
+
+def unsolved(root: Path, solver: Sequence[str] = SOLVER) -> list[Task]:
+    """Return the cases that have no report yet."""
+    folder = Folder(root)
+    return [
+        Task(folder, one["case"], tuple(one["arguments"]), tuple(solver))
+        for one in read_seal(folder.seal)["cases"]
+        if not folder.report(one["case"]).exists()
+    ]
+
+
+def run(
+    root: Path,
+    jobs: int = 1,
+    solver: Sequence[str] = SOLVER,
+    solver_sha256: str | None = None,
+    cluster: str | None = None,
+) -> int:
+    """Solve what is not solved yet and return how many cases that were.
+
+    Every report is kept as soon as it is there: killed and called again, it goes on.
+    The workers of a Dask `cluster` must see the set under the same name.
+
+    Raises
+    ------
+    BadInput
+        The set has been opened, or is not what was sealed.
+    """
+    check_untouched(root, solver_sha256)
+    if Folder(root).answers.exists():
+        raise BadInput("this set has been opened: expected a sealed one", root)
+    tasks = unsolved(root.resolve() if cluster else root, solver)
+    if cluster is not None:
+        with workers(cluster=cluster) as spread:
+            return sum(1 for _ in track(spread(solve, tasks), "solving", total=len(tasks)))
+    with ThreadPoolExecutor(jobs) as pool:
+        return sum(1 for _ in track(pool.map(solve, tasks), "solving", total=len(tasks)))
+
+
+def solve(task: Task) -> None:
+    """Solve one case; a solver that fails is recorded as having failed, with what it said."""
+    with tempfile.TemporaryDirectory(prefix="cell-") as name:
+        cell = Path(name)
+        recordings = cell / "recordings.csv"
+        shutil.copyfile(task.folder.recordings(task.case), recordings)
+        started = time.monotonic()
+        failure = _sit(task, recordings, cell / "out")
+        took_s = time.monotonic() - started
+        _keep(task, cell / "out" / recordings.stem, failure, took_s)
+
+
+def _sit(task: Task, recordings: Path, out: Path) -> str | None:
+    """Let the solver work; return why it failed, or None."""
+    module, *first = task.solver
+    command = [
+        *(
+            sys.executable,
+            "-m",
+            "pyport.examiner.sealed.cell",
+            str(task.folder.vault.resolve()),
+            module,
+        ),
+        *(*first, recordings.name, "--out", str(out), *task.arguments),
+    ]
+    kept = {
+        key: os.environ[key] for key in ("PATH", "HOME", "LANG", "PYTHONPATH") if key in os.environ
+    }
+    try:
+        done = subprocess.run(  # noqa: S603 - our own interpreter
+            command,
+            cwd=recordings.parent,
+            env={**kept, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            capture_output=True,
+            text=True,
+            timeout=_TIMEOUT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return f"no answer within {_TIMEOUT_S:.0f} s"
+    if -done.returncode in {signal.SIGINT, signal.SIGTERM}:
+        raise KeyboardInterrupt  # stopped from outside: no answer, to be asked again
+    if done.returncode:
+        return done.stderr.strip()[-2000:] or f"exit status {done.returncode}"
+    return None
+
+
+def _keep(task: Task, answer: Path, failure: str | None, took_s: float) -> None:
+    """Move an answer into the set, the report last, so that a report means that all is there."""
+    report = task.folder.report(task.case)
+    examined: dict[str, Any] = {"seconds": round(took_s, 2)}
+    content: dict[str, Any] = {}
+    if failure is None:
+        content, failure = _answered(answer / "report.json")
+    if failure is not None:
+        examined["failed"] = failure
+    elif (answer / "rows.csv").exists():
+        with write_whole(task.folder.rows(task.case), "wb") as file:
+            file.write((answer / "rows.csv").read_bytes())
+        examined["rows_sha256"] = sha256(task.folder.rows(task.case))
+    with write_whole(report) as file:
+        json.dump({**content, "examined": examined}, file, indent=1)
+
+
+def _answered(report: Path) -> tuple[dict[str, Any], str | None]:
+    """Return a solver's report, or nothing and why there is none to score."""
+    if not report.exists():
+        return {}, "the solver ended well and left no report.json"
+    try:
+        return check_report(read_json(report), report), None
+    except BadInput as error:
+        return {}, f"the solver's report.json cannot be scored: {error.message}"

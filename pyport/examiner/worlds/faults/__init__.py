@@ -1,0 +1,38 @@
+"""Hidden causes by name: of the catalogue, and outside it."""
+
+from __future__ import annotations
+
+from pyport.examiner.worlds.faults import heavens, mount, moving, surroundings, times, uncatalogued
+from pyport.examiner.worlds.faults.base import Draw, Fault
+
+#: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`).
+CATALOGUED: dict[str, Draw] = {
+    **mount.FAULTS,
+    **heavens.FAULTS,
+    **moving.FAULTS,
+    **surroundings.FAULTS,
+    **times.FAULTS,
+}
+
+#: Causes that no catalogue names.
+UNCATALOGUED: dict[str, Draw] = uncatalogued.FAULTS
+
+#: Causes that the altaz base swallows whole, or all but: hidden only from a model that is held.
+SWALLOWED = (
+    "azimuth_zero",
+    "elevation_zero",
+    "collimation",
+    "skew",
+    "tilt",
+    "sag_cosine",
+    "site_latitude",
+    "site_longitude",
+    "clock",
+    "ut1",
+    "polar_motion",
+)
+
+#: Causes that are smaller than what any of these telescopes measures.
+TOO_SMALL = ("diurnal_aberration",)
+
+__all__ = ["CATALOGUED", "SWALLOWED", "TOO_SMALL", "UNCATALOGUED", "Draw", "Fault"]

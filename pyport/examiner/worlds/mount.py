@@ -1,0 +1,132 @@
+"""A telescope as a chain of rotations: two axes that carry a beam, and the encoders that read them.
+
+The chain is written forwards, from the encoders' axes to the sky, as steel is
+put together. Which axis angles look at a given direction is found by turning
+the axes until the beam arrives there; no small-angle formula is used anywhere.
+
+The dish frame is x to the right, y along the beam, z up, so that at azimuth
+zero and elevation zero it is east-north-up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from pyport.angles import Array, wrap
+from pyport.examiner.worlds.vectors import az_el, turn, turn_about
+
+#: One value for all pointings, or one for each of them.
+Each = float | Array
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A reading error of one encoder, `sine` sin(k angle) + `cosine` cos(k angle) [rad]."""
+
+    on: Literal["az", "el"]
+    of: Literal["az", "el"]
+    k: int
+    sine: Each
+    cosine: Each
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Everything that is askew in a telescope; radians, a scalar or one value for each pointing.
+
+    Attributes
+    ----------
+    tilt_north, tilt_east
+        Lean of the azimuth axis.
+    roll, pitch, yaw
+        What the rail does to the platform: right side down, front down, turned anticlockwise.
+    skew
+        Right end of the elevation axis up.
+    sag_cosine, sag_sine
+        How far the beam droops at the horizon and at the zenith.
+    beam_left, beam_down
+        Where the beam leaves the dish.
+    azimuth_zero, elevation_zero, azimuth_scale, elevation_scale
+        Encoder readings minus axis angles: a constant, and per radian turned.
+    centre_right, centre_ahead
+        Displacement of the azimuth encoder's disc, in units of its radius.
+    waves
+        Harmonics in the readings.
+
+    With these signs each positive value makes the encoder read more than the
+    true position needs, wherever the word has a sense.
+    """
+
+    tilt_north: Each = 0.0
+    tilt_east: Each = 0.0
+    roll: Each = 0.0
+    pitch: Each = 0.0
+    yaw: Each = 0.0
+    skew: Each = 0.0
+    sag_cosine: Each = 0.0
+    sag_sine: Each = 0.0
+    beam_left: Each = 0.0
+    beam_down: Each = 0.0
+    azimuth_zero: Each = 0.0
+    elevation_zero: Each = 0.0
+    azimuth_scale: Each = 0.0
+    elevation_scale: Each = 0.0
+    centre_right: Each = 0.0
+    centre_ahead: Each = 0.0
+    waves: tuple[Wave, ...] = ()
+
+    def plus(self, *waves: Wave, **more: Each) -> Mount:
+        """Return the mount with something added to what it already has."""
+        sums: dict[str, Any] = {name: getattr(self, name) + value for name, value in more.items()}
+        return replace(self, waves=self.waves + waves, **sums)
+
+
+def beam(mount: Mount, az: Array, el: Array) -> Array:
+    """Return where the beam points, (n, 3) east-north-up, for axis angles [rad] of shape (n,)."""
+    forward = np.broadcast_to([0.0, 1.0, 0.0], (*np.shape(el), 3))
+    looking = turn(forward, 2, mount.beam_left)
+    droop = mount.sag_cosine * np.cos(el) + mount.sag_sine * np.sin(el)
+    looking = turn(looking, 0, el - mount.beam_down - droop)
+    looking = turn(looking, 1, -np.asarray(mount.skew) + mount.roll)
+    looking = turn(looking, 0, -np.asarray(mount.pitch))
+    looking = turn(looking, 2, mount.yaw - az)
+    north, east = np.broadcast_arrays(mount.tilt_north, mount.tilt_east, az)[:2]
+    lean = np.stack([-north, east, np.zeros_like(az)], axis=-1)
+    return turn_about(looking, lean)
+
+
+def axes(mount: Mount, az: Array, el: Array) -> tuple[Array, Array]:
+    """Return the axis angles [rad] at which the beam arrives at a true position.
+
+    Each pass turns the axes by what is missing; what is left shrinks by the size
+    of the misalignment, so six passes leave nothing that a float can hold.
+    """
+    axis_az, axis_el = np.array(az, float), np.array(el, float)
+    for _ in range(6):
+        seen_az, seen_el = az_el(beam(mount, axis_az, axis_el))
+        axis_az = axis_az + wrap(az - seen_az)
+        axis_el = axis_el + (el - seen_el)
+    return axis_az, axis_el
+
+
+def readings(mount: Mount, axis_az: Array, axis_el: Array) -> tuple[Array, Array]:
+    """Return what the encoders say for axis angles [rad]; azimuth unwrapped as it came."""
+    off_centre = wrap(
+        np.arctan2(
+            np.sin(axis_az) - mount.centre_right,
+            np.cos(axis_az) - mount.centre_ahead,
+        )
+        - axis_az
+    )
+    angle = {"az": axis_az, "el": axis_el}
+    error = {
+        "az": mount.azimuth_zero + mount.azimuth_scale * axis_az + off_centre,
+        "el": mount.elevation_zero + mount.elevation_scale * axis_el,
+    }
+    for wave in mount.waves:
+        phase = wave.k * angle[wave.of]
+        error[wave.on] = error[wave.on] + wave.sine * np.sin(phase) + wave.cosine * np.cos(phase)
+    return axis_az + error["az"], axis_el + error["el"]

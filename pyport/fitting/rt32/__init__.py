@@ -1,9 +1,0 @@
-"""The fit of the RT32 Pointing Model (2004), and robust ones beside it."""
-
-from __future__ import annotations
-
-from pyport.fitting.rt32.campaigns import BoxStep, box_step
-from pyport.fitting.rt32.fit import Rt32Fit, fit_rt32
-from pyport.fitting.rt32.losses import LEVEL, METHODS
-
-__all__ = ["LEVEL", "METHODS", "BoxStep", "Rt32Fit", "box_step", "fit_rt32"]

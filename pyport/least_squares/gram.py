@@ -1,0 +1,204 @@
+"""Sufficient statistics: what least squares needs of the data, added up block by block.
+
+For the rows of one block (an antenna in a session) and whitened columns
+C = [c1 .. cK | data] the matrix C'C is all that any least-squares fit asks
+for. A model picks columns and says for each whether its coefficient is one
+for all blocks, one per session, one per antenna, or one per block.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.least_squares.slabs import Slab, slabs
+from pyport.least_squares.stacking import Codes
+
+#: Directions with less than this share of a column's length count as fitted already.
+RANK_TOLERANCE = 1e-9
+#: What must be left of a column's squared length for products alone to distinguish it.
+PLAIN = 1e-4
+
+
+@dataclass(frozen=True)
+class Part:
+    """Some columns of the Gram matrices, and which blocks share their coefficients.
+
+    Attributes
+    ----------
+    columns
+        Indices of the columns, shape (k,).
+    groups
+        For each block the number of its set of coefficients, shape (blocks,).
+    """
+
+    columns: Codes
+    groups: Codes
+
+    @property
+    def size(self) -> int:
+        """Return the number of coefficients."""
+        return len(self.columns) * (int(self.groups.max()) + 1)
+
+    def places(self) -> Codes:
+        """Return where each block's coefficients stand among all of this part's, (blocks, k)."""
+        k = len(self.columns)
+        return self.groups[:, None] * k + np.arange(k)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The least-squares solution of a choice of parts.
+
+    Attributes
+    ----------
+    values, covariance
+        Coefficients (P,) and their covariance (P, P) for unit weight.
+    known
+        Whether the data determine each coefficient, shape (P,).
+    residual
+        Sum of squares that is left.
+    rank
+        Number of independent columns.
+    normal
+        Products of the columns, shape (P, P).
+    """
+
+    values: Array
+    covariance: Array
+    known: NDArray[np.bool_]
+    residual: float
+    rank: int
+    normal: Array
+
+    @cached_property
+    def condition(self) -> float:
+        """Return the condition number of the columns, each scaled to unit length."""
+        return inverted(self.normal)[2]
+
+
+class Gram:
+    """The Gram matrices of all blocks, shape (blocks, K + 1, K + 1); the data come last."""
+
+    def __init__(self, matrices: Array):
+        self.matrices = matrices
+
+    @classmethod
+    def of(cls, whitened: Array, blocks: Codes, n_blocks: int, kinds: Codes | None = None) -> Gram:
+        """Return the matrices of whitened columns (m, K + 1) whose rows belong to `blocks` (m,).
+
+        Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
+        """
+        kinds = np.zeros_like(blocks) if kinds is None else kinds
+        return cls.summed(slabs(whitened, blocks, kinds), n_blocks, whitened.shape[1])
+
+    @classmethod
+    def summed(cls, cut: Sequence[Slab], n_blocks: int, size: int) -> Gram:
+        """Return the matrices of whitened columns (m, size) that were cut into slabs."""
+        out = np.zeros((n_blocks, size, size))
+        for slab in cut:
+            out[slab.block][np.ix_(slab.columns, slab.columns)] += slab.values.T @ slab.values
+        return cls(out)
+
+    def cross(self, left: Sequence[Part], right: Sequence[Part]) -> Array:
+        """Return the assembled products of two choices of parts, shape (P, Q)."""
+        (rows, row_columns), (places, columns) = self._index(left), self._index(right)
+        shape = sum(p.size for p in left), sum(p.size for p in right)
+        own = self.matrices[:, row_columns[:, None], columns]
+        flat = rows[:, :, None] * shape[1] + places[:, None, :]
+        total = np.bincount(flat.ravel(), own.ravel(), shape[0] * shape[1])
+        return np.asarray(total, float).reshape(shape)
+
+    def moments(self, parts: Sequence[Part], vectors: Array | None = None) -> Array:
+        """Return the assembled products with the data, shape (P,).
+
+        `vectors`, (blocks, K, draws), stands for other data than the recorded
+        ones; the result is then (P, draws).
+        """
+        places, columns = self._index(parts)
+        size = sum(p.size for p in parts)
+        if vectors is None:
+            own = self.matrices[:, columns, -1]
+            return np.asarray(np.bincount(places.ravel(), own.ravel(), size), float)
+        out = np.zeros((size, vectors.shape[2]))
+        for block, own in zip(places, vectors, strict=True):
+            out[block] += own[columns]
+        return out
+
+    def _index(self, parts: Sequence[Part]) -> tuple[Codes, Codes]:
+        return index(parts, len(self.matrices))
+
+    def total(self) -> float:
+        """Return the sum of squares of the data."""
+        return float(self.matrices[:, -1, -1].sum())
+
+    def solve(self, parts: Sequence[Part]) -> Solution:
+        """Return the least-squares solution for a choice of parts."""
+        normal = self.cross(parts, parts)
+        right = self.moments(parts)
+        inverse, rank, known = inverse_of(normal)
+        values = inverse @ right
+        return Solution(values, inverse, known, self.total() - float(right @ values), rank, normal)
+
+
+def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:
+    """Return where each block's coefficients stand, (blocks, p), and the columns they multiply."""
+    if not parts:
+        return np.zeros((blocks, 0), np.intp), np.zeros(0, np.intp)
+    starts = np.cumsum([0, *(part.size for part in parts[:-1])])
+    places = [start + part.places() for start, part in zip(starts, parts, strict=True)]
+    return np.concatenate(places, axis=1), np.concatenate([part.columns for part in parts])
+
+
+def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:
+    """Return what `inverted` returns but the condition number, sooner where columns differ well."""
+    size = len(normal)
+    length = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    if size and length.all():
+        scale = np.outer(length, length)
+        triangle = cholesky(normal / scale)
+        if triangle is not None:
+            root = np.linalg.solve(triangle, np.eye(size))
+            return root.T @ root / scale, size, np.ones(size, bool)
+    inverse, rank, _, known = inverted(normal)
+    return inverse, rank, known
+
+
+def cholesky(scaled: Array) -> Array | None:
+    """Return the triangle of products of unit columns; None where some are nearly the others'.
+
+    Columns whose squared lengths, each beside those before it, stay above
+    `PLAIN` are distinguished by their products to ten digits and more.
+    """
+    try:
+        triangle = np.linalg.cholesky(scaled)
+    except np.linalg.LinAlgError:
+        return None
+    apart = np.diag(triangle).min(initial=1.0) ** 2 > PLAIN
+    return np.asarray(triangle, float) if apart else None
+
+
+def inverted(normal: Array) -> tuple[Array, int, float, NDArray[np.bool_]]:
+    """Return the pseudo-inverse of a normal matrix, its rank, condition number and what is known.
+
+    Columns are scaled to unit length first, so that units do not matter. A
+    coefficient is known when no direction that the data leave open moves it.
+    """
+    size = len(normal)
+    if size == 0:
+        return np.zeros((0, 0)), 0, 1.0, np.zeros(0, bool)
+    length = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    scale = np.divide(1.0, length, out=np.zeros(size), where=length > 0)
+    eigenvalues, vectors = np.linalg.eigh(normal * np.outer(scale, scale))
+    good = eigenvalues > RANK_TOLERANCE * max(float(eigenvalues[-1]), 1e-300)
+    kept = vectors[:, good]
+    inverse = (kept / eigenvalues[good]) @ kept.T * np.outer(scale, scale)
+    known = (vectors[:, ~good] ** 2).sum(axis=1) < 1e-6
+    rank = int(good.sum())
+    condition = float(np.sqrt(eigenvalues[-1] / eigenvalues[good][0])) if rank else float("inf")
+    return inverse, rank, condition, known & (length > 0)

@@ -1,0 +1,99 @@
+"""How far the paper's scans went on where print lost the rest, told by its own sigmas.
+
+The fewer hours a curve is fitted over, the more its a, b and d trade against
+each other: the sigmas of a, of b and of d stand to each other as the hours have
+it, whatever the noise. Table 18 prints them for every antenna.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import HOUR, Array
+from pyport.recordings import sky
+from pyport.studies.gmrt.cosine import columns
+from pyport.studies.gmrt.published import Wave
+
+#: Fewer curves than this tell no hours.
+_ENOUGH = 5
+
+#: Hour angles that a day may have ended at are tried so close together [rad].
+_STEP = 0.1 * HOUR
+
+
+@dataclass(frozen=True)
+class Hours:
+    """The hour angles [rad] of one day's scans.
+
+    Attributes
+    ----------
+    left
+        That print has left, of any antenna, in order.
+    ended
+        Where the paper's scans ended by the sigmas of all its curves.
+    middle
+        Where they ended by each curve alone: between these for two in three.
+    scatter
+        Antenna -> of a scan about the paper's curve [rad], by that curve's sigmas.
+    """
+
+    left: Array
+    ended: float
+    middle: tuple[float, float]
+    scatter: dict[str, float]
+
+    @property
+    def scanned(self) -> Array:
+        """Return the hour angles that the paper fitted: what is left, and as closely on."""
+        return until(self.left, self.ended)
+
+
+def until(left: Array, end: float) -> Array:
+    """Return hour angles and on from them, as far apart in the mean, until `end` [rad]."""
+    step = float(np.diff(left).mean())
+    return np.concatenate([left, np.arange(left[-1] + step, end + step / 2, step)])
+
+
+def hours(left: Array, waves: Sequence[Wave], dec: float, latitude: float) -> Hours | None:
+    """Return the hours of one day, None where its curves are too few to tell.
+
+    Parameters
+    ----------
+    left
+        Hour angles of the scans that print has left, in order [rad].
+    waves
+        The paper's curves of that day.
+    dec, latitude
+        Of the source, and of the site [rad]: it is not scanned once it has set.
+    """
+    if len(waves) < _ENOUGH or len(left) < _ENOUGH:
+        return None
+    sets = float(sky.hour_angle_at(np.zeros(1), dec, latitude)[0])
+    ends = np.arange(left[-1], min(sets, np.pi) if np.isfinite(sets) else np.pi, _STEP)
+    # log of what the sigmas of a, b and b d are times the scatter, (ends, waves, 3)
+    printed = np.log([(w.sigma_a, w.sigma_b, abs(w.b) * w.sigma_d) for w in waves])
+    foretold = np.log([[_sigmas(until(left, end), wave) for wave in waves] for end in ends])
+    scatter = printed - foretold
+    misfit = np.abs(scatter - scatter.mean(axis=2, keepdims=True)).sum(axis=2)
+    best = int(misfit.sum(axis=1).argmin())
+    low, high = np.quantile(ends[misfit.argmin(axis=0)], [1 / 6, 5 / 6])
+    each = np.exp(scatter[best].mean(axis=1))
+    return Hours(
+        left,
+        float(ends[best]),
+        (float(low), float(high)),
+        {wave.antenna: float(one) for wave, one in zip(waves, each, strict=True)},
+    )
+
+
+def _sigmas(hour_angle: Array, wave: Wave) -> Array:
+    """Return the sigmas of a, b and b d of a curve fitted to one offset a scan of unit scatter."""
+    design = columns(hour_angle)
+    inverse = np.linalg.inv(design.T @ design)
+    cos, sin = np.cos(wave.d), np.sin(wave.d)
+    turn = np.array([[1, 0, 0], [0, cos, -sin], [0, -sin, -cos]])
+    sigmas: Array = np.sqrt(np.diag(turn @ inverse @ turn.T))
+    return sigmas

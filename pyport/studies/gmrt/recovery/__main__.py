@@ -1,0 +1,19 @@
+"""Make the shipped recordings, and the figures of README.md, from the printed tables."""
+
+from __future__ import annotations
+
+from pyport.files import write_whole
+from pyport.recordings.shipped import DATA
+from pyport.studies.gmrt.recovery import build, notes
+
+
+def main() -> None:
+    """Write every file of recordings, Table 18, and the figures of the README."""
+    build.write_all(DATA)
+    text = notes.readme()
+    with write_whole(notes.README) as file:
+        file.write(text)
+
+
+if __name__ == "__main__":
+    main()
