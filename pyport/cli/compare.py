@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 @click.option(
     "--accept",
     is_flag=True,
-    help="Accept changes without significance that move the horizon or the zenith.",
+    help="Accept terms without significance that move the horizon or the zenith.",
 )
 @about_file
 @in_json
@@ -55,7 +55,7 @@ def command(
     """Compare the models OLD and NEW over the sky, and on recordings.
 
     Tells how far commanded positions move and where, which recordings get worse, and what is
-    extrapolated. Refuses a new model in which a change without significance moves the horizon
+    extrapolated. Refuses a new model in which a term without significance moves the horizon
     or the zenith by more than the scatter of the data.
     """
     from pyport.api import load_model
@@ -73,7 +73,7 @@ def command(
     if picture is not None:
         draw(found, picture, f"{new} - {old}", beam_arcsec)
     say("\n".join(text(found, beam_arcsec)), for_programs(found, beam_arcsec), as_json=as_json)
-    if found.unsound and not accept:
-        names = ", ".join(one.value.name for one in found.unsound)
-        wrong = f"{names}: a change without significance moves the horizon or the zenith"
+    if found.refused and not accept:
+        names = ", ".join(one.value.name for one in found.refused)
+        wrong = f"{names}: a term without significance moves the horizon or the zenith"
         raise BadInput(f"{wrong}; see above, --accept takes the model as it is", new)

@@ -85,6 +85,8 @@ def command(
         return
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")
+    if done.waves:
+        click.echo(done.waves)
     if done.left_out:
         where = "left out" if rest_as is None else f"in {rest_as}"
         size = (

@@ -117,7 +117,8 @@ def command(
     with working("fitting"):
         done = fit(read(recordings, given, beside=out), chosen, weights=weights)
     if save is not None:
-        write_model(completed(done), save)
+        saved = write_model(completed(done), save)[2].words
+        click.echo(f"{save}: {saved}\n" * bool(saved), err=True, nl=False)
     if out is not None:
         with write_whole(out / "residuals.csv") as file:
             leftover.write(done, file)

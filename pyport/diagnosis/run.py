@@ -170,5 +170,6 @@ def _run_one(
         for kept in pass_files(folder):
             kept.unlink(missing_ok=True)
     if request.save is not None:
-        write_model(completed(diagnosis), request.save)
+        saved = write_model(completed(diagnosis), request.save)[2].words
+        text += f"\n{request.save}: {saved}" if saved else ""
     return text, json.dumps(report)

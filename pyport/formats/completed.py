@@ -6,56 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from pyport.angles import ARCSEC, DEG, Array
-from pyport.effects import Circumstances, Effect
+from pyport.effects import Effect
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
-from pyport.files import write_whole
 from pyport.formats import models
 from pyport.formats.model_file import KEPT, NAMES, WORDS, Entry, ModelFile, rounded, translated
+from pyport.formats.rest import Rest, rest_of, sky
 from pyport.formats.terms.alike import shape_of
 from pyport.formats.terms.words import SCALES
+from pyport.formats.waves import Waves, waves
 from pyport.models import toml
 from pyport.models.model import Model
 
 #: Decimals that a value is written with, by its unit: 0.4 microarcsec in degrees.
 _DECIMALS = {"arcsec": 4, "deg": 10, "": 9}
 _SIGMA_DECIMALS = {"arcsec": 5, "deg": 10, "": 9}
-#: Steps of a correction grid, and the sky that it covers [deg].
-GRID_STEP_DEG, LOWEST_DEG = 2.0, 2.0
-
-
-@dataclass(frozen=True)
-class Rest:
-    """What a format cannot hold of a model.
-
-    Attributes
-    ----------
-    names
-        The terms, and the RT32's exact form where the model has it.
-    rms_arcsec
-        Their rms on the sky, both axes together, None where it depends on more than directions.
-    grid
-        Where they were written to, None where they were left out.
-    """
-
-    names: tuple[str, ...] = ()
-    rms_arcsec: float | None = 0.0
-    grid: Path | None = None
-
-    @property
-    def words(self) -> str:
-        """Return it as a sentence, "" for nothing."""
-        if not self.names:
-            return ""
-        size = ""
-        if self.rms_arcsec is not None:
-            size = f", {self.rms_arcsec:.3g} arcsec rms over the sky"
-        where = "left out" if self.grid is None else f"in {self.grid}"
-        return f"{where}: {', '.join(self.names)}{size}"
+#: How what has no name is called.
+_FIELD = "the field "
 
 
 def write_model(
@@ -65,7 +34,7 @@ def write_model(
     to: str = "",
     rest_as: Path | None = None,
     leave_out: bool = False,
-    conditions: Mapping[str, float] | None = None,
+    conditions: Mapping[str, Any] | None = None,
 ) -> tuple[str, int, Rest]:
     """Write a model by suffix: as pyport has it, or in the vocabulary of another program.
 
@@ -82,7 +51,7 @@ def write_model(
     leave_out
         Leave those terms out.
     conditions
-        What holds for `rest_as` beside directions: `temperature_c`, ...
+        What holds for `rest_as` beside directions, by name: `temperature_c`, `time_utc`, ...
 
     Returns
     -------
@@ -107,15 +76,16 @@ def write_model(
     if not told and model.given is None:
         raise BadInput(f"the model {model.name} has no values to write: fit it first", path)
     vocabulary = chosen.vocabulary
-    found: list[Entry] = []
-    lost: list[str] = [f"the RT32's exact form ({model.base})"] if model.given is not None else []
-    for one in told:
-        entries = _in_vocabulary(one, vocabulary)
-        found += entries
-        if not entries:
-            lost.append(one.called)
-    lost = list(dict.fromkeys(lost))
-    if lost and rest_as is None and not leave_out:
+    each = [(one.called, _in_vocabulary(one, vocabulary)) for one in told]
+    found = [entry for _, entries in each for entry in entries]
+    lost = list(dict.fromkeys(name for name, entries in each if not entries))
+    if model.given is not None:
+        lost.insert(0, f"the RT32's exact form ({model.base})")
+    whole = rest_as is None and not leave_out
+    instead = _waves(model, lost, vocabulary) if whole else Waves()
+    if instead.values:
+        found, lost = [*found, *_entries(instead, vocabulary)], []
+    if lost and whole:
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
         wrong = f"{vocabulary} has no name for {', '.join(lost)}"
         raise BadInput(f"{wrong}: {ways} or --leave-out", path)
@@ -125,7 +95,7 @@ def write_model(
     file = ModelFile(vocabulary, tuple(_summed(found)), title, details=details)
     if vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
-    rest = _rest(model, file, lost, rest_as, conditions or {})
+    rest = replace(rest_of(model, file, lost, rest_as, conditions or {}), waves=instead)
     chosen.write(file, path)
     return chosen.name, len(file.entries), rest
 
@@ -144,16 +114,20 @@ class _Told:
     @property
     def called(self) -> str:
         """Return the name for a reader: a field without a name has one for all its numbers."""
-        return f"the field {self.effect.variant}" if self.effect.id == UNKNOWN else self.name
+        return f"{_FIELD}{self.effect.variant}" if self.effect.id == UNKNOWN else self.name
 
     def entry(self, name: str, unit: str, times: float = 1.0) -> Entry:
         """Return it under a name that stands for `times` of it."""
         scale = SCALES[unit] * times
-        value = rounded(Decimal(repr(self.value / scale)), _DECIMALS[unit])
         sigma = None
         if self.sigma is not None:
             sigma = rounded(Decimal(repr(self.sigma / abs(scale))), _SIGMA_DECIMALS[unit])
-        return Entry(name, value, unit, sigma, fixed=self.fixed)
+        return Entry(name, _digits(self.value / times, unit), unit, sigma, fixed=self.fixed)
+
+
+def _digits(value: float, unit: str) -> Decimal:
+    """Return a value in internal units as a file has it."""
+    return rounded(Decimal(repr(value / SCALES[unit])), _DECIMALS[unit])
 
 
 def _told(model: Model, path: Path) -> list[_Told]:
@@ -213,6 +187,25 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
     return list(found.values())
 
 
+def _waves(model: Model, lost: Sequence[str], vocabulary: str) -> Waves:
+    """Return waves for what is lost, where that is fields without a name that waves hold."""
+    if not lost or not all(one.startswith(_FIELD) for one in lost):
+        return Waves()
+    fields = [one for one in model.terms if one.effect.id == UNKNOWN and one.has_values]
+    made = {} if model.completed is None else model.completed.made
+    return waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1]) or Waves()
+
+
+def _entries(instead: Waves, vocabulary: str) -> list[Entry]:
+    """Return waves as terms of a file, held as the fields are."""
+    words = ((WORDS[vocabulary](name), value) for name, value in instead.values)
+    return [
+        Entry(word.name, _digits(value, word.unit), word.unit, fixed=True)
+        for word, value in words
+        if word is not None
+    ]
+
+
 def _statistics(model: Model) -> dict[str, Decimal]:
     """Return TPOINT's line: stars, and the rms on the sky."""
     made = {} if model.completed is None else model.completed.made
@@ -220,68 +213,3 @@ def _statistics(model: Model) -> dict[str, Decimal]:
         "stars": Decimal(int(made.get("stars", 0))),
         "sky_rms_arcsec": rounded(Decimal(repr(float(made.get("sky_rms_arcsec", 0.0)))), 4),
     }
-
-
-def _rest(
-    model: Model,
-    file: ModelFile,
-    lost: Sequence[str],
-    path: Path | None,
-    conditions: Mapping[str, float],
-) -> Rest:
-    """Return what a file lacks of a model, and write it where a path is given.
-
-    Raises
-    ------
-    BadInput
-        It has to be written and depends on more than directions.
-    """
-    if not lost:
-        return Rest()
-    az_deg, el_deg = (
-        one.ravel()
-        for one in np.meshgrid(
-            np.arange(0.0, 360.0, GRID_STEP_DEG),
-            np.arange(LOWEST_DEG, 90.0, GRID_STEP_DEG),
-            indexing="ij",
-        )
-    )
-    columns = {name: np.full(len(az_deg), value) for name, value in conditions.items()}
-    at = Circumstances(az_deg * DEG, el_deg * DEG, model.site, columns)
-    try:
-        x, y = (
-            one - other
-            for one, other in zip(model.offsets(at), _held(file).offsets(at), strict=True)
-        )
-    except BadInput as error:
-        if path is None:
-            return Rest(tuple(lost), None)
-        wanted = "a grid of directions tells none: --set COLUMN=VALUE gives one value for all"
-        raise BadInput(f"{error.message}; {wanted}", path) from None
-    weight = np.cos(at.el)
-    rms = float(np.sqrt(((x**2 + y**2) * weight).sum() / weight.sum())) / ARCSEC
-    if path is not None:
-        _write_grid(path, az_deg, el_deg, (x / ARCSEC, y / ARCSEC), lost, conditions)
-    return Rest(tuple(lost), rms, path)
-
-
-def _held(file: ModelFile) -> Model:
-    """Return what a file holds as a model."""
-    return file.model("held")
-
-
-def _write_grid(
-    path: Path,
-    az_deg: Array,
-    el_deg: Array,
-    offsets_arcsec: tuple[Array, Array],
-    names: Sequence[str],
-    conditions: Mapping[str, float],
-) -> None:
-    """Write corrections on a grid, as recordings are written."""
-    with write_whole(path) as out:
-        out.write(f"# corrections: {', '.join(names)}\n# azimuth_zero: north\n")
-        out.writelines(f"# {name}: {value!r}\n" for name, value in conditions.items())
-        out.write("az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n")
-        for row in zip(az_deg, el_deg, *offsets_arcsec, strict=True):
-            out.write(f"{row[0]:g},{row[1]:g},{row[2]:.6f},{row[3]:.6f}\n")

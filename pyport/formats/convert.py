@@ -30,7 +30,7 @@ class Done:
     """What was converted: rows or terms, the format written, and what it has no place for.
 
     `lost_arcsec` is the rms on the sky of the terms that it has no place for, None where that
-    is not known.
+    is not known; `waves` says which terms stand for fields without a name.
     """
 
     kind: str
@@ -38,6 +38,7 @@ class Done:
     format: str
     left_out: tuple[str, ...]
     lost_arcsec: float | None = None
+    waves: str = ""
 
 
 def convert(
@@ -74,11 +75,10 @@ def convert(
     """
     if Path(source).suffix.lower() == ".toml" and not given.format and _lists_effects(source):
         model_of = load_model(source)
-        told = {key: _condition(key, text) for key, text in given.keys.items()}
         name, number, rest = write_model(
-            model_of, target, to=to, rest_as=rest_as, leave_out=leave_out, conditions=told
+            model_of, target, to=to, rest_as=rest_as, leave_out=leave_out, conditions=given.keys
         )
-        return Done("model", number, name, rest.names, rest.rms_arcsec)
+        return Done("model", number, name, rest.names, rest.rms_arcsec, rest.waves.words)
     if rest_as is not None:
         raise BadInput("--rest-as is for a model of pyport's: fit or diagnose --save one", source)
     if _is_model(source, target, given.format, to):
@@ -105,14 +105,6 @@ def convert(
 def _lists_effects(source: str) -> bool:
     """Tell whether a TOML file holds a model of pyport's, not one in another's vocabulary."""
     return is_file(source) and not toml_model.names_terms(Path(source))
-
-
-def _condition(name: str, text: str) -> float:
-    """Return a condition that holds for all directions of a grid."""
-    try:
-        return float(text)
-    except ValueError:
-        raise BadInput(f"--set {name}={text[:40]}: expected a number") from None
 
 
 def table_of(raw: Raw) -> Table:

@@ -103,29 +103,42 @@ class Unsound:
     horizon_arcsec: float
     zenith_arcsec: float
 
+    @property
+    def refused(self) -> bool:
+        """Tell whether the term itself has no significance, so that it should not be there."""
+        return abs(self.value.value) < SIGNIFICANT * (self.value.sigma or 0.0)
+
     def words(self, scatter_arcsec: float) -> str:
         """Return it as a sentence."""
         one = self.value
         most = max(self.horizon_arcsec, self.zenith_arcsec)
         where = "horizon" if self.horizon_arcsec >= self.zenith_arcsec else "zenith"
-        return (
-            f"{one.name} changes by {one.change:+.3g} +- {one.sigma:.3g} {one.unit}, which is not "
-            f"significant, and moves the {where} by {most:.3g} arcsec, more than the scatter of "
-            f"{scatter_arcsec:.3g}: drop or fix it"
-        )
+        moves = f"moves the {where} by {most:.3g} arcsec, more than the scatter of"
+        if self.refused:
+            said = f"{one.name} is {one.value:.3g} +- {one.sigma:.3g} {one.unit}, which is not "
+            return f"{said}significant, and {moves} {scatter_arcsec:.3g}: drop or fix it"
+        said = f"{one.name} changes by {one.change:+.3g} +- {one.sigma:.3g} {one.unit}, within its"
+        advice = f"keep the old value with --fix {one.name}, or observe there"
+        return f"note: {said} error, and {moves} {scatter_arcsec:.3g}: {advice}"
 
 
 @dataclass(frozen=True)
 class Comparison:
     """How a new model differs from an old one.
 
-    `scatter_arcsec` is that of the data about the new model, None where nothing tells it.
+    `scatter_arcsec` is that of the data about the new model, None where nothing tells it. Of the
+    `unsound` changes those are `refused` whose term is itself within two sigmas of nothing.
     """
 
     sky: Sky
     rows: Rows | None
     unsound: tuple[Unsound, ...]
     scatter_arcsec: float | None
+
+    @property
+    def refused(self) -> tuple[Unsound, ...]:
+        """Return the changes that the mount should not be given."""
+        return tuple(one for one in self.unsound if one.refused)
 
 
 def compare(

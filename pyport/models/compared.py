@@ -72,7 +72,12 @@ def as_json(found: Comparison, beam_arcsec: float | None = None) -> dict[str, An
             "conditions": dict(sky.conditions),
         },
         "unsound": [
-            {"name": one.value.name, "change": one.value.change, "sigma": one.value.sigma}
+            {
+                "name": one.value.name,
+                "change": one.value.change,
+                "sigma": one.value.sigma,
+                "refused": one.refused,
+            }
             for one in found.unsound
         ],
         "scatter_arcsec": found.scatter_arcsec,

@@ -23,7 +23,7 @@ from pyport.models.model import Model
 from pyport.recordings.columns import LABELS
 
 if TYPE_CHECKING:
-    from pyport.formats.completed import Rest
+    from pyport.formats.rest import Rest
 
 #: The mount is inverted to this [rad]: a millionth of an arcsecond.
 SETTLED = 1e-6 * ARCSEC
@@ -174,7 +174,7 @@ class PointingModel:
         *,
         rest_as: str | Path | None = None,
         leave_out: bool = False,
-        **conditions: float,
+        **conditions: Any,  # noqa: ANN401 - see `offsets`
     ) -> Rest:
         """Write the model: .toml whole, or in another program's format by its suffix.
 

@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from samples import sample
 
 from pyport import api
 from pyport.angles import ARCSEC, DEG
-from pyport.cli import pyport
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.completed import completed
@@ -27,7 +25,6 @@ from pyport.models import toml
 from pyport.models.model import Model, Term, load
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
-from pyport.recordings import read, write
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
 from made import recordings
@@ -38,50 +35,12 @@ OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.it
 PROMISED = 1e-9 * DEG
 
 
-def far(at, centre_deg):
-    """Return how far azimuths are from a centre [rad]."""
-    return (at.az - np.radians(centre_deg) + np.pi) % (2 * np.pi) - np.pi
-
-
-CAUSES = {
-    "refraction": {"y": lambda at: 30 / np.tan(at.el)},
-    "temperature": {"y": lambda at: 1.5 * (at.columns["temperature_c"] - 8)},
-    "subreflector_jump": {"y": lambda at: 25.0 * (at.el > np.radians(55 + 10 * np.cos(at.az)))},
-    "azimuth_track": {
-        "x": lambda at: 12 * np.sin(at.el) * np.sin(3 * at.az),
-        "y": lambda at: 14 * np.cos(3 * at.az),
-    },
-    "unknown": {"y": lambda at: 9 * np.exp(np.sin(2 * at.az) * np.sin(3 * at.el))},
-}
-
-
 @pytest.fixture(scope="module")
 def old(tmp_path_factory):
     """Return TPOINT's file of the model in force."""
     path = tmp_path_factory.mktemp("model") / "old.mod"
     path.write_text(OLD)
     return path
-
-
-@pytest.mark.parametrize("cause", CAUSES)
-def test_new_minus_old_is_before_minus_after(cause, old, tmp_path):
-    """At the recordings, from the file: a plain term, a curve, a column, a moment, a field."""
-    measured = recordings(900, 5, **CAUSES[cause])
-    given = load(str(old))
-    found = diagnose(measured, given)
-    path = tmp_path / "new.toml"
-    toml.write(completed(found), path)
-    new = load(str(path))
-    x, y = (
-        n - o for n, o in zip(new.offsets(measured.at), given.offsets(measured.at), strict=True)
-    )
-    told = found.setup.stack.spread(x, y)
-
-    assert found.findings[0].effect == cause
-    np.testing.assert_allclose(
-        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
-    )
-    assert new.completed.values == completed(found).completed.values
 
 
 @pytest.fixture(scope="module")
@@ -109,26 +68,9 @@ def test_whatever_is_chosen_is_carried(effect, scope, searched, tmp_path):
         np.testing.assert_allclose(setup.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0)
 
 
-@pytest.mark.parametrize("cause", ["subreflector_jump", "temperature"])
-def test_three_commands_carry_a_finding_to_the_mount(cause, old, tmp_path):
-    """Diagnose, and what a fresh start from the saved model finds: nothing more of it."""
-    night = tmp_path / "night.csv"
-    write(recordings(900, 5, **CAUSES[cause]), night)
-    new = tmp_path / "new.toml"
-    run = CliRunner().invoke(
-        pyport, ["diagnose", str(night), "--model", str(old), "--save", str(new)]
-    )
-    again = diagnose(read(night), load(str(new)), refit=())
-
-    assert run.exit_code == 0, run.output
-    assert "enter this into the control system" in run.output
-    assert "change against the file" in run.output
-    assert not again.mismatch
-
-
 def test_every_table_prints_the_same_number(old):
     """A diagnosis: page, report and file; a fit: page, fit.json, text and file."""
-    measured = recordings(600, 3, **CAUSES["refraction"])
+    measured = recordings(600, 3, y=lambda at: 30 / np.tan(at.el))
     found, done = diagnose(measured, load(str(old))), fit(measured, load(str(old)))
 
     of_model = {one.name: one for one in completed(found).completed.values}

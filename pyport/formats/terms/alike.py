@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, Site
-from pyport.formats.terms.shapes import FAMILIES, Shape
+from pyport.formats.terms.shapes import FAMILIES, Shape, Wave, product
 
 #: How far from parallel rounding takes two shapes that are one.
 PARALLEL = 1e-9
@@ -15,6 +17,10 @@ PARALLEL = 1e-9
 _DIRECTIONS = Circumstances(
     np.linspace(-3.0, 3.1, 37), 0.2 + 1.2 * np.linspace(0, 1, 37) ** 0.5, Site(0.9, 0.3)
 )
+
+#: What goes round with azimuth: the axis and what it is multiplied by. A mount turned about the
+#: vertical, leaning sideways, leaning backwards.
+_ROUND = (("az",), ("xel", Wave("S", "E")), ("el",))
 
 
 def seen(effect: Effect, column: int = 0) -> Array | None:
@@ -38,14 +44,21 @@ def ratio(one: Array | None, other: Array | None) -> float:
 
 
 def shape_of(effect: Effect, column: int = 0) -> tuple[Shape, float] | None:
-    """Return which column of the catalogue's effect of this id a coefficient is, and how many."""
-    k = int(effect.parameter or 0) if effect.id in FAMILIES else 0
+    """Return which shape of the vocabularies a coefficient is, and how many of it.
+
+    A column of the catalogue's effect of this id, or of an effect that comes with k for the
+    harmonic a wave of k times azimuth.
+    """
     if effect.id not in CATALOGUE:
         return None
-    shape = Shape(effect.id, 0, k)
-    own = seen(effect, column)
-    for place in range(len(shape.parent().coefficients)):
-        times = ratio(own, seen(shape.parent(), place))
+    own, k = seen(effect, column), effect.parameter
+    if isinstance(k, int) and effect.id not in FAMILIES:
+        shapes = [product(axis, Wave(one, "A", k), *more) for axis, *more in _ROUND for one in "SC"]
+    else:
+        first = Shape(effect.id, 0, int(k or 0) if effect.id in FAMILIES else 0)
+        shapes = [replace(first, column=n) for n in range(len(first.parent().coefficients))]
+    for shape in shapes:
+        times = ratio(own, seen(shape.parent(), shape.column))
         if times:
-            return Shape(effect.id, place, k), times
+            return shape, times
     return None

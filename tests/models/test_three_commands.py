@@ -1,0 +1,138 @@
+"""From the finding to the mount: diagnose --save, compare, convert, for one cause of each kind."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from pyport.angles import ARCSEC, DEG
+from pyport.cli import pyport
+from pyport.diagnosis import run
+from pyport.diagnosis.completed import completed
+from pyport.diagnosis.diagnose import diagnose
+from pyport.errors import BadInput
+from pyport.models import toml
+from pyport.models.model import load
+from pyport.recordings import read, write
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
+from made import recordings
+
+TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
+OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])
+#: How closely the saved model's offsets repeat what was found.
+PROMISED = 1e-9 * DEG
+
+
+def far(at, centre_deg):
+    """Return how far azimuths are from a centre [rad]."""
+    return (at.az - np.radians(centre_deg) + np.pi) % (2 * np.pi) - np.pi
+
+
+#: What a grid of directions has to be given beside them.
+FOR_A_GRID = {
+    "temperature": ("--set", "temperature_c=8"),
+    "epoch_offset": ("--set", "time_utc=2008-03-01T00:00:00"),
+}
+#: What happened, and what TPOINT lacks a name for.
+CAUSES = {
+    "refraction": ({"y": lambda at: 30 / np.tan(at.el)}, ""),
+    "temperature": ({"y": lambda at: 1.5 * (at.columns["temperature_c"] - 8)}, "temperature"),
+    "subreflector_jump": (
+        {"y": lambda at: 25.0 * (at.el > np.radians(55 + 10 * np.cos(at.az)))},
+        "jump",
+    ),
+    "azimuth_track": (
+        {
+            "x": lambda at: 12 * np.sin(at.el) * np.sin(3 * at.az),
+            "y": lambda at: 14 * np.cos(3 * at.az),
+        },
+        "",
+    ),
+    "epoch_offset": (
+        {
+            "y": lambda at: 15.0 * (at.columns["time"] > 1.2e9 + 86400 * 9),
+            "time": 1.2e9 + np.sort(np.random.default_rng(3).uniform(0, 20 * 86400, 900)),
+            "session": np.full(900, "s"),
+        },
+        "offset_xel[since",
+    ),
+    "unknown": ({"y": lambda at: 20 * np.exp(-0.5 * (far(at, 200) / np.radians(20)) ** 2)}, ""),
+    "unknown, over the sky": (
+        {"y": lambda at: 9 * np.exp(np.sin(2 * at.az) * np.sin(3 * at.el))},
+        "the field",
+    ),
+}
+
+
+def does(*words):
+    """Return what a command prints, and its error if it has one."""
+    done = CliRunner().invoke(pyport, [str(word) for word in words])
+    assert done.exception is None or isinstance(done.exception, BadInput), done.output
+    return done.output, str(done.exception or "")
+
+
+@pytest.mark.parametrize("cause", CAUSES)
+def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
+    """New minus old at the recordings is before minus after; then compare; then the other program.
+
+    What TPOINT has no name for is refused by name, and taken beside the file as a grid.
+    """
+    shape, nameless = CAUSES[cause]
+    done = []
+
+    def kept(*given, **more):
+        done.append(diagnose(*given, **more))
+        return done[0]
+
+    monkeypatch.setattr(run, "diagnose", kept)
+    night, old, new = (tmp_path / name for name in ("night.csv", "old.mod", "new.toml"))
+    write(recordings(900, 5, **shape), night)
+    old.write_text(OLD)
+    told, _ = does("diagnose", night, "--model", old, "--save", new)
+    (found,) = done
+    at, before, after = read(night).at, load(str(old)), load(str(new))
+    moved = np.subtract(after.offsets(at), before.offsets(at))
+
+    assert found.findings[0].effect == cause.partition(",")[0]
+    assert "enter this into the control system" in told
+    assert "change against the file" in told
+    np.testing.assert_allclose(
+        found.setup.stack.spread(*moved),
+        found.setup.residual - found.left(found.after),
+        atol=PROMISED,
+        rtol=0,
+    )
+    assert after.completed.values == completed(found).completed.values
+
+    told, refused = does("compare", old, new, "--recordings", night)
+    was, now = told.split("recordings, sky: rms ")[1].split(" arcsec")[0].split(" -> ")
+    assert not refused
+    assert float(now) < float(was)
+
+    target, grid = tmp_path / "new.mod", tmp_path / "grid.csv"
+    told, refused = does("convert", new, target)
+    if nameless:
+        assert "tpoint has no name for" in refused
+        assert nameless in refused
+        told, refused = does("convert", new, target, "--rest-as", grid, *FOR_A_GRID.get(cause, ()))
+        assert "arcsec rms of the sky" in told
+    missed = np.subtract(load(str(target)).offsets(at), after.offsets(at))
+    assert not refused
+    if cause == "unknown":
+        assert "fields without a name as" in told
+        assert np.sqrt(np.mean((missed**2).sum(axis=0))) < 3 * ARCSEC
+    elif not nameless:
+        np.testing.assert_allclose(missed, 0, atol=1e-3 * ARCSEC)
+
+
+@pytest.mark.parametrize("cause", ["subreflector_jump", "temperature"])
+def test_nothing_is_left_of_what_was_carried(cause, tmp_path):
+    """A fresh start from the saved model, held, finds nothing more."""
+    measured = recordings(900, 5, **CAUSES[cause][0])
+    new = tmp_path / "new.toml"
+    toml.write(completed(diagnose(measured, load("altaz"))), new)
+
+    assert not diagnose(measured, load(str(new)), refit=()).mismatch
