@@ -16,10 +16,12 @@ from pyport.parity.description import Batch
 Real4 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
-#: Within this of the mount's zenith [rad], 25 arcsec, the azimuth offset has less than REAL*4's
-#: digits: DASIN leaves the cosine c of the altitude with an error of 2**-52/c; relative to c that
-#: passes 2**-26, a quarter ulp.
-ZENITH_RADIUS = 2.0**-13
+#: Answers this far apart are equal [deg]: `absolute` in parity.toml.
+EQUAL_DEG = 2e-10
+
+#: What roundings take from the argument of DASIN next to the mount's zenith: a sum of two products
+#: whose factors are rounded too, each time by half a unit of its last place, 2**-54.
+ROUNDING = 2.0**-52
 
 #: The curve of Hjump may be taken for this much higher or lower [rad]: REAL*4 pi has an error of
 #: 1.1e-7, the curve is as high as 112 deg; with the roundings on the way 7e-5 deg at most.
@@ -74,14 +76,45 @@ def second_turn(at: Batch, expected: Batch) -> Mask:  # noqa: ARG001
     return np.abs(expected["daz"]) > np.float32(180)
 
 
-def at_the_mounts_zenith(at: Batch, expected: Batch) -> Mask:  # noqa: ARG001
-    """Tell where the direction is next to the mount's own zenith."""
+def asin_shows_in_azimuth(at: Batch, expected: Batch) -> Mask:
+    """Tell where what DASIN loses may move the azimuth offset by more than half an ulp."""
+    return _shows(_asin_errors(at)[0], expected["daz"])
+
+
+def asin_shows_in_altitude(at: Batch, expected: Batch) -> Mask:
+    """Tell where what DASIN loses may move the altitude offset by more than half an ulp."""
+    return _shows(_asin_errors(at)[1], expected["dalt"])
+
+
+def _shows(error: Array, answer: Real4) -> Mask:
+    return error / DEG > np.maximum(EQUAL_DEG, np.spacing(np.abs(answer)) / 2)
+
+
+def _asin_errors(at: Batch) -> tuple[Array, Array]:
+    """Return what the roundings before DASIN may cost the azimuth and the altitude offset [rad].
+
+    At a distance c from the mount's zenith DASIN makes ROUNDING / c of ROUNDING. The arc of skew
+    and box offset is the arcsine of a quotient that changes by that times its slope; next to its
+    rim, where the quotient is 1, the arcsine makes the square root of it. Both offsets are
+    differences of large angles there: the error stays when the angles cancel.
+    """
     az, alt = at["az"].astype(float), at["alt"].astype(float)
-    xi, zeta = np.sin(at["p"][:, 4:6].astype(float) * DEG).T
+    sigma, beta, xi, zeta = np.sin(at["p"][:, 2:6].astype(float) * DEG).T
     tilt, toward = np.hypot(xi, zeta), np.arctan2(zeta, xi)
     side = np.copysign(tilt, np.cos(alt))  # in plunge the tilt has the other sign
-    sine = np.sqrt(1 - tilt**2) * np.sin(alt) + side * np.cos(alt) * np.cos(toward - az)
-    return sine >= math.cos(ZENITH_RADIUS)
+    upright = np.sqrt(1 - tilt**2)
+    x, y, z = np.cos(alt) * np.cos(az - toward), np.cos(alt) * np.sin(az - toward), np.sin(alt)
+    sine, c = x * side + z * upright, np.hypot(x * upright - z * side, y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        height = ROUNDING / c
+        cosine_of_skew = np.sqrt(1 - sigma**2)
+        quotient = np.abs((sigma * sine + beta) / (c * cosine_of_skew))
+        slope = np.abs((sigma + beta * sine) / (c**2 * cosine_of_skew))
+        error = height * slope + ROUNDING * quotient
+        ends = np.arcsin(np.clip([quotient - error, quotient + error], -1, 1))
+        arc = ends[1] - ends[0]
+        # a quarter turn of the azimuth moves the altitude by c
+        return height + arc, height + c * arc
 
 
 def no_number(at: Batch, expected: Batch) -> Mask:  # noqa: ARG001

@@ -60,3 +60,23 @@ parameter = st.sampled_from([0.0, -0.0]).map(np.float32) | st.builds(
 
 #: The twelve parameters [deg] of Model and ModelA, each on its own scale.
 parameters = st.lists(parameter, min_size=12, max_size=12)
+
+
+@st.composite
+def at_the_rim(draw):
+    """Draw azimuth, altitude and parameters of a point next to the rim of the blind spot.
+
+    In one draw of two the true zenith is on the rim too: what tilt and box offset do to the azimuth
+    cancels there.
+    """
+    radius = draw(_sizes) * DEG
+    sign = draw(st.sampled_from([-1, 1]))
+    p = np.zeros(12)
+    p[draw(st.sampled_from([2, 3]))] = sign * radius / DEG
+    off, toward = draw(_sizes), draw(st.sampled_from([0, 90, 180, 270]) | st.floats(0, 360)) * DEG
+    if draw(st.booleans()):
+        p[4:6] = radius / DEG * math.cos(toward), radius / DEG * math.sin(toward)
+        return draw(azimuths), np.float32(math.pi / 2 - sign * 0.05 * off), np.float32(p)
+    p[0] = draw(parameter)
+    az = draw(azimuths)
+    return az, np.float32(math.pi / 2 - radius * (1 + draw(st.floats(-1, 1)) * off)), np.float32(p)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -56,11 +58,13 @@ class Deviation:
     outputs: tuple[str, ...] = ()
 
 
-def deviations(description: Description) -> list[Deviation]:
-    """Read the ledger of a description; none where it has no ledger."""
-    path = description.ledger
-    if path is None:
-        return []
+def deviations(description: Description) -> tuple[Deviation, ...]:
+    """Return the ledger of a description, read once; none where it has no ledger."""
+    return () if description.ledger is None else _read(description.ledger)
+
+
+@cache
+def _read(path: Path) -> tuple[Deviation, ...]:
     try:
         rows = tomllib.loads(path.read_text(encoding="utf-8")).get("deviation", [])
     except (OSError, ValueError) as error:
@@ -75,7 +79,7 @@ def deviations(description: Description) -> list[Deviation]:
         if missing:
             raise BadInput(f"deviation {name}: `{min(missing)}` is missing", path)
         found.append(Deviation(**{**row, "outputs": tuple(row.get("outputs", ()))}))
-    return found
+    return tuple(found)
 
 
 def example(description: Description, entry: Deviation) -> Batch:

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 import rt32
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from rt32_inputs import points, random, table
-from strategies import directions, parameters
+from strategies import at_the_rim, directions, parameters
 
 from pyport.parity import ledger, promise
 from pyport.parity.compare import Pair
 from pyport.parity.functions import ask_port
+from pyport.parity.run import hold_live
 from pyport.parity.ulp import UNLIKE
 
 PORT = rt32.VECTORISED
@@ -18,6 +19,13 @@ MODEL, MODELA, HJUMP = rt32.ROUTINES
 #: Half the distance of neighbouring REAL*4 at 360 deg: what storing dAz before its turn is taken
 #: off may cost [arcsec]; see wrap-in-single in the ledger.
 HALF_A_STEP_ARCSEC = 2**-16 * 3600
+
+#: Azimuth, altitude and parameters where the zenith is on the rim and tilt and box offset cancel.
+TANGENT = (
+    float.fromhex("0x1.2d97c8p+2"),
+    float.fromhex("0x1.92p+0"),
+    np.eye(12)[3] + np.eye(12)[4],
+)
 
 
 def assert_promise_kept(routine, held):
@@ -50,6 +58,19 @@ def test_promise_wherever_hypothesis_looks(direction, p):
     held = rt32.held(points([direction[0]], [direction[1]], p))
     for routine in rt32.ROUTINES:
         assert_promise_kept(routine, held["vectorised", routine.name])
+
+
+@pytest.mark.oracle
+@pytest.mark.usefixtures("oracle")
+@settings(max_examples=150)
+@given(point=at_the_rim())
+@example(point=TANGENT)
+def test_promise_at_the_rim_of_the_blind_spot(point):
+    """Where the arcsine magnifies what DASIN lost, only what the ledger derives is left out."""
+    az, alt, p = point
+    held = hold_live(rt32.DESCRIPTION, MODEL, points([az], [alt], p))
+
+    assert_promise_kept(MODEL, held["vectorised", "Model"])
 
 
 def outside_the_ledger(routine, at):
