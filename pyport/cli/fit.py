@@ -113,9 +113,11 @@ def command(
     from pyport.recordings.stream import pass_files
 
     labels = None if per is None else tuple(one.strip() for one in per.split(",") if one.strip())
-    chosen = edited(load(model), fix=fix, add=add, drop=drop, per=labels)
+    unfitted = load(model)
     with working("fitting"):
-        done = fit(read(recordings, given, beside=out), chosen, weights=weights)
+        measured = read(recordings, given, beside=out)
+        chosen = edited(unfitted.on(measured.at.mount), fix=fix, add=add, drop=drop, per=labels)
+        done = fit(measured, chosen, weights=weights)
     if save is not None:
         saved = write_model(completed(done), save)[2].words
         click.echo(f"{save}: {saved}\n" * bool(saved), err=True, nl=False)

@@ -8,7 +8,8 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.finding import Interval
-from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+from pyport.effects import Circumstances, Effect, MissingColumn
+from pyport.effects import catalogue as effects_of
 from pyport.least_squares.stacking import Codes, Stack
 from pyport.recordings.schema import Recordings
 
@@ -58,7 +59,7 @@ def design(
     untestable: list[Untestable] = []
     start = 0
     conditions = _conditions(recordings)
-    for effect in (catalogue or CATALOGUE).values():
+    for effect in (catalogue or effects_of(recordings.at.mount)).values():
         if not effect.physical:
             continue
         try:

@@ -130,6 +130,7 @@ def diagnose(
     BadInput
         There is no recording.
     """
+    model = model.on(recordings.at.mount)
     setup = prepare(recordings, model, refit, seed)
     if not len(setup.residual):
         raise BadInput("no offset that can be used, expected some", recordings.file)

@@ -12,7 +12,7 @@ from pyport.diagnosis.identify import MOST_MEMBERS, decide_by
 from pyport.diagnosis.resampling import Stability, stability
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.steps import Step
-from pyport.effects import CATALOGUE
+from pyport.effects import known
 
 
 def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> list[Finding]:
@@ -78,14 +78,21 @@ def judged(one: Finding, stability: Stability) -> Finding:
         members=("unknown",),
         verdict="unknown",
         sentence=f"something is left that these recordings cannot name: {counts}",
-        looks_like=f"{CATALOGUE[one.effect].sentence}: {one.effect}{shape}",
+        looks_like=f"{_sentence(one)}: {one.effect}{shape}",
         decide_by=decide_by(members) or "record more pointings where it is seen",
     )
 
 
 def _refusal(scene: Scene, one: Finding) -> Refusal | None:
     assert one.curve is not None  # noqa: S101 - what has a name has a curve
-    return refusal(scene, CATALOGUE[one.effect], one.curve)
+    effect = known(one.effect)
+    assert effect is not None  # noqa: S101 - a name is one of the catalogue
+    return refusal(scene, effect, one.curve)
+
+
+def _sentence(one: Finding) -> str:
+    effect = known(one.effect)
+    return one.effect if effect is None else effect.sentence
 
 
 def _refused(one: Finding, why: Refusal) -> Finding:
@@ -97,7 +104,7 @@ def _refused(one: Finding, why: Refusal) -> Finding:
         members=("unknown",),
         verdict="unknown",
         sentence=f"something is left that these recordings cannot name: {why.reason}",
-        looks_like=f"{CATALOGUE[one.effect].sentence}: {one.effect}{shape}",
+        looks_like=f"{_sentence(one)}: {one.effect}{shape}",
         decide_by=why.decide_by,
         checks=(*one.checks, f"not named: {why.reason}"),
     )

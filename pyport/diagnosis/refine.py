@@ -12,7 +12,7 @@ from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.edges import edges_of
 from pyport.diagnosis.evidence import Trial
 from pyport.diagnosis.view import FEWEST, View, plain_view
-from pyport.effects import CATALOGUE, Effect
+from pyport.effects import Effect, catalogue
 from pyport.effects.epochs import clock, epoch_step
 from pyport.stages import stage
 
@@ -88,7 +88,8 @@ def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
     """Return steps at the moments between two recordings that fit best, one in each stretch."""
     at = setup.recordings.at
     # With every row after the step its columns are those of the effect everywhere.
-    always = epoch_step(-1e15, CATALOGUE[effect.id], of_order=True)
+    whole = catalogue(at.mount)[effect.id]
+    always = epoch_step(-1e15, whole, of_order=True)
     columns = setup.stack.columns(always, at)[view.rows] * view.root[:, None]
     time = clock(at)[setup.stack.row][view.rows]
     order = np.argsort(time, kind="stable")
@@ -106,10 +107,7 @@ def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
     stretches = np.array_split(np.arange(len(there)), min(STRETCHES, len(there)))
     best = [int(there[one[np.argmax(gains[one])]]) for one in stretches]
     of_order = effect.changes_with == "order"
-    return [
-        epoch_step(float(time[n - 1] + time[n]) / 2, CATALOGUE[effect.id], of_order=of_order)
-        for n in best
-    ]
+    return [epoch_step(float(time[n - 1] + time[n]) / 2, whole, of_order=of_order) for n in best]
 
 
 def _from_the_end(values: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 from types import ModuleType
 
@@ -12,11 +13,12 @@ from pyport.effects.base import (
     MissingColumn,
     Site,
 )
+from pyport.mounts import ALTAZ, KINDS, Mount
 
 #: The families of effects, in the order of the way from the mount to the sky and back.
 FAMILIES: tuple[ModuleType, ...]
 
-#: Every effect of the catalogue by its id.
+#: Every effect that an alt-azimuth mount may have, by its id.
 CATALOGUE: dict[str, Effect]
 
 _FAMILIES = (
@@ -24,6 +26,7 @@ _FAMILIES = (
     "gravity",
     "encoders",
     "rail",
+    "polar",
     "site",
     "astrometry",
     "sources",
@@ -46,8 +49,23 @@ def __getattr__(name: str) -> object:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     families = tuple(importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES)
     globals()["FAMILIES"] = families
-    globals()["CATALOGUE"] = {one.id: one for family in families for one in family.EFFECTS}
+    globals()["CATALOGUE"] = catalogue(ALTAZ)
     return globals()[name]
+
+
+@functools.cache
+def catalogue(mount: Mount) -> dict[str, Effect]:
+    """Return every effect that a mount may have, in its words, by its id."""
+    from pyport.effects.on_mount import concerns, on
+
+    families = [importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES]
+    effects = [one for family in families for one in family.EFFECTS if concerns(one, mount)]
+    return {one.id: one for one in (on(each, mount) for each in effects)}
+
+
+def known(name: str) -> Effect | None:
+    """Return the effect of an id, in the words of whichever mount has it; None without one."""
+    return next((had[name] for mount in KINDS.values() if name in (had := catalogue(mount))), None)
 
 
 __all__ = [
@@ -58,4 +76,6 @@ __all__ = [
     "Effect",
     "MissingColumn",
     "Site",
+    "catalogue",
+    "known",
 ]

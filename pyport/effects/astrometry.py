@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import SKY, Basis, Circumstances, Coefficient, Effect, stack
 from pyport.effects.celestial import (
     TT_MINUS_UTC_DAYS,
     UNIX_EPOCH_JD,
@@ -79,6 +79,7 @@ def _nutation(variant: str) -> Effect:
         common="array",
         variant=variant,
         profile=lambda _: NUTATIONS,
+        acts_in=SKY,
         pattern="as nutation turns the sky",
         needs=_WHERE_AND_WHEN,
         formula=("the sky nodded by ERFA (IAU 2000B), across", "the same, along elevation"),
@@ -141,6 +142,7 @@ def _fixed(
         common="array",
         needs=needs,
         formula=formula,
+        acts_in=SKY,
         pattern=pattern,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, stack
 from pyport.effects.refraction import FORMULAE
 from pyport.effects.refraction import refraction as refraction_by_formula
 
@@ -57,6 +57,7 @@ def formula_of_refraction(name: str) -> Effect:
         common="array",
         member={"formula": name},
         make=_refraction,
+        acts_in=SKY,
         pattern="in elevation, growing toward the horizon",
     )
 
@@ -87,6 +88,7 @@ _COTANGENT = Effect(
     profile=_shapes,
     common="array",
     make=_refraction,
+    acts_in=SKY,
     pattern="in elevation, growing toward the horizon",
 )
 
@@ -99,6 +101,7 @@ EFFECTS = (
         (Coefficient("refraction_curvature"),),
         refraction_curvature,
         formula=("", "r3 cot^3 E"),
+        acts_in=SKY,
         pattern="in elevation, near the horizon alone",
         common="array",
     ),

@@ -2,19 +2,22 @@
 
 Signs and axes, everywhere inside the program: azimuth A from north through
 east, elevation E, cross-elevation offset x = dAz cos E, elevation offset
-y = dEl, both encoder minus true, radians.
+y = dEl, both encoder minus true, radians. On a mount with other axes x and y
+are along those: x the first axis' offset times the cosine of the second angle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.mounts import ALTAZ, Mount
 
 Index = NDArray[np.intp] | NDArray[np.bool_] | slice
 
@@ -30,6 +33,12 @@ SPELLED = {
     "scan_rate": "scan_rate_arcmin_per_min",
 }
 
+
+#: Where an effect acts: in the axes of the mount, or in azimuth and elevation on whatever mount.
+AXES, SKY = "axes", "sky"
+#: The column that says on which side of its pier a telescope is, and the side on which it has
+#: turned over.
+PIER_SIDE, OVER = "pier_side", "west"
 
 #: The driver of effects that go with the time of the day: the Sun, the hour, time itself.
 THE_HOUR = "the hour"
@@ -63,7 +72,8 @@ class Circumstances:
     `scan_direction` (+1, -1, 0 for unknown), `scan_rate` [rad/s, positive],
     `temperature_c`, ... and the labels `antenna`, `session`, `scan_axis`,
     `source`, ... as strings. Numbers that are not known are NaN, labels "".
-    Where the pointings are means over many, `fine` tells of what.
+    Where the pointings are means over many, `fine` tells of what. The axes of the `mount`, which
+    is of azimuth and elevation where nothing else is said, are those of the offsets.
     """
 
     az: Array
@@ -71,6 +81,8 @@ class Circumstances:
     site: Site | None = None
     columns: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     fine: Fine | None = None
+    mount: Mount = ALTAZ
+    sky: Circumstances | None = None
 
     def __len__(self) -> int:
         """Return n, the number of pointings."""
@@ -112,6 +124,41 @@ class Circumstances:
         if self.site is None or self.site.longitude is None:
             raise MissingColumn("longitude_deg")
         return self.site.longitude
+
+    @cached_property
+    def side(self) -> Array | float:
+        """Return -1 where the mount has turned over, +1 elsewhere, shape (n,)."""
+        if not self.mount.turns_over:
+            return 1.0
+        return np.where(self.column(PIER_SIDE) == OVER, -1.0, 1.0)
+
+    @cached_property
+    def axes(self) -> Circumstances:
+        """Return the same with the angles of the mount's axes for `az` and `el`.
+
+        `sky` is where it really points: these circumstances; None where they are one.
+        """
+        if self.mount is ALTAZ:
+            return self
+        over = np.equal(self.side, -1.0) if self.mount.turns_over else None
+        first, second = self.mount.angles(self.az, self.el, self._frame, over)
+        return replace(self, az=first, el=second, fine=None, mount=ALTAZ, sky=self)
+
+    @property
+    def _frame(self) -> float:
+        """Return the latitude [rad] that the mount's axes depend on; 0 where they do not."""
+        return self.latitude() if self.mount.needs_latitude else 0.0
+
+    def along_axes(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return offsets across and along elevation, shape (n, ...), as the mount's axes show them.
+
+        Both ways of pointing at a direction show them alike: see `side`.
+        """
+        if self.mount is ALTAZ:
+            return x, y
+        turn = self.mount.turn(self.az, self.el, self._frame)
+        both = np.einsum("abn,bn...->an...", turn, np.stack(np.broadcast_arrays(x, y)))
+        return both[0], both[1]
 
     def take(self, index: Index) -> Circumstances:
         """Return the pointings that a mask, slice or list of rows selects."""
@@ -225,6 +272,15 @@ class Effect:
     means
         What it is on some kinds of mounts, by the words of `mounts.MOUNTS`; `sentence` claims
         nothing that only some mounts have.
+    acts_in
+        `AXES`: the basis is given the angles of the mount's axes for azimuth and elevation, and
+        its offsets are along them. `SKY`: both are of azimuth and elevation on any mount. "" for
+        one that finds its way itself: it is given azimuth and elevation, its offsets are along
+        the mount's axes.
+    mounts
+        The models (`Mount.model`) of the mounts that have it; empty for all.
+    of
+        For an effect in the words of another mount its id on an alt-azimuth mount.
     belongs_to
         The label of what is wrong, such as `source`, where that is not the telescope: it must
         come back with the label from one night to another.
@@ -250,6 +306,9 @@ class Effect:
     pattern: str = ""
     means: Mapping[str, str] = field(default_factory=dict)
     belongs_to: str = ""
+    acts_in: str = ""
+    mounts: tuple[str, ...] = ()
+    of: str = ""
 
     @property
     def is_change(self) -> bool:
@@ -258,7 +317,9 @@ class Effect:
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""
-        return (self,) if self.profile is None else self.profile(at)
+        if self.profile is None:
+            return (self,)
+        return self.profile(at.axes if self.acts_in == AXES else at)
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return the basis (x, y), each (n, k), for these circumstances.
@@ -269,15 +330,25 @@ class Effect:
             The recordings lack something that the effect needs.
         """
         if at.fine is None:
-            return self.basis(at)
-        x, y = self.basis(at.fine.at)
+            return self._on_mount(at)
+        x, y = self._on_mount(at.fine.at)
         return at.fine.mean(x), at.fine.mean(y)
+
+    def _on_mount(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return the basis along the axes of the mount."""
+        if self.acts_in == SKY:
+            return at.along_axes(*self.basis(at))
+        if self.acts_in != AXES or at.mount is ALTAZ:
+            return self.basis(at)
+        x, y = self.basis(at.axes)
+        side = np.reshape(at.side, (-1, 1))
+        return x * side, y * side
 
     def missing(self, at: Circumstances) -> str | None:
         """Name the first column that these recordings lack for this effect, if any."""
         try:
             for one in self.variants(at):
-                one.basis(at)
+                one.columns(at)
         except MissingColumn as lack:
             return lack.column
         return None

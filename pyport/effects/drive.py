@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, stack
 from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
 #: What the rate of a scan along azimuth may be the rate of.
 _OF_AXIS, _ON_SKY = "rate of the axis", "rate on the sky"
+#: An axis that turns by less than this for a radian of the sky stands still.
+STILL = 1e-9
 _ALMA = "Mangum et al. 2006, PASP 118, 1257: backlash and servo errors of antenna drives"
 
 
@@ -47,6 +49,7 @@ def _timing(variant: str) -> Effect:
         common="session",
         variant=variant,
         profile=_timings,
+        acts_in=AXES,
         pattern="in opposite directions in forward and reverse scans, in proportion to their rate",
         needs=("scan_direction", "scan_rate_arcmin_per_min"),
         formula=("+-v tau cos E in scans along azimuth", "+-v tau in scans along elevation"),
@@ -63,24 +66,33 @@ def _timings(at: Circumstances) -> tuple[Effect, ...]:
     return of_axis, _timing(_ON_SKY)
 
 
+def _following(at: Circumstances) -> tuple[Array, Array]:
+    """Return the way of the mount's axes that follow the sky, on the sky, per radian of it.
+
+    An axis that the sky does not move stands still, whatever rounding says.
+    """
+    x, y = at.along_axes(*hour_angle_shift(at))
+    return np.where(np.abs(x) > STILL, x, 0.0), np.where(np.abs(y) > STILL, y, 0.0)
+
+
 def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:
     """Return b cos E sgn(dA/dt) across, for a telescope that follows the sky."""
-    return stack(at, (np.cos(at.el) * np.sign(hour_angle_shift(at)[0]), 0))
+    return stack(at, (np.cos(at.axes.el) * at.side * np.sign(_following(at)[0]), 0))
 
 
 def backlash_elevation(at: Circumstances) -> tuple[Array, Array]:
     """Return b sgn(dE/dt) along elevation, for a telescope that follows the sky."""
-    return stack(at, (0, np.sign(hour_angle_shift(at)[1])))
+    return stack(at, (0, np.sign(_following(at)[1])))
 
 
 def servo_lag_azimuth(at: Circumstances) -> tuple[Array, Array]:
     """Return tau dA/dt cos E across: the speed of the sky along azimuth."""
-    return stack(at, (SIDEREAL * hour_angle_shift(at)[0], 0))
+    return stack(at, (SIDEREAL * _following(at)[0], 0))
 
 
 def servo_lag_elevation(at: Circumstances) -> tuple[Array, Array]:
     """Return tau dE/dt along elevation: the speed of the sky along elevation."""
-    return stack(at, (0, SIDEREAL * hour_angle_shift(at)[1]))
+    return stack(at, (0, SIDEREAL * _following(at)[1]))
 
 
 EFFECTS = (
@@ -90,6 +102,7 @@ EFFECTS = (
         _GMRT,
         (Coefficient("scan_direction_az"), Coefficient("scan_direction_el")),
         scan_direction,
+        acts_in=AXES,
         pattern="in opposite directions in forward and reverse scans",
         needs=("scan_direction",),
         formula=("+-b in scans along azimuth", "+-b in scans along elevation"),

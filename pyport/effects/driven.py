@@ -9,6 +9,8 @@ import numpy as np
 
 from pyport.angles import DEG, Array
 from pyport.effects.base import (
+    AXES,
+    SKY,
     THE_HOUR,
     Basis,
     Circumstances,
@@ -135,6 +137,7 @@ def driven(term: str, driver: Driver) -> Effect:
         basis,
         variant=f"{term} follows {driver.name}",
         profile=_driven_terms,
+        acts_in=SKY if term == "sag_cosine" else AXES,
         pattern=f"{term.replace('_', ' ')} follows {driver.name}",
         needs=(_NEEDS,),
         formula=(

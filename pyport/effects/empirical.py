@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, stack
 
 
 def hour_angle_wave(at: Circumstances) -> tuple[Array, Array]:
@@ -22,6 +22,7 @@ EFFECTS = (
         (Coefficient("hour_angle_cosine"), Coefficient("hour_angle_sine")),
         hour_angle_wave,
         physical=False,
+        acts_in=SKY,
         needs=("hour_angle_h",),
         formula=("", "c cos H + s sin H"),
     ),

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.mounts import times
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 18 and 19"
@@ -60,6 +60,7 @@ def azimuth_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(azimuth_harmonics, at),
+        acts_in=AXES,
         pattern=f"{times(k)} per turn of azimuth, in azimuth alone",
         formula=("cos E (s sin kA + c cos kA), k >= 2", ""),
         parameter=k,
@@ -82,6 +83,7 @@ def elevation_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda at: _family(elevation_harmonics, at),
+        acts_in=AXES,
         pattern=f"{times(k)} per turn of azimuth, in elevation alone",
         means={
             "wheel-and-track": "the track, not level",
@@ -108,6 +110,7 @@ def elevation_encoder_harmonics(k: int) -> Effect:
         basis,
         variant=f"k = {k}",
         profile=lambda _: tuple(map(elevation_encoder_harmonics, HARMONICS)),
+        acts_in=AXES,
         pattern=f"{times(k)} per turn of elevation, in elevation alone",
         formula=("", "s sin kE + c cos kE, k >= 2"),
         parameter=k,
@@ -130,6 +133,7 @@ def _azimuth_scale(variant: str) -> Effect:
         basis,
         variant=variant,
         profile=_azimuth_scales,
+        acts_in=AXES,
         pattern="in proportion to azimuth, in azimuth alone",
         means={"cable-wrap": "the wrap that drags"},
         formula=("s A cos E, A unwrapped as the cable is", ""),
@@ -165,6 +169,7 @@ EFFECTS = (
         _GREVE,
         _wave("azimuth_eccentricity"),
         azimuth_eccentricity,
+        acts_in=AXES,
         pattern="once per turn of azimuth, in azimuth alone",
         formula=("cos E (s sin A + c cos A)", ""),
     ),
@@ -178,6 +183,7 @@ EFFECTS = (
         _WALLACE,
         (Coefficient("elevation_scale", "arcsec/deg", ARCSEC / DEG),),
         elevation_scale,
+        acts_in=AXES,
         pattern="in proportion to elevation, in elevation alone",
         formula=("", "s E"),
     ),

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import (
+    AXES,
+    SKY,
     THE_HOUR,
     Circumstances,
     Coefficient,
@@ -222,6 +224,7 @@ def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
         basis,
         variant=f"order {order}",
         profile=_drifts,
+        acts_in=AXES,
         pattern="slowly, with time",
         needs=("time_utc",),
         formula=("a polynomial in time", "another polynomial in time"),
@@ -250,6 +253,7 @@ _OFFSET: Effect = Effect(
     lambda at: _epoch_offsets(at)[0].basis(at),
     variant="constant per session",
     profile=_epoch_offsets,
+    acts_in=AXES,
     pattern="the zeros differ from one time to another",
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
@@ -264,6 +268,7 @@ _TILT: Effect = Effect(
     lambda at: _by_session(_TILT, at).basis(at),
     variant="constant per session",
     profile=lambda at: _from_session_on(_TILT, at),
+    acts_in=AXES,
     pattern="once per turn of azimuth, in both axes, from one session to another",
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
@@ -278,6 +283,7 @@ _SAG: Effect = Effect(
     lambda at: _by_session(_SAG, at).basis(at),
     variant="constant per session",
     profile=lambda at: _from_session_on(_SAG, at),
+    acts_in=SKY,
     pattern="with the cosine of elevation, in elevation, from one session to another",
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, stack
 
 _FIELD_SYSTEM = "Himwich, Mark IV Field System documentation, Pointing Model (1993)"
 
@@ -47,6 +47,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("azimuth_zero"),),
         azimuth_zero,
+        acts_in=AXES,
         pattern="a constant in azimuth",
         formula=("a cos E", ""),
     ),
@@ -56,6 +57,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("elevation_zero"),),
         elevation_zero,
+        acts_in=AXES,
         pattern="a constant in elevation",
         formula=("", "e"),
     ),
@@ -65,6 +67,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("collimation"),),
         collimation,
+        acts_in=AXES,
         pattern="a constant across the sky, the same at all elevations",
         means={"receiver-boxes": "a box beside its place"},
         formula=("b", ""),
@@ -75,6 +78,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("skew"),),
         skew,
+        acts_in=AXES,
         pattern="in cross-elevation, growing with the sine of elevation",
         formula=("c sin E", ""),
     ),
@@ -84,6 +88,7 @@ EFFECTS = (
         _FIELD_SYSTEM,
         (Coefficient("tilt_north"), Coefficient("tilt_east")),
         tilt,
+        acts_in=AXES,
         pattern="once per turn of azimuth, in both axes",
         formula=("n sin E sin A - e sin E cos A", "n cos A + e sin A"),
     ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, stack
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 17 and 19"
 
@@ -28,6 +28,7 @@ EFFECTS = (
         (Coefficient("sag_cosine"),),
         sag_cosine,
         formula=("", "g cos E"),
+        acts_in=SKY,
         pattern="in elevation, with the cosine of elevation",
     ),
     Effect(
@@ -37,6 +38,7 @@ EFFECTS = (
         (Coefficient("sag_sine"),),
         sag_sine,
         formula=("", "h sin E"),
+        acts_in=SKY,
         pattern="in elevation, with the sine of elevation",
     ),
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects.atmosphere import cotangent
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, MissingColumn, stack
 
 #: Radius of the Earth, and height of the thin shell that stands for the ionosphere [km].
 EARTH_KM, SHELL_KM = 6371.0, 400.0
@@ -50,6 +50,7 @@ EFFECTS = (
         "Mangum & Wallace 2015, PASP 127, 74; vapour pressure: Buck 1981",
         (Coefficient("wet_refraction", "arcsec/hPa"),),
         wet_refraction,
+        acts_in=SKY,
         pattern="in elevation, growing toward the horizon and with the vapour in the air",
         common="array",
         needs=("humidity_pct", "temperature_c"),
@@ -62,6 +63,7 @@ EFFECTS = (
         "Thompson, Moran & Swenson 2017, Interferometry and Synthesis, ch. 14",
         (Coefficient("ionosphere_at_1_ghz"),),
         ionosphere,
+        acts_in=SKY,
         pattern="in elevation, growing toward the horizon and with the wavelength squared",
         common="array",
         needs=("frequency_mhz",),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, stack
 from pyport.effects.encoders import HARMONICS, need_azimuths
 from pyport.effects.mounts import times
 
@@ -43,6 +43,8 @@ def azimuth_track(k: int) -> Effect:
         parameter=k,
         member={"k": k},
         make=azimuth_track,
+        acts_in=AXES,
+        mounts=("altaz",),
         pattern=f"{times(k)} per turn of azimuth, in both axes",
         means={
             "wheel-and-track": "the track, not level or not round",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import (
+    AXES,
     Basis,
     Circumstances,
     Coefficient,
@@ -120,6 +121,7 @@ def _receiver_offset(
         basis,
         variant="by receiver" if split is None else split.name,
         profile=_receiver_offsets,
+        acts_in=AXES,
         pattern=f"a constant {'by receiver' if split is None else split.name}, in both axes",
         means={"receiver-boxes": "a box beside its place"},
         needs=("receiver or frequency_mhz",),
@@ -156,6 +158,7 @@ def _beam_squint(
         basis,
         variant="by polarisation" if split is None else split.name,
         profile=_beam_squints,
+        acts_in=AXES,
         pattern=(
             f"opposite offsets {'by polarisation' if split is None else split.name}, in both axes"
         ),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, RADIANS_PER, Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.celestial import hour_angle_shift
 
 _TPOINT = "Wallace, TPOINT Telescope Pointing Analysis System, terms NRX and NRY"
@@ -57,6 +57,8 @@ def nasmyth(sense: int) -> Effect:
         lambda at: _circle(at, sense * at.el),
         variant="platform on the right" if sense > 0 else "platform on the left",
         profile=lambda _: (nasmyth(1), nasmyth(-1)),
+        acts_in=AXES,
+        mounts=("altaz",),
         pattern="a circle in both axes that turns with elevation",
         means={"nasmyth": "a receiver or camera off the elevation axis, on its platform"},
         formula=("b cos E -+ c sin E", "+-b sin E + c cos E, the sign by the side of the platform"),
@@ -71,8 +73,11 @@ def _circle(at: Circumstances, angle: Array) -> tuple[Array, Array]:
 
 
 def parallactic_angle(at: Circumstances) -> Array:
-    """Return the parallactic angle [rad], positive west of the meridian."""
-    across, along = hour_angle_shift(at)
+    """Return how the sky turns beside the mount's second axis [rad], positive west of the meridian.
+
+    On an alt-azimuth mount the parallactic angle; on an equatorial one the sky does not turn.
+    """
+    across, along = at.along_axes(*hour_angle_shift(at))
     return np.arctan2(-along, across)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import SKY, Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 from pyport.effects.orientation import ut1_minus_utc
 
@@ -52,6 +52,7 @@ def _clock(variant: str) -> Effect:
         common="array",
         variant=variant,
         profile=_clocks,
+        acts_in=SKY,
         pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
@@ -79,6 +80,8 @@ EFFECTS = (
         _SMART,
         (Coefficient("latitude_error"),),
         site_latitude,
+        acts_in=SKY,
+        mounts=("altaz", "xy"),
         pattern="as a lean toward north or south, in both axes",
         formula=("d sin E sin A", "d cos A"),
     ),
@@ -88,6 +91,7 @@ EFFECTS = (
         _SMART,
         (Coefficient("longitude_error"),),
         site_longitude,
+        acts_in=SKY,
         pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.effects.astrometry import parallactic
-from pyport.effects.base import Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import SKY, Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.celestial import hour_angle
 
 #: A source tells its position when it was seen at so many hour angles, this far apart. [rad]
@@ -42,6 +42,7 @@ def _source_position(
         common="array",
         variant=variant,
         profile=_source_positions,
+        acts_in=SKY,
         pattern=f"an offset of {variant} on the sky",
         belongs_to="source",
         needs=("source", "latitude_deg"),
@@ -123,6 +124,7 @@ EFFECTS = (
         "Smart, Textbook on Spherical Astronomy, ch. IX: geocentric parallax",
         (Coefficient("horizontal_parallax"),),
         parallax,
+        acts_in=SKY,
         pattern="in elevation, with the cosine of elevation, for near targets",
         common="array",
         formula=("", "-HP cos E"),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, MissingColumn, stack
 
 Edge = Callable[[Array], Array]
 
@@ -59,6 +59,7 @@ def subreflector_jump(
         basis,
         variant=name,
         profile=_edges_tried,
+        acts_in=SKY,
         pattern="a step in elevation at a curve in the sky",
         means={"secondary": "a loose secondary mirror"},
         formula=("", "j above a curve in the sky"),

@@ -8,6 +8,8 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects.base import (
+    AXES,
+    SKY,
     THE_HOUR,
     Circumstances,
     Coefficient,
@@ -69,6 +71,7 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
         basis,
         variant=f"{heating}{late}",
         profile=_thermal_tilts,
+        acts_in=SKY,
         pattern="a lean away from the Sun",
         needs=("sun_az_deg or time_utc with latitude_deg and longitude_deg",),
         formula=("t sin E sin(A - A0)", "t cos(A - A0), A0 = A_sun + 180 deg"),
@@ -119,6 +122,7 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         basis,
         variant=through,
         profile=_temperatures,
+        acts_in=AXES,
         pattern="in proportion to the air temperature",
         needs=("temperature_c",),
         formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
@@ -149,6 +153,7 @@ EFFECTS = (
         _WIND,
         (Coefficient("wind_tilt_at_10_m_s"),),
         wind_tilt,
+        acts_in=SKY,
         pattern="a lean downwind that grows as the square of the wind",
         needs=("wind_speed_m_s", "wind_az_deg"),
         formula=("t v^2 sin E sin(A - A0)", "t v^2 cos(A - A0), A0 away from where the wind blows"),

@@ -99,7 +99,7 @@ def fit(
     BadInput
         There are fewer measured offsets than coefficients.
     """
-    recordings = with_nights(recordings)
+    recordings, model = with_nights(recordings), model.on(recordings.at.mount)
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)

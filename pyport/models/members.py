@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+from pyport.effects import Circumstances, Effect, MissingColumn, known
 from pyport.effects.base import Basis, stack
 from pyport.effects.fields import UNKNOWN, field
 from pyport.errors import BadInput
@@ -51,7 +51,7 @@ def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
         return rt32_parameter(int(told["rt32"]))
     if identity == UNKNOWN:
         return field(**told)
-    effect = CATALOGUE.get(identity)
+    effect = known(identity)
     if effect is None:
         raise BadInput(f"no effect is called {identity!r}")
     if not told:
@@ -71,6 +71,7 @@ def apart(effect: Effect) -> list[Effect]:
             coefficients=(coefficient,),
             basis=_column(effect, n),
             profile=None,
+            acts_in="",
             member={**effect.member, "coefficient": n},
         )
         for n, coefficient in enumerate(effect.coefficients)
@@ -102,9 +103,9 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
     if column is not None:
         whole = frozen(_whole(effect.id, told), at)
         return apart(whole)[column]
-    known = CATALOGUE.get(effect.id)
-    if known is not None and known.profile is not None and not {"word", "rt32"} & set(told):
-        for one in _members(known, at):
+    family = known(effect.id)
+    if family is not None and family.profile is not None and not {"word", "rt32"} & set(told):
+        for one in _members(family, at):
             if one.member and _same(one, effect, at):
                 return one
     if not _same(effect_of(effect.id, effect.member), effect, at):

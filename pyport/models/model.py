@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER, Array
-from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect, MissingColumn, Site
+from pyport.effects import (
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    Site,
+    catalogue,
+    known,
+)
 from pyport.errors import BadInput
 from pyport.files import is_file
+from pyport.mounts import ALTAZ, KINDS, Mount
 
 if TYPE_CHECKING:
     from pyport.models.completed import Completed
@@ -118,6 +128,8 @@ class Model:
     told
         What another program's file says beside the terms: of its own fit `stars` and
         `sky_rms_arcsec`; `title`, `comments`, `number_and_date`.
+    mount
+        Whose axes it is of.
     """
 
     name: str
@@ -127,6 +139,7 @@ class Model:
     site: Site | None = None
     completed: Completed | None = field(default=None, compare=False, repr=False)
     told: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    mount: Mount = ALTAZ
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
         """Return the terms to fit: all that are not fixed, or those of them whose id is named."""
@@ -135,6 +148,26 @@ class Model:
             for term in self.terms
             if not term.fixed and (refit is None or term.effect.id in refit)
         ]
+
+    def on(self, mount: Mount) -> Model:
+        """Return the model in the words of a mount: the classical terms are those of its axes.
+
+        Raises
+        ------
+        BadInput
+            It is of another mount.
+        """
+        if mount is ALTAZ and self.mount is ALTAZ:
+            return self
+        from pyport.effects.on_mount import concerns, on
+
+        for term in self.terms:
+            if self.given is not None or not concerns(term.effect, mount):
+                wrong = f"the model's term {term.effect.id} is none of {mount.sentence}"
+                raise BadInput(f"{wrong}: expected a model such as {mount.model}")
+        terms = tuple(replace(term, effect=on(term.effect, mount)) for term in self.terms)
+        name = mount.model if self.name in CLASSICAL else self.name
+        return replace(self, name=name, terms=terms, mount=mount)
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
         """Return the offsets that the model predicts before any fit [rad].
@@ -146,6 +179,8 @@ class Model:
         """
         if at.site is None and self.site is not None:
             at = replace(at, site=self.site)
+        if at.mount is ALTAZ and self.mount is not ALTAZ:
+            at = replace(at, mount=self.mount)
         x, y = np.zeros(len(at)), np.zeros(len(at))
         if self.given is not None and at.fine is None:
             x, y = self.given(at)
@@ -159,10 +194,17 @@ class Model:
 
 
 def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:
-    return Model(name, tuple(Term(CATALOGUE[one], per) for one in ids.split()))
+    effects = catalogue(ALTAZ)
+    return Model(name, tuple(Term(effects[one], per) for one in ids.split()))
 
 
-ALTAZ = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
+CLASSICAL_TERMS = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
+#: The built-in models of the classical terms, and the mount that each is of.
+CLASSICAL = {mount.model: mount for mount in reversed(KINDS.values())}
+
+
+def _classical(name: str) -> Model:
+    return _linear(name, CLASSICAL_TERMS, PER_ANTENNA).on(CLASSICAL[name])
 
 
 def _rt32(name: str, *, exact: bool) -> Model:
@@ -205,7 +247,7 @@ def rt32_parameter(number: int) -> Effect:
 
 
 BUILT_IN: dict[str, Callable[[], Model]] = {
-    "altaz": lambda: _linear("altaz", ALTAZ, PER_ANTENNA),
+    **{name: partial(_classical, name) for name in CLASSICAL},
     "gmrt-paper": lambda: _linear("gmrt-paper", "elevation_zero hour_angle_wave", PER_ANTENNA_DAY),
     "none": lambda: Model("none", ()),
     "rt32-3model": lambda: _rt32("rt32-3model", exact=True),
@@ -252,7 +294,7 @@ def _from_toml(path: Path) -> Model:
 
 
 def _term(row: dict[str, Any], path: Path) -> Term:
-    effect = CATALOGUE.get(str(row.get("effect")))
+    effect = known(str(row.get("effect")))
     if effect is None:
         raise BadInput(f"no effect is called {row.get('effect')!r}", path)
     per = row.get("per", PER_ANTENNA)

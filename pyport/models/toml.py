@@ -17,6 +17,7 @@ from pyport.files import write_whole
 from pyport.models.completed import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, Model, Term, rt32_values
+from pyport.mounts import ALTAZ, KINDS
 from pyport.recordings.formats.csv import read_text
 
 SCHEMA = "pyport.model/1"
@@ -45,6 +46,8 @@ def tree(model: Model) -> dict[str, Any]:
         whole["given"] = model.base
     if model.site is not None:
         whole["site"] = _site(model.site)
+    if model.mount is not ALTAZ:
+        whole["mount"] = model.mount.id
     whole["made"] = {key: value for key, value in completed.made.items() if value is not None}
     whole["term"] = [_term(term, rows) for term in model.terms]
     if completed.findings:
@@ -210,6 +213,7 @@ def _model(content: Mapping[str, Any], path: Path) -> Model:
             _square(content.get("covariance", {}).get("lower_triangle"), len(values)),
             tuple(content.get("finding", ())),
         ),
+        mount=KINDS[content.get("mount", ALTAZ.id)],
     )
 
 

@@ -91,6 +91,7 @@ def look(
         Suggest the recorded sources at other hour angles, not just directions.
     """
     antenna, antennas = _busiest(recordings)
+    model = model.on(recordings.at.mount)
     own = recordings.take(recordings.label("antenna").astype(str) == antenna)
     noise = None if noise_arcsec is None else noise_arcsec * ARCSEC
     made = thinned(own, model, noise)

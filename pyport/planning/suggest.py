@@ -251,7 +251,7 @@ def ahead_of(recordings: Recordings, az: Array, el: Array) -> Circumstances:
             columns[name] = np.full(len(az), usual)
     if at.site is not None:
         columns["hour_angle"], columns["dec"] = sky.equator(az, el, at.site.latitude)
-    return Circumstances(az, el, at.site, columns)
+    return Circumstances(az, el, at.site, columns, mount=at.mount)
 
 
 def directions(lowest_deg: float, highest_deg: float) -> Targets:

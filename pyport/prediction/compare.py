@@ -102,8 +102,9 @@ def compare(
         There are several antennas, or too few readings for a model.
     """
     night, nights = Night.of(recordings), [Night.of(one) for one in others]
-    first = Refitted(night, model)
-    others_of = [Refitted(night, one) for one in rivals]
+    mount = recordings.at.mount
+    first = Refitted(night, model.on(mount))
+    others_of = [Refitted(night, one.on(mount)) for one in rivals]
     for each in (first, *others_of):
         if len(night.stack) * KEPT < each.terms + 1:
             raise BadInput(

@@ -48,7 +48,7 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
         * DEG
     )
     az, el = (one.ravel() for one in np.meshgrid(np.arange(0, 360, AZIMUTH_DEG) * DEG, heights))
-    at = Circumstances(az, el, recordings.at.site)
+    at = Circumstances(az, el, recordings.at.site, mount=recordings.at.mount)
     given = model.offsets(at)
     try:
         columns = [term.effect.columns(at) for term in model.fitted()]

@@ -78,7 +78,7 @@ def _elsewhere(recordings: Recordings, rng: np.random.Generator) -> Recordings:
         np.zeros(FRESH) if np.isfinite(one).any() else nothing
         for one in (recordings.x, recordings.y)
     )
-    at = Circumstances(az, el, recordings.at.site)
+    at = Circumstances(az, el, recordings.at.site, mount=recordings.at.mount)
     return replace(
         recordings, at=at, x=x, y=y, sigma_x=nothing, sigma_y=nothing, line=np.arange(FRESH)
     )

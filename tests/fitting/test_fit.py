@@ -10,7 +10,7 @@ from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit
 from pyport.models import model as models
-from pyport.models.model import ALTAZ
+from pyport.models.model import CLASSICAL_TERMS
 from pyport.recordings.schema import Recordings
 
 TRUTH = np.array([30.0, -55, 21, -13, 8, -5, 44]) * ARCSEC
@@ -20,7 +20,7 @@ def simulated(n, noise_arcsec, seed):
     """Return recordings of the classical seven terms with white noise."""
     rng = np.random.default_rng(seed)
     at = Circumstances(rng.uniform(0, 2 * np.pi, n), rng.uniform(0.2, 1.4, n))
-    parts = [CATALOGUE[name].columns(at) for name in ALTAZ.split()]
+    parts = [CATALOGUE[name].columns(at) for name in CLASSICAL_TERMS.split()]
     x, y = (np.concatenate(axis, axis=1) @ TRUTH for axis in zip(*parts, strict=True))
     x, y = (one + noise_arcsec * ARCSEC * rng.normal(size=n) for one in (x, y))
     nothing = np.full(n, np.nan)

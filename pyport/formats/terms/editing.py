@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pyport.angles import RADIANS_PER
-from pyport.effects import CATALOGUE, Effect
+from pyport.effects import Effect, catalogue, known
 from pyport.errors import BadInput
 from pyport.formats.terms import field_system, tpoint
 from pyport.formats.terms.alike import ratio, seen
 from pyport.formats.terms.words import Word
 from pyport.models.members import apart
 from pyport.models.model import Model, Term
+from pyport.mounts import KINDS
 from pyport.recordings.columns import LABELS
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
@@ -130,11 +131,11 @@ def named(name: str) -> list[Term]:
     word = word_of(name)
     if word is not None:
         return [Term(word.effect())]
-    if name in CATALOGUE:
-        if not CATALOGUE[name].coefficients:
+    if (effect := known(name)) is not None:
+        if not effect.coefficients:
             raise BadInput(f"{name} has coefficients of which only recordings tell the number")
-        return _apart(Term(CATALOGUE[name]))
-    for effect in CATALOGUE.values():
+        return _apart(Term(effect))
+    for effect in (one for mount in KINDS.values() for one in catalogue(mount).values()):
         names = [coefficient.name for coefficient in effect.coefficients]
         if name in names:
             return [_apart(Term(effect))[names.index(name)]]

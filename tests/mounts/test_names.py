@@ -1,0 +1,60 @@
+"""Effects in the words of a mount: complete, and without those of another."""
+
+import re
+
+import pytest
+from effects.cases import AT
+
+from pyport.effects import CATALOGUE, catalogue, known
+from pyport.effects.base import SKY
+from pyport.errors import BadInput
+from pyport.models.model import load
+from pyport.mounts import KINDS
+
+OTHERS = [one for one in KINDS.values() if one.id != "altaz"]
+FOREIGN = re.compile(r"azimuth|elevation|xel|\btilt_(north|east)|\bcos E|\bsin A")
+
+
+@pytest.mark.parametrize("mount", OTHERS, ids=lambda one: one.id)
+def test_no_words_of_another_mount(mount):
+    """What acts about the axes is told by their names: ids, sentences, patterns, coefficients."""
+    for effect in catalogue(mount).values():
+        if effect.acts_in == SKY or effect.mounts != (mount.model,) or not effect.of:
+            continue
+        said = [effect.id, effect.sentence, effect.pattern, *effect.formula]
+        said += [one.name for one in effect.coefficients]
+
+        assert not FOREIGN.search(" | ".join(said)), effect.id
+
+
+@pytest.mark.parametrize("mount", OTHERS, ids=lambda one: one.id)
+def test_families_keep_the_words(mount):
+    """Members that are tried, and those that a file tells, speak as the family does."""
+    for effect in catalogue(mount).values():
+        if effect.of and effect.missing(AT) is None:
+            for one in effect.variants(AT):
+                assert one.id == effect.id
+                assert one.acts_in == SKY or one.of == effect.of
+                if effect.make is not None and one.member:
+                    assert effect.make(**one.member).id == effect.id
+
+
+def test_every_id_is_known_once():
+    """An id means one effect, whatever the mount; those of alt-azimuth mounts come first."""
+    for mount in KINDS.values():
+        for name, effect in catalogue(mount).items():
+            assert (known(name).of or name) == (effect.of or effect.id)
+    assert known("tilt") is CATALOGUE["tilt"]
+    assert known("no such effect") is None
+
+
+def test_the_classical_model_of_each_mount():
+    """`altaz` on another mount is that mount's model; a model of another mount is refused."""
+    for mount in OTHERS:
+        ids = [term.effect.id for term in load("altaz").on(mount).terms]
+        assert ids == [term.effect.id for term in load(mount.model).terms]
+
+    with pytest.raises(BadInput, match="hour_angle_zero is none of an alt-azimuth mount"):
+        load("equatorial").on(KINDS["altaz"])
+    with pytest.raises(BadInput, match="expected a model such as equatorial"):
+        load("rt32-exact").on(KINDS["german"])
