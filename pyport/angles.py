@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+#: For each row the number of its group.
+Codes = NDArray[np.intp]
 
 DEG = math.pi / 180
 ARCMIN = DEG / 60

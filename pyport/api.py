@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from astropy.units import Quantity
     from matplotlib.figure import Figure
 
+    from pyport.correction.use import PointingModel
     from pyport.diagnosis import diagnose as steps
     from pyport.diagnosis.finding import Finding
     from pyport.fitting import fit as fitting
     from pyport.models.completed import Value
     from pyport.models.model import Model
-    from pyport.models.use import PointingModel
     from pyport.page.picture import Picture
     from pyport.page.story import Story
     from pyport.planning.look import Look as Found
@@ -134,8 +134,8 @@ class Diagnosis(Shown):
     @cached_property
     def model(self) -> PointingModel:
         """Return the model completed by everything that was found."""
+        from pyport.correction.use import PointingModel
         from pyport.diagnosis.completed import completed
-        from pyport.models.use import PointingModel
 
         return PointingModel(completed(self.result))
 
@@ -202,8 +202,8 @@ class Fit(Shown):
     @cached_property
     def model(self) -> PointingModel:
         """Return the fitted model, ready to be asked, saved or fitted again."""
+        from pyport.correction.use import PointingModel
         from pyport.fitting.completed import completed
-        from pyport.models.use import PointingModel
 
         return PointingModel(completed(self.result))
 
@@ -290,7 +290,7 @@ def diagnose(
         The table, the model or `refit` cannot be used; the message says why.
     """
     from pyport.diagnosis.diagnose import diagnose
-    from pyport.diagnosis.run import ids_of
+    from pyport.pipeline import ids_of
 
     known = _model(model)
     names = refit if isinstance(refit, str) else ",".join(refit) or "none"
@@ -331,7 +331,7 @@ def fit(
         The table, the model or a name cannot be used, or there are too few recordings.
     """
     from pyport.fitting.fit import WEIGHTS, fit
-    from pyport.formats.terms.editing import edited
+    from pyport.models.terms.editing import edited
 
     if weights not in WEIGHTS:
         raise BadInput(f"weights are {weights!r}, expected {' or '.join(map(repr, WEIGHTS))}")
@@ -392,14 +392,15 @@ def load_model(model: str | Path | Model) -> PointingModel:
     BadInput
         There is no such model, or it has no coefficients.
     """
-    from pyport.models.use import PointingModel
+    from pyport.correction.use import PointingModel
 
     return PointingModel(_model(model))
 
 
 def _model(model: str | Path | Model | PointingModel) -> Model:
-    from pyport.models.model import Model, load
-    from pyport.models.use import PointingModel
+    from pyport.correction.use import PointingModel
+    from pyport.formats.models import load
+    from pyport.models.model import Model
 
     if isinstance(model, PointingModel):
         return model.model

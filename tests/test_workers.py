@@ -16,7 +16,7 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
-from pyport.diagnosis import run as diagnoses
+from pyport import pipeline as diagnoses
 from pyport.errors import BadInput
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.seal import seal

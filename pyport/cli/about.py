@@ -27,7 +27,7 @@ def _columns(
     if given is None:
         return (), {}
     if "=" in given or given.endswith(".toml"):
-        from pyport.formats.mapped import parse
+        from pyport.recordings.formats.mapped import parse
 
         return (), parse(given)
     return tuple(name.strip() for name in given.split(",")), {}

@@ -11,7 +11,7 @@ from pyport.cli.about import about_file
 from pyport.cli.manners import in_json, models, say
 
 if TYPE_CHECKING:
-    from pyport.models.apply import Applied
+    from pyport.correction.apply import Applied
     from pyport.recordings.given import Given
 
 
@@ -48,9 +48,9 @@ def command(
     model follows is a column, or one value for all: --set temperature_c=8.
     """
     from pyport.api import load_model
-    from pyport.formats import tables
-    from pyport.models.apply import applied, with_conditions
+    from pyport.correction.apply import applied, with_conditions
     from pyport.recordings.files import read_raw, resolve
+    from pyport.recordings.formats import registry as tables
 
     raw = read_raw(resolve(targets), given)
     raw = with_conditions(raw, given.keys)

@@ -59,10 +59,10 @@ def command(
     or the zenith by more than the scatter of the data.
     """
     from pyport.api import load_model
-    from pyport.models.compare import compare
-    from pyport.models.compared import as_json as for_programs
-    from pyport.models.compared import picture as draw
-    from pyport.models.compared import text
+    from pyport.correction.compare import compare
+    from pyport.correction.compared import as_json as for_programs
+    from pyport.correction.compared import picture as draw
+    from pyport.correction.compared import text
     from pyport.models.conditions import columns_of
     from pyport.models.conditions import known as is_condition
     from pyport.recordings import read

@@ -30,8 +30,7 @@ RECORDINGS = (
 @in_json
 def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, the steering table, a diagnosis of real recordings."""
-    from pyport import legacy, steering
-    from pyport.diagnosis import run
+    from pyport import legacy, pipeline, steering
     from pyport.parity.run import summary
     from pyport.progress import working
 
@@ -56,9 +55,9 @@ def command(out: Path, *, as_json: bool) -> None:
             "\n3. What did the paper's model leave out of the GMRT's recordings?", bold=True
         )
     )
-    wanted = run.requests(RECORDINGS, model="gmrt-paper", refit="all", seed=0, out=out)
+    wanted = pipeline.requests(RECORDINGS, model="gmrt-paper", refit="all", seed=0, out=out)
     reports = []
-    for done in run.run_all(wanted):
+    for done in pipeline.run_all(wanted):
         reports.append(json.loads(done.report))
         tell("\n" + done.summary)
     tell(f"\nReports, rows and pictures: {out}/gmrt-*/ (open report.html in a browser)")

@@ -83,7 +83,7 @@ def command(
     files is a data set of any size: it is gone through in pieces, all of its rows
     go into normal points.
     """
-    from pyport.diagnosis import run
+    from pyport import pipeline
     from pyport.recordings.antennas import read_survey
 
     if out is None and save is None:
@@ -91,11 +91,11 @@ def command(
     if save is not None and len(recordings) + (each is not None) > 1:
         raise click.UsageError("--save keeps one model: give one file of recordings")
     survey = None if antennas is None else read_survey(antennas)
-    names = recordings if each is None else run.apart(recordings, each)
-    requests = run.requests(
+    names = recordings if each is None else pipeline.apart(recordings, each)
+    requests = pipeline.requests(
         names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey, save=save
     )
-    for done in run.run_all(requests, jobs=jobs, cluster=cluster):
+    for done in pipeline.run_all(requests, jobs=jobs, cluster=cluster):
         if as_json:
             click.echo(done.report)
         elif not quiet:

@@ -105,8 +105,8 @@ def command(
     from pyport.fitting.completed import completed
     from pyport.fitting.fit import fit
     from pyport.formats.completed import write_model
-    from pyport.formats.terms.editing import edited
-    from pyport.models.model import load
+    from pyport.formats.models import load
+    from pyport.models.terms.editing import edited
     from pyport.page.of_fit import of_fit
     from pyport.progress import working
     from pyport.recordings import read

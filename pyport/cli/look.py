@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 def _proposed(name: str, given: Given) -> dict[str, str]:
     """Return a map of columns for a table that is none of the contract; empty for one that is."""
     from pyport.files import is_file
-    from pyport.formats import mapped, tables
     from pyport.recordings.columns import angle_of
+    from pyport.recordings.formats import mapped
+    from pyport.recordings.formats import registry as tables
 
     path = Path(name)
     known = path.suffix.lower() in tables.BY_SUFFIX and path.suffix.lower() != ".csv"
@@ -109,13 +110,13 @@ def command(
     from each other, and which not; and what to observe next to distinguish those.
     """
     from pyport.files import write_whole
-    from pyport.formats import mapped
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text
     from pyport.progress import working
     from pyport.recordings import read
+    from pyport.recordings.formats import mapped
 
     if save_columns is not None and given.mapping:
         mapped.save(given.mapping, save_columns)

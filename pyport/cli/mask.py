@@ -44,8 +44,8 @@ def command(
     """
     from dataclasses import replace
 
-    from pyport.formats import tables
     from pyport.recordings import masks
+    from pyport.recordings.formats import registry as tables
 
     if sum(map(bool, (lines, outliers, given.where, undo))) > 1:
         raise click.UsageError("take one of --lines, --outliers, --where and --undo")
@@ -88,7 +88,7 @@ def _chosen(raw: Raw, lines: str, outliers: str, given: Given) -> tuple[int, ...
         import numpy as np
 
         from pyport.fitting.fit import fit
-        from pyport.models.model import load
+        from pyport.formats.models import load
 
         done = fit(interpret(masks.masked(raw)), load(outliers))
         rows = np.unique(done.stack.row[~done.noise.used])

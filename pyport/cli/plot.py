@@ -76,7 +76,7 @@ def command(
     Axes bear their units; colours can be distinguished by every eye, also in grey.
     """
     from pyport import page, plots
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.progress import track, working
     from pyport.recordings import read
 

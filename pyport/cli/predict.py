@@ -75,7 +75,7 @@ def command(
     picked automatically, held and picked anew: what that costs is what picking costs.
     """
     from pyport.files import write_whole
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.prediction import rehearsal, words
     from pyport.prediction.compare import compare
     from pyport.progress import working

@@ -140,7 +140,8 @@ def _columns(conditions: tuple[str, ...]) -> dict[str, object]:
 
 def _twice(model: str, refraction: str) -> list[str]:
     """Return a warning where a model and the table both hold refraction."""
-    from pyport.models.model import BUILT_IN, load
+    from pyport.formats.models import load
+    from pyport.models.model import BUILT_IN
 
     if refraction == "none" or model in BUILT_IN:
         return []

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.least_squares.stacking import Codes
+from pyport.angles import Codes
 
 
 @dataclass(frozen=True)

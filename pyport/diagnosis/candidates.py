@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.finding import Interval
 from pyport.effects import Circumstances, Effect, MissingColumn
 from pyport.effects import catalogue as effects_of
-from pyport.least_squares.stacking import Codes, Stack
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis import shapes
 from pyport.diagnosis.blocks import Blocks
@@ -18,7 +18,6 @@ from pyport.diagnosis.evidence import Evidence
 from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part
 from pyport.least_squares.refit import Refit
-from pyport.least_squares.stacking import Codes, Stack, group, stack, term_columns
 from pyport.models.model import Model, Term
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
@@ -27,6 +26,7 @@ from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
 from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, group, stack, term_columns
 from pyport.stages import stage
 
 DRAWS = 300

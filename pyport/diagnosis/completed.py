@@ -11,9 +11,9 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import sigmas
 from pyport.effects.fields import UNKNOWN
-from pyport.least_squares.stacking import group
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term
+from pyport.recordings.stacking import group
 
 
 def completed(diagnosis: Diagnosis) -> Model:

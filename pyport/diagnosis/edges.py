@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.view import FEWEST, View
 from pyport.effects import Effect
 from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
-from pyport.least_squares.stacking import Codes
 
 #: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]
 _FIRST = np.array([4, 4, 4, 2, 2]) * DEG

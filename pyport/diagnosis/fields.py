@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import at_best
@@ -22,7 +22,6 @@ from pyport.diagnosis.field_families import Field, families
 from pyport.diagnosis.finding import Interval
 from pyport.effects.fields import field as as_effect
 from pyport.least_squares.gram import inverted
-from pyport.least_squares.stacking import Codes
 from pyport.stages import stage
 
 #: A bump that fewer readings feel is left out.

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.least_squares.gram import Gram, Part, Solution
-from pyport.least_squares.stacking import Codes
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 

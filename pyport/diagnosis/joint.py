@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.fitting import sizes
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.least_squares.gram import Solution
-from pyport.least_squares.stacking import Codes
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Setup
 from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
 from pyport.diagnosis.identify import TIE, fits_physics
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.steps import Step
 from pyport.least_squares.gram import inverse_of
-from pyport.least_squares.stacking import Codes
 from pyport.stages import stage
 
 DRAWS = 40

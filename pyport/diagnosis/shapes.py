@@ -16,8 +16,8 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.finding import Interval
 from pyport.effects.base import Circumstances, Coefficient, Effect
-from pyport.least_squares.stacking import Stack
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 #: Order of the curve that is laid through a column.
 ORDER = 4

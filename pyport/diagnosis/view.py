@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.least_squares.stacking import Codes
 
 #: Fewer readings than this on either side of a step or an edge decide nothing.
 FEWEST = 8

@@ -11,13 +11,13 @@ from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.fitting.two_axes import Difference, from_products
 from pyport.least_squares.gram import inverted
-from pyport.least_squares.stacking import Stack, group, stack, term_columns
 from pyport.models.model import Model, Term
 from pyport.noise.covariance import Covariance
 from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame
 from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, group, stack, term_columns
 from pyport.threads import one_thread
 
 #: How readings count: by the noise that is estimated with the fit, or all alike.

@@ -14,11 +14,11 @@ from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.model_file import KEPT, NAMES, WORDS, Entry, ModelFile, rounded, translated
 from pyport.formats.rest import Rest, rest_of, sky
-from pyport.formats.terms.alike import shape_of
-from pyport.formats.terms.words import SCALES
 from pyport.formats.waves import Waves, waves
 from pyport.models import toml
 from pyport.models.model import Model
+from pyport.models.terms.alike import shape_of
+from pyport.models.terms.words import SCALES
 
 #: Decimals that a value is written with, by its unit: 0.4 microarcsec in degrees.
 _DECIMALS = {"arcsec": 4, "deg": 10, "": 9}

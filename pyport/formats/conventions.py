@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from pyport.effects import CATALOGUE
 from pyport.formats.model_file import NAMES, WORDS
-from pyport.formats.terms import field_system, ska_mid, tpoint
-from pyport.formats.terms.shapes import PRODUCT, Shape
+from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms.shapes import PRODUCT, Shape
 
 #: Vocabularies in the order of the columns, and what heads them.
 COLUMNS = {

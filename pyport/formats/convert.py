@@ -9,12 +9,13 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.files import is_file
-from pyport.formats import models, tables, toml_model
+from pyport.formats import models, toml_model
 from pyport.formats.completed import write_model
 from pyport.formats.field_system import err
 from pyport.formats.model_file import translated, without_counterpart
-from pyport.models.model import load as load_model
+from pyport.formats.models import load as load_model
 from pyport.recordings.files import read_raw
+from pyport.recordings.formats import registry as tables
 from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside

@@ -10,10 +10,10 @@ from xml.sax.saxutils import escape
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.field_system.ctl import FITTED, OFF, entries, numbered
-from pyport.formats.lines import Line
 from pyport.formats.model_file import ModelFile
-from pyport.formats.terms.field_system import NUMBER
+from pyport.models.terms.field_system import NUMBER
 from pyport.recordings.formats.csv import read_text
+from pyport.recordings.formats.lines import Line
 
 _SPACE = "urn:schemas-cosylab-com:PointingModel:1.0"
 

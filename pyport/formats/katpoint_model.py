@@ -13,13 +13,11 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats.lines import Line, lines_of
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.formats.terms.field_system import KATPOINT_NUMBER as NUMBER
-from pyport.formats.terms.field_system import RATIOS
-
-#: Where an antenna's description has its pointing model.
-MODEL_FIELD = 6
+from pyport.models.terms.field_system import KATPOINT_NUMBER as NUMBER
+from pyport.models.terms.field_system import RATIOS
+from pyport.recordings.formats.katpoint_csv import MODEL_FIELD, angle
+from pyport.recordings.formats.lines import Line, lines_of
 
 _VALUE = r"[-+]?(?:\d+:\d+:\d+(?:\.\d*)?|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)"
 _DESCRIPTION = re.compile(rf"{_VALUE}(?:(?:\s*,\s*|\s+){_VALUE})*")
@@ -79,17 +77,6 @@ def entries(line: Line, values: dict[int, str]) -> list[Entry]:
 
 def _values(text: str) -> list[str]:
     return [part.strip() for part in text.split(",")] if "," in text else text.split()
-
-
-def angle(line: Line, text: str) -> Decimal:
-    """Return D:M:S, or plain degrees, in arcseconds, digit for digit."""
-    parts = text.split(":")
-    if len(parts) not in {1, 3}:
-        raise line.error(f"the angle is {text[:40]!r}, expected D:M:S or degrees")
-    numbers = [line.decimal(part, "the angle") for part in parts]
-    whole = [*map(abs, numbers), Decimal(0), Decimal(0)]
-    arcsec = whole[0] * 3600 + whole[1] * 60 + whole[2]
-    return -arcsec if text.strip().startswith("-") else arcsec
 
 
 def _configuration(lines: list[Line], path: Path) -> ModelFile:

@@ -9,10 +9,11 @@ from functools import partial
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.formats.terms import field_system, ska_mid, tpoint
-from pyport.formats.terms.shapes import Shape
-from pyport.formats.terms.words import SCALES, Word
+from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
+from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms.shapes import Shape
+from pyport.models.terms.words import SCALES, Word
 
 #: How many decimals a number gets in another unit. Degrees with ten are told exactly by
 #: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.
@@ -32,10 +33,6 @@ NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
     "ska-mid": ska_mid.name_of,
 }
-
-
-#: What a file says beside its terms that a fitted model is written with again.
-KEPT = ("comments", "number_and_date")
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ from pyport.errors import BadInput
 from pyport.files import is_file
 from pyport.formats import discos, katpoint_model, ska_mid, toml_model, tpoint_mod
 from pyport.formats.field_system import ctl
-from pyport.formats.lines import Line
 from pyport.formats.model_file import ModelFile
-from pyport.models.model import Model
+from pyport.models import toml
+from pyport.models.model import BUILT_IN, Model
+from pyport.recordings.formats.lines import Line
 
 
 @dataclass(frozen=True)
@@ -43,22 +44,28 @@ FORMATS = {
 BY_SUFFIX = {suffix: one for one in FORMATS.values() for suffix in one.suffixes}
 
 
-def load(name: str) -> Model | None:
-    """Return the model that a file of another program, or a description string, holds.
+def load(name: str) -> Model:
+    """Return a built-in model, one from a file, or from a katpoint description.
 
-    None where it is neither; `FILE#RECEIVER` picks one of several.
+    Files are TOML; TPOINT's .mod, the Field System's .ctl and .err, katpoint's, SKA-Mid's .json and
+    DISCOS's .xml, of which `FILE#RECEIVER` picks one.
 
     Raises
     ------
     BadInput
-        The file is of such a format, and wrong.
+        There is no such model or file, or the file does not describe a model.
     """
+    if name in BUILT_IN:
+        return BUILT_IN[name]()
     if katpoint_model.is_description(name):
         line = Line(Path("katpoint description"), 1, name)
         return katpoint_model.describe(line).model("katpoint description")
     path, _ = split(name)
-    if not is_file(path) or (path.suffix.lower() == ".toml" and not toml_model.names_terms(path)):
-        return None
+    if not is_file(path):
+        known = ", ".join(sorted(BUILT_IN))
+        raise BadInput(f"no model and no file is called {name!r}; built in are {known}")
+    if path.suffix.lower() == ".toml" and not toml_model.names_terms(path):
+        return toml.model_of(path)
     return read(name).model(path.stem)
 
 

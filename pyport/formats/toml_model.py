@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import WORDS, Entry, ModelFile
-from pyport.formats.terms.words import SCALES
+from pyport.models.terms.words import SCALES
 from pyport.recordings.formats.csv import read_text
 
 #: Keys of the value and its sigma in a unit.

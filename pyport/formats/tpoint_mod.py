@@ -11,9 +11,9 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats.lines import Line, lines_of, padded
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.formats.terms import tpoint
+from pyport.models.terms import tpoint
+from pyport.recordings.formats.lines import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
 STATISTICS = ("stars", "sky_rms_arcsec", "refraction_a_arcsec", "refraction_b_arcsec")

@@ -10,8 +10,8 @@ import numpy as np
 from pyport.angles import ARCSEC, Array
 from pyport.effects import Circumstances, MissingColumn
 from pyport.formats.model_file import NAMES, WORDS
-from pyport.formats.terms.shapes import Shape, Wave, product
 from pyport.models.model import Term
+from pyport.models.terms.shapes import Shape, Wave, product
 
 #: What waves may miss of the fields, in rms of what the model left of its recordings. The rms
 #: that the file leaves is then larger by a twelfth at most: sqrt(1 + 0.4^2) = 1.077.

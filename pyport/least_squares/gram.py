@@ -15,9 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.least_squares.slabs import Slab, slabs
-from pyport.least_squares.stacking import Codes
 
 #: Directions with less than this share of a column's length count as fitted already.
 RANK_TOLERANCE = 1e-9

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import Array
-from pyport.least_squares.stacking import Codes
+from pyport.angles import Array, Codes
 
 #: A row whose length is below this share of its block's longest holds rounding and no more.
 EMPTY = 1e-9

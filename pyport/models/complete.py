@@ -13,14 +13,15 @@ from pyport import __version__
 from pyport.angles import ARCSEC, Array
 from pyport.errors import BadInput
 from pyport.files import sha256
-from pyport.formats.model_file import KEPT
-from pyport.least_squares.stacking import Stack
 from pyport.models.completed import Completed, Value
 from pyport.models.members import frozen
 from pyport.models.model import Model, Term, rt32_values
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 Labels = tuple[str, ...]
+#: What a file says beside its terms that a fitted model is written with again.
+KEPT = ("comments", "number_and_date")
 
 
 @dataclass(frozen=True)

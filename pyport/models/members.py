@@ -42,7 +42,7 @@ def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
 
 def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
     if "word" in told:
-        from pyport.formats.terms.words import Word
+        from pyport.models.terms.words import Word
 
         return Word.of_member(told).effect()
     if "rt32" in told:

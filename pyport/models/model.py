@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import RADIANS_PER, Array
+from pyport.angles import Array
 from pyport.effects import (
     Circumstances,
     Coefficient,
@@ -19,10 +18,8 @@ from pyport.effects import (
     MissingColumn,
     Site,
     catalogue,
-    known,
 )
 from pyport.errors import BadInput
-from pyport.files import is_file
 from pyport.mounts import ALTAZ, KINDS, Mount
 
 if TYPE_CHECKING:
@@ -254,70 +251,3 @@ BUILT_IN: dict[str, Callable[[], Model]] = {
     "rt32-exact": lambda: _rt32("rt32-exact", exact=True),
     "rt32-approximate": lambda: _rt32("rt32-approximate", exact=False),
 }
-
-
-def load(name: str) -> Model:
-    """Return a built-in model, or read one from a file.
-
-    TOML here; TPOINT's .mod, the Field System's .ctl and .err, katpoint's descriptions, SKA-Mid's
-    .json and DISCOS's .xml by `pyport.formats`.
-
-    Raises
-    ------
-    BadInput
-        There is no such model or file, or the file does not describe a model.
-    """
-    if name in BUILT_IN:
-        return BUILT_IN[name]()
-    from pyport.formats import models
-
-    if (foreign := models.load(name)) is not None:
-        return foreign
-    path = Path(name)
-    if not is_file(path):
-        known = ", ".join(sorted(BUILT_IN))
-        raise BadInput(f"no model and no file is called {name!r}; built in are {known}")
-    return _from_toml(path)
-
-
-def _from_toml(path: Path) -> Model:
-    """Read a completed model, or `[[term]]` tables: an effect, `per`, value_UNIT for each."""
-    from pyport.models import toml
-
-    text = toml.load(path)
-    if toml.is_completed(text):
-        return toml.read(text, path)
-    rows = text.get("term")
-    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
-        raise BadInput("no [[term]] table: a model lists its effects, one table each", path)
-    return Model(str(text.get("name", path.stem)), tuple(_term(row, path) for row in rows))
-
-
-def _term(row: dict[str, Any], path: Path) -> Term:
-    effect = known(str(row.get("effect")))
-    if effect is None:
-        raise BadInput(f"no effect is called {row.get('effect')!r}", path)
-    per = row.get("per", PER_ANTENNA)
-    if not isinstance(per, list | tuple) or not all(isinstance(one, str) for one in per):
-        raise BadInput(f"{effect.id} has per = {per!r}, expected a list of labels", path)
-    given = {key: value for key, value in row.items() if key.startswith("value")}
-    if len(given) > 1:
-        raise BadInput(f"{effect.id} has more than one value: {', '.join(given)}", path)
-    values = None
-    for key, value in given.items():
-        unit = key.removeprefix("value_")
-        numbers = value if isinstance(value, list) else [value]
-        fits = len(numbers) == len(effect.coefficients) and all(map(_is_number, numbers))
-        if unit not in RADIANS_PER or not fits:
-            raise BadInput(
-                f"{effect.id} expects value_UNIT with {len(effect.coefficients)} number(s)"
-                f" and one of the units {', '.join(RADIANS_PER)}",
-                path,
-            )
-        values = tuple(float(number) * RADIANS_PER[unit] for number in numbers)
-    return Term(effect, tuple(per), values)
-
-
-def _is_number(value: object) -> bool:
-    """Tell whether a value of a TOML file is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e99

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,15 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from pyport.angles import DEG, Array
-from pyport.effects import Site
+from pyport.angles import DEG, RADIANS_PER, Array
+from pyport.effects import Site, known
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.models.completed import Completed, Value
 from pyport.models.members import effect_of
-from pyport.models.model import BUILT_IN, Model, Term, rt32_values
+from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
 from pyport.mounts import ALTAZ, KINDS
 from pyport.recordings.formats.csv import read_text
+from pyport.toml_text import spelled
 
 SCHEMA = "pyport.model/1"
 #: A covariance of more coefficients is left out: 500 make a triangle of a megabyte.
@@ -121,49 +121,6 @@ def write(model: Model, path: Path) -> None:
     text = spelled(tree(model))
     with write_whole(path) as file:
         file.write(text)
-
-
-def spelled(whole: Mapping[str, Any]) -> str:
-    """Return tables as TOML, coefficients and rows of matrices one a line."""
-    lines = [f"{key} = {_value(one)}" for key, one in whole.items() if not _is_table(one)]
-    for key, one in whole.items():
-        if isinstance(one, Mapping):
-            lines += ["", f"[{key}]", *_pairs(one)]
-        elif _is_table(one):
-            for row in one:
-                lines += ["", f"[[{key}]]", *_pairs(row)]
-    return "\n".join(lines) + "\n"
-
-
-def _is_table(value: Any) -> bool:  # noqa: ANN401 - what TOML holds
-    rows = isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
-    return isinstance(value, Mapping) or rows
-
-
-def _pairs(table: Mapping[str, Any]) -> list[str]:
-    return [f"{_key(key)} = {_value(one, spread=True)}" for key, one in table.items()]
-
-
-def _key(key: str) -> str:
-    bare = key.replace("_", "").replace("-", "")
-    return key if bare.isascii() and bare.isalnum() else _text(key)
-
-
-def _text(text: str) -> str:
-    # JSON leaves DEL as it is, which TOML does not allow
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _value(value: Any, *, spread: bool = False) -> str:  # noqa: ANN401 - what TOML holds
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        if spread and value and isinstance(value[0], Mapping | list | tuple):
-            return "[\n" + "".join(f"  {_value(one)},\n" for one in value) + "]"
-        return "[" + ", ".join(map(_value, value)) + "]"
-    if isinstance(value, str):
-        return _text(value)
-    return json.dumps(value)  # numbers, true and false are spelled alike in both
 
 
 def is_completed(content: Mapping[str, Any]) -> bool:
@@ -311,3 +268,50 @@ def load(path: Path) -> dict[str, Any]:
         raise
     except (ValueError, RecursionError) as error:
         raise BadInput(f"not a TOML file: {error}", path) from None
+
+
+def model_of(path: Path) -> Model:
+    """Read a completed model, or `[[term]]` tables: an effect, `per`, value_UNIT for each.
+
+    Raises
+    ------
+    BadInput
+        The file does not describe a model.
+    """
+    text = load(path)
+    if is_completed(text):
+        return read(text, path)
+    rows = text.get("term")
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
+        raise BadInput("no [[term]] table: a model lists its effects, one table each", path)
+    return Model(str(text.get("name", path.stem)), tuple(_listed(row, path) for row in rows))
+
+
+def _listed(row: dict[str, Any], path: Path) -> Term:
+    effect = known(str(row.get("effect")))
+    if effect is None:
+        raise BadInput(f"no effect is called {row.get('effect')!r}", path)
+    per = row.get("per", PER_ANTENNA)
+    if not isinstance(per, list | tuple) or not all(isinstance(one, str) for one in per):
+        raise BadInput(f"{effect.id} has per = {per!r}, expected a list of labels", path)
+    given = {key: value for key, value in row.items() if key.startswith("value")}
+    if len(given) > 1:
+        raise BadInput(f"{effect.id} has more than one value: {', '.join(given)}", path)
+    values = None
+    for key, value in given.items():
+        unit = key.removeprefix("value_")
+        numbers = value if isinstance(value, list) else [value]
+        fits = len(numbers) == len(effect.coefficients) and all(map(_is_number, numbers))
+        if unit not in RADIANS_PER or not fits:
+            raise BadInput(
+                f"{effect.id} expects value_UNIT with {len(effect.coefficients)} number(s)"
+                f" and one of the units {', '.join(RADIANS_PER)}",
+                path,
+            )
+        values = tuple(float(number) * RADIANS_PER[unit] for number in numbers)
+    return Term(effect, tuple(per), values)
+
+
+def _is_number(value: object) -> bool:
+    """Tell whether a value of a TOML file is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e99

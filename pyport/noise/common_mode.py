@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.least_squares.pivoting import most_different
-from pyport.least_squares.stacking import Codes
 
 #: Antennas that must have recorded a scan for it to tell of the common mode.
 ENOUGH_ANTENNAS = 4

@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
-from pyport.least_squares.stacking import Codes
+from pyport.angles import Array, Codes
 from pyport.noise.whitening import Noise, Series, by_pointing, factor, whiten_series
 
 #: Readings of less robust weight than this are outliers: kept in the list, left out of the rms.

@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
 from pyport.effects.astrometry import parallactic
 from pyport.effects.base import MissingColumn
-from pyport.least_squares.stacking import Codes, Stack, group
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, group
 
 #: Sessions, or sources, from which on a scatter among them can be estimated.
 FEWEST_LABELS = 3

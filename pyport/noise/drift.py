@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.least_squares import robust
-from pyport.least_squares.stacking import Codes
 from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
 
 #: Fewer pointings than this in one antenna and axis tell nothing of a drift.

@@ -14,12 +14,12 @@ import numpy as np
 from pyport.angles import Array
 from pyport.least_squares import robust
 from pyport.least_squares.pivoting import most_different
-from pyport.least_squares.stacking import Stack
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
 from pyport.noise.drift import beside, draft, grid_of
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 #: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them, in the
 #: first round; then the tails are estimated.

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, HOUR, Array
-from pyport.least_squares.stacking import Codes, group
+from pyport.angles import DEG, HOUR, Array, Codes
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import group
 
 #: No telescope makes two pointings within a second, at nearly the same place.
 SAME_S, SAME_PLACE = 1.0, 0.02 * DEG

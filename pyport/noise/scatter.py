@@ -16,8 +16,8 @@ import numpy as np
 from scipy.special import gammaln
 
 from pyport.angles import Array
-from pyport.least_squares.stacking import Stack, group
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, group
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.
 DEGREES = np.array([2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, np.inf])

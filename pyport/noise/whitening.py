@@ -14,10 +14,10 @@ from functools import cached_property
 
 import numpy as np
 
-from pyport.angles import Array
-from pyport.least_squares.stacking import Codes, Stack, group
+from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, group
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3

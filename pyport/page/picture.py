@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pyport.angles import ARCMIN, ARCSEC, Array
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
-from pyport.least_squares.stacking import Stack
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 #: From this rms on residuals are told in arcmin.
 COARSE = 150 * ARCSEC

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.least_squares import robust
-from pyport.least_squares.stacking import Stack, stack, term_columns
 from pyport.models.model import Model
 from pyport.prediction import picked, shrunk, waves
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, stack, term_columns
 
 Rows = NDArray[np.bool_]
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
-from pyport.least_squares.stacking import Codes
 from pyport.prediction.contenders import Contender, Night, Rows, solved
 
 #: Parts that pointings are dealt to, and that elevation and azimuth are cut into.

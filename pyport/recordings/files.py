@@ -104,7 +104,7 @@ def read_raw(path: Path, given: Given = NOTHING) -> Raw:
     BadInput
         The suffix names no format, or the file is not of it.
     """
-    from pyport.formats import tables
+    from pyport.recordings.formats import registry as tables
 
     raw = tables.read(path, given.format, given.columns, given.mapping)
     try:
@@ -127,6 +127,6 @@ def write(recordings: Recordings, path: str | Path) -> None:
     BadInput
         The suffix names no format.
     """
-    from pyport.formats import tables
+    from pyport.recordings.formats import registry as tables
 
     tables.write(tabulate(recordings), Path(path))

@@ -17,7 +17,7 @@ class Given:
     columns
         Names of the columns of a CSV file without a line of names.
     mapping
-        The contract's columns by what this file calls them: see `pyport.formats.mapped`.
+        The contract's columns by what this file calls them: see `pyport.recordings.formats.mapped`.
     format
         The file's format, where its suffix does not tell it.
     where

@@ -101,7 +101,7 @@ def base_of(model: str) -> str:
     """Return the model of the RT32 that a model is or completes, "" for any other."""
     if model in _RT32:
         return model
-    from pyport.models import model as models
+    from pyport.formats import models
 
     return models.load(model).base
 
@@ -222,7 +222,7 @@ def _any_offsets(
 ) -> tuple[Array, Array]:
     """Return the offsets [deg] of any model of the program that has coefficients."""
     from pyport.effects import Circumstances
-    from pyport.models import model as models
+    from pyport.formats import models
 
     loaded = models.load(model)
     if loaded.given is None and not any(term.has_values for term in loaded.terms):

@@ -84,7 +84,7 @@ def peak_mb() -> float:
 def read(root: Path) -> dict[str, float]:
     """Diagnose a data set: two passes over its rows, the search over its normal points."""
     from pyport.diagnosis.diagnose import diagnose as run
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.recordings import read as reduce
 
     begin, worked = time.perf_counter(), time.process_time()
@@ -131,7 +131,7 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
     from pyport.diagnosis.diagnose import diagnose as run
     from pyport.examiner.sealed.files import write_recordings
     from pyport.examiner.worlds.kinds import make_case
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.recordings import read as read_file
 
     with tempfile.TemporaryDirectory() as folder:

@@ -11,7 +11,7 @@ from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.stages import stage, timed
 

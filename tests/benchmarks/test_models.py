@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE
 from pyport.effects.structure import curved_jump
-from pyport.models.model import Term, load
-from pyport.models.use import PointingModel
+from pyport.formats.models import load
+from pyport.models.model import Term
 
 DIRECTIONS = 1_000_000
 ONE, MANY = "one direction of a model", "a million directions of a model"

@@ -11,7 +11,7 @@ from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.enough import SCATTER
 from pyport.diagnosis.summary import summary
-from pyport.models.model import load
+from pyport.formats.models import load
 
 sys.path.insert(0, str(Path(__file__).parent))
 from made import recordings

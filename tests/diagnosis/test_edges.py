@@ -11,7 +11,7 @@ from pyport.diagnosis.edge_paths import CLIMB, _good, _log_likely, _path
 from pyport.diagnosis.edges import _path as cheapest
 from pyport.diagnosis.edges import sky_of
 from pyport.effects.structure import FreeEdge
-from pyport.models.model import load
+from pyport.formats.models import load
 
 sys.path.insert(0, str(Path(__file__).parent))
 from made import recordings

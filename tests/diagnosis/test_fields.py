@@ -12,7 +12,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.fields import Ground, region
-from pyport.models.model import load
+from pyport.formats.models import load
 
 sys.path.insert(0, str(Path(__file__).parent))
 from made import recordings

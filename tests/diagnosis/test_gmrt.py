@@ -5,7 +5,7 @@ import pytest
 
 from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read, resolve
 
 

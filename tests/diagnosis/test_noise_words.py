@@ -18,8 +18,8 @@ from pyport.diagnosis.summary import summary
 from pyport.fitting.fit import fit
 from pyport.fitting.sizes import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text
-from pyport.least_squares.stacking import Stack
-from pyport.models.model import load
+from pyport.formats.models import load
+from pyport.recordings.stacking import Stack
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 
 sys.path.insert(0, str(Path(__file__).parent))
 from made import recordings

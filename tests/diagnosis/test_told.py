@@ -15,7 +15,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.finding import Parameter, beyond
 from pyport.diagnosis.scene import centred
 from pyport.diagnosis.summary import summary
-from pyport.models.model import load
+from pyport.formats.models import load
 
 
 @pytest.mark.parametrize(

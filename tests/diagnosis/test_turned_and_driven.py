@@ -8,7 +8,7 @@ import pytest
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import CATALOGUE, Circumstances, Site
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings.schema import Recordings
 
 

@@ -8,7 +8,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.fitting import advice
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 
 
 def _eccentric(at):

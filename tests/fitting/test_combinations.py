@@ -14,7 +14,7 @@ from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import HIDDEN, INFLATED, combinations, of_fit, visible_shares
 from pyport.fitting.fit import fit
 from pyport.fitting.table import as_json, text
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 
 

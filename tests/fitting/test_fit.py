@@ -9,7 +9,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit
-from pyport.models import model as models
+from pyport.formats import models
 from pyport.models.model import CLASSICAL_TERMS
 from pyport.recordings.schema import Recordings
 

@@ -17,8 +17,8 @@ from pyport.fitting.completed import completed
 from pyport.fitting.fit import fit
 from pyport.formats import models
 from pyport.formats.completed import write_model
-from pyport.formats.terms.editing import edited, named
-from pyport.models.model import load
+from pyport.formats.models import load
+from pyport.models.terms.editing import edited, named
 from pyport.recordings import read
 
 #: Truth of the recordings [arcsec].

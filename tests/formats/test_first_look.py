@@ -6,7 +6,7 @@ from samples import sample
 
 from pyport.angles import ARCSEC, DEG
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.recordings.given import Given
 

@@ -11,7 +11,7 @@ from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats import katpoint_model, models
 from pyport.formats.convert import convert
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 
 GOLDEN = json.loads((Path(__file__).parent / "katpoint_golden.json").read_text())["models"]

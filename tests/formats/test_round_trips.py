@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from samples import sample
 
 from pyport.errors import BadInput
-from pyport.formats import models, tables
+from pyport.formats import models
 from pyport.formats.convert import convert, table_of
+from pyport.recordings.formats import registry as tables
 from pyport.recordings.given import Given
 
 DATS = [

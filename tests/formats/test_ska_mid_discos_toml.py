@@ -8,8 +8,8 @@ import pytest
 from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.convert import convert
-from pyport.formats.terms.ska_mid import UNITS
-from pyport.models.model import load
+from pyport.formats.models import load
+from pyport.models.terms.ska_mid import UNITS
 
 
 def coefficients(**values):

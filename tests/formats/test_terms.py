@@ -12,8 +12,8 @@ from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.model_file import NAMES, WORDS, Entry, ModelFile, in_unit, translated
-from pyport.formats.terms import field_system, ska_mid, tpoint
-from pyport.formats.terms.shapes import Wave
+from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms.shapes import Wave
 
 AT = Circumstances(np.linspace(-3, 4, 60), 0.1 + np.linspace(0, 1.3, 60))
 

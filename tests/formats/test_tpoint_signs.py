@@ -10,7 +10,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.examiner.worlds.mount import Mount, Wave, axes, readings
 from pyport.formats import tpoint_mod
-from pyport.formats.terms import field_system, tpoint
+from pyport.models.terms import field_system, tpoint
 from pyport.recordings import read
 
 AZ, EL = (one.ravel() for one in np.meshgrid(np.linspace(-3, 3, 9), np.linspace(0.2, 1.3, 7)))

@@ -10,8 +10,8 @@ import pyport
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.model_file import Entry, ModelFile, translated
-from pyport.formats.terms import tpoint
-from pyport.formats.terms.editing import named
+from pyport.models.terms import tpoint
+from pyport.models.terms.editing import named
 from pyport.recordings import read
 
 TERMS = ["IA", "IE", "CA", "AN", "AW", "TF", "TX"]

@@ -14,7 +14,7 @@ import pyport
 from pyport.angles import ARCSEC, DEG
 from pyport.cli import pyport as program
 from pyport.effects import Circumstances
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import write
 from pyport.steering import read_table
 

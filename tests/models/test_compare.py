@@ -12,12 +12,12 @@ from click.testing import CliRunner
 import pyport
 from pyport.angles import ARCSEC
 from pyport.cli import pyport as program
+from pyport.correction.compare import compare
+from pyport.correction.compared import text
+from pyport.correction.use import PointingModel
 from pyport.errors import BadInput
-from pyport.formats.terms.editing import named
-from pyport.models.compare import compare
-from pyport.models.compared import text
 from pyport.models.model import Model, Term
-from pyport.models.use import PointingModel
+from pyport.models.terms.editing import named
 from pyport.recordings import write
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))

@@ -20,9 +20,10 @@ from pyport.fitting.completed import completed as completed_fit
 from pyport.fitting.fit import fit
 from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
-from pyport.formats.terms.editing import edited
+from pyport.formats.models import load
 from pyport.models import toml
-from pyport.models.model import Model, Term, load
+from pyport.models.model import Model, Term
+from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
 

@@ -14,7 +14,7 @@ from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
-from pyport.models.toml import spelled
+from pyport.toml_text import spelled
 
 FIELD = {"axes": [0], "which": [0], "directions": [[1.0]], "family": "a", "variant": "b"}
 CASES = [*mechanics.CASES, *heavens.CASES]

@@ -6,7 +6,7 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
-from pyport.models import model as models
+from pyport.formats import models
 
 
 def test_the_classical_model_has_seven_coefficients():
@@ -53,7 +53,7 @@ def test_a_bad_model_file_is_named_with_what_is_wrong(tmp_path, text, wrong):
 
 def test_an_unknown_model_lists_the_known_ones():
     """A mistyped name is answered with what there is."""
-    with pytest.raises(BadInput, match="altaz, gmrt-paper, none, rt32-3model"):
+    with pytest.raises(BadInput, match="altaz, equatorial, gmrt-paper, none, rt32-3model"):
         models.load("altazz")
 
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from pyport import pipeline as run
 from pyport.angles import ARCSEC, DEG
 from pyport.cli import pyport
-from pyport.diagnosis import run
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
 from pyport.errors import BadInput
+from pyport.formats.models import load
 from pyport.models import toml
-from pyport.models.model import load
 from pyport.recordings import read, write
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))

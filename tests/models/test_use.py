@@ -15,14 +15,15 @@ from astropy.utils import iers
 
 import pyport
 from pyport.angles import ARCSEC, DEG
+from pyport.correction.kernel import kernel
+from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.effects.epochs import epoch_step
 from pyport.effects.rail import azimuth_track
 from pyport.effects.structure import FreeEdge, curved_jump, jump_above
 from pyport.errors import BadInput
-from pyport.models.kernel import kernel
-from pyport.models.model import Model, Term, load
-from pyport.models.use import PointingModel
+from pyport.formats.models import load
+from pyport.models.model import Model, Term
 from pyport.pointing import exact_offsets, printed
 from pyport.pointing.one import exact_one
 

@@ -8,7 +8,7 @@ from effects.cases import AT
 from pyport.effects import CATALOGUE, catalogue, known
 from pyport.effects.base import SKY
 from pyport.errors import BadInput
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.mounts import KINDS
 
 OTHERS = [one for one in KINDS.values() if one.id != "altaz"]

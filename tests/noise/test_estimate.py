@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from pyport.effects import Circumstances
-from pyport.least_squares.stacking import stack
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, series
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import stack
 
 
 def recordings(n, readings, y, session=None):

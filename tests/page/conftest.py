@@ -12,7 +12,7 @@ from pages import HOSTILE, recordings
 
 from pyport import page
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 

@@ -8,7 +8,7 @@ from pages import recordings
 
 from pyport import page
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 
 pytestmark = pytest.mark.browser
 

@@ -15,7 +15,7 @@ from pages import HOSTILE, recordings
 
 from pyport import page
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.page import pack
 from pyport.page.against import _azimuth, columns
 from pyport.page.clock import MOST_STRETCHES, stretches

@@ -16,7 +16,7 @@ from pages import recordings
 
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.look import command
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.planning import look
 from pyport.planning.coverage import cells, coverage, separation
 from pyport.planning.design import design

@@ -14,7 +14,7 @@ from pages import recordings
 from pyport import page, plots
 from pyport.cli.plot import command
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.plots.style import AFTER, BEFORE, nice
 
 

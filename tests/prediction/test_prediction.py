@@ -14,7 +14,8 @@ from pyport.angles import ARCSEC, DEG
 from pyport.cli.predict import command
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
-from pyport.models.model import Term, load
+from pyport.formats.models import load
+from pyport.models.model import Term
 from pyport.prediction import left_out, picked, rehearsal, shrunk, waves, words
 from pyport.prediction.compare import compare
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted

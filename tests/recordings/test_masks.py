@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from pyport.cli.mask import command
 from pyport.errors import BadInput
-from pyport.formats import tables
 from pyport.recordings import masks, read
+from pyport.recordings.formats import registry as tables
 
 TEXT = "az_deg,el_deg,d_el_deg,set_aside\n" + "".join(
     f"{n},{10 * n},{0.1 if n < 8 else 3},{'rain' if n == 3 else ''}\n" for n in range(1, 9)

@@ -15,8 +15,8 @@ from samples import sample
 import pyport
 from pyport.cli import pyport as program
 from pyport.errors import BadInput
-from pyport.formats import mapped
 from pyport.recordings import read
+from pyport.recordings.formats import mapped
 from pyport.recordings.from_table import from_table
 from pyport.recordings.given import Given
 

@@ -16,7 +16,7 @@ from pyport.examiner.sealed.places import place
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.formats.convert import convert
 from pyport.formats.field_system import agreement
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import masks, read
 from pyport.recordings.antennas import read_survey
 from pyport.recordings.formats import csv
@@ -138,10 +138,11 @@ def _modules(names: Iterable[str]) -> tuple[str, ...]:
 def readers() -> dict[str, Reader]:
     """Return all readers by name."""
     raw = ("recordings.interpret", "recordings.raw", "recordings.columns")
-    lines = ("formats.lines",)
-    field_system = ("formats.field_system.xtr", "formats.field_system.sections", *lines)
+    lines = ("recordings.formats.lines",)
+    field_system = ("recordings.formats.xtr", "recordings.formats.sections", *lines)
     terms = ("formats.model_file", *lines)
-    katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "formats.katpoint_csv"
+    katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "recordings.formats.katpoint_csv"
+    tpoint_dat = "recordings.formats.tpoint_dat"
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
     scans = ("recordings.scans.measure", "recordings.scans.beam")
@@ -151,7 +152,13 @@ def readers() -> dict[str, Reader]:
         ("ecsv", ".ecsv", (ECSV,), recordings, ("recordings.formats.tables", *raw)),
         ("parquet", ".parquet", (parquet(),), recordings, ("recordings.formats.tables", *raw)),
         ("data-set", ".parquet", (parquet(seeds.PLAIN), parquet()), data_set, streams),
-        ("tpoint-dat", ".dat", (seeds.DAT,), recordings, ("formats.tpoint_dat", *lines, *raw)),
+        (
+            "tpoint-dat",
+            ".dat",
+            (seeds.DAT,),
+            recordings,
+            (tpoint_dat, *lines, *raw),
+        ),
         ("fs-xtr", ".xtr", (seeds.XTR,), recordings, (*field_system, *raw)),
         ("fs-err", ".err", (seeds.fit(),), recordings, (*field_system, *raw)),
         ("katpoint-csv", ".csv", (seeds.KATPOINT_CSV,), recordings, (katpoint_csv, *lines, *raw)),
@@ -159,7 +166,7 @@ def readers() -> dict[str, Reader]:
         ("survey", ".csv", (seeds.SURVEY,), read_survey, ("recordings.antennas",)),
         ("mask", ".mask", (seeds.mask(),), mask, ("recordings.masks",)),
         ("filter", ".txt", (seeds.FILTER,), filtered, ("recordings.where",)),
-        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("models.model",)),
+        ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("models.toml",)),
         ("toml-terms", ".toml", (seeds.TOML_TERMS,), model, ("formats.toml_model", *terms)),
         ("tpoint-mod", ".mod", (seeds.MOD,), model, ("formats.tpoint_mod", *terms)),
         ("fs-ctl", ".ctl", (seeds.CTL,), model, ("formats.field_system.ctl", *terms)),

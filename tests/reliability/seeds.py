@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pyport.formats.convert import convert
-from pyport.formats.terms.ska_mid import UNITS, UNPUBLISHED
+from pyport.models.terms.ska_mid import UNITS, UNPUBLISHED
 from pyport.recordings import masks
 from pyport.recordings.files import read_raw
 from pyport.steering import Grid, Table, write_ascii, write_binary

@@ -13,7 +13,7 @@ import seeds
 from pyport.errors import BadInput
 from pyport.examiner.sealed.published import read_report
 from pyport.formats.field_system import agreement
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 
 REPORT = json.loads(seeds.REPORT)

@@ -10,7 +10,7 @@ import pytest
 from pyport.diagnosis.diagnose import diagnose
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.noise.pointings import pointings
 from pyport.recordings import read
 

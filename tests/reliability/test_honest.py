@@ -21,7 +21,7 @@ from pyport.diagnosis.resampling import DRAWS, Stability, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.summary import summary
-from pyport.models.model import load
+from pyport.formats.models import load
 
 NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))
 WEEK_S = NIGHT_S + 86400 * (np.arange(300) % 6)

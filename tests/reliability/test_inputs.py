@@ -18,7 +18,7 @@ from pyarrow import parquet
 
 from pyport.errors import BadInput
 from pyport.formats import models
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import masks, read
 
 HEADER = "az_deg,el_deg,d_el_arcsec,source,time_utc\n"

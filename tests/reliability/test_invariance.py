@@ -13,7 +13,7 @@ import pytest
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 
 ROWS = 200

@@ -21,7 +21,7 @@ from pyport.errors import BadInput
 from pyport.fitting import advice, leftover, table
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import doubts, positive
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.page import of_diagnosis
 from pyport.page.document import html
 from pyport.recordings.schema import Recordings

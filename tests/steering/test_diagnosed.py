@@ -7,7 +7,7 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models import model as models
+from pyport.formats import models
 from pyport.recordings.files import read
 from pyport.steering.published import write_recordings
 

@@ -14,13 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.least_squares import robust
-from pyport.least_squares.stacking import Codes
 from pyport.noise.covariance import OUTLIER_WEIGHT
 
 #: What is free in every session: encoders are set anew.

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import ARCMIN, DEG, Array
+from pyport.angles import ARCMIN, DEG, Array, Codes
 from pyport.diagnosis.arrays.blocks import Block
-from pyport.least_squares.stacking import Codes
 
 #: No mount and no clock is off by more [rad]: it ties down what recordings leave open.
 BOUND = 1 * DEG

@@ -11,7 +11,7 @@ import numpy as np
 from pyport.angles import ARCSEC
 from pyport.examiner.acceptance.drawn import Line
 from pyport.examiner.acceptance.said import diagnosed, said
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.prediction.compare import Comparison, compare
 from pyport.prediction.contenders import Night
 from pyport.prediction.rehearsal import rehearse

@@ -102,7 +102,7 @@ def reported(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:
     """Return the report of a made case that was written to `path` before."""
     from pyport.diagnosis.diagnose import diagnose
     from pyport.diagnosis.record import as_json, finite
-    from pyport.models.model import load
+    from pyport.formats.models import load
     from pyport.recordings import read
 
     asked = dict(zip(made.arguments[::2], made.arguments[1::2], strict=True))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings.schema import Recordings
 
 

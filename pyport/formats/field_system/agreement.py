@@ -12,11 +12,11 @@ from pyport.angles import Array
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.field_system import ctl, err
-from pyport.formats.field_system.sections import section, sections
-from pyport.formats.field_system.xtr import read_xtr
-from pyport.formats.lines import Line
-from pyport.formats.terms import field_system
+from pyport.models.terms import field_system
 from pyport.recordings.formats import csv
+from pyport.recordings.formats.lines import Line
+from pyport.recordings.formats.sections import section, sections
+from pyport.recordings.formats.xtr import read_xtr
 
 GRID, MODEL = "fs_fln_flt_grid.csv", "mdlpo.ctl"
 _GRID_COLUMNS = ("az_deg", "el_deg", "dx_per_unit", "dy_per_unit")

@@ -14,10 +14,10 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats.field_system.sections import section, sections
-from pyport.formats.lines import Line, lines_of, padded
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.formats.terms.field_system import NUMBER
+from pyport.models.terms.field_system import NUMBER
+from pyport.recordings.formats.lines import Line, lines_of, padded
+from pyport.recordings.formats.sections import section, sections
 
 OFF, FITTED, HELD, ALONE, FORGOTTEN = range(5)
 _A_LINE = 5

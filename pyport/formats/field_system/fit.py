@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
-from pyport.formats.terms import field_system
+from pyport.models.terms import field_system
 
 #: So often the added noise is found anew.
 ROUNDS = 10

@@ -17,7 +17,7 @@ from pyport.diagnosis.arrays.report import SCAN, ArrayReport, report
 from pyport.diagnosis.arrays.unseen import Unseen, medians
 from pyport.diagnosis.arrays.words import comparison, held_out, words
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.recordings.antennas import Survey
 from pyport.report.array_places import write_places

@@ -13,7 +13,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import Circumstances
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import sky
 from pyport.studies.gmrt.cosine import Cosine, columns
 from pyport.studies.gmrt.tracks import Track, line

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.errors import BadInput
-from pyport.least_squares.stacking import Codes, group
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import group
 from pyport.studies.rt32.fit import Rt32Fit, settle
 
 _DAY_S = 86400.0

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import DEG, Array, Codes
 from pyport.errors import BadInput
 from pyport.fitting.soundness import doubts
 from pyport.least_squares.gram import inverse_of, inverted
-from pyport.least_squares.stacking import Codes, Stack, stack
 from pyport.pointing import PARAMETERS, Rt32Model
 from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack, stack
 from pyport.studies.rt32.campaigns import BoxStep
 from pyport.studies.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.threads import one_thread

@@ -8,7 +8,7 @@ from pyport.angles import ARCMIN, DEG, HOUR, wrap
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.joint import Joint
 from pyport.effects import Circumstances, Site
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import sky
 from pyport.recordings.schema import Recordings
 

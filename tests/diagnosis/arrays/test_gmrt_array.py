@@ -10,7 +10,7 @@ from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.report import SCAN, report
 from pyport.diagnosis.arrays.unseen import medians
 from pyport.diagnosis.diagnose import diagnose
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.recordings.antennas import read_survey
 from pyport.studies.gmrt import array as gmrt_array

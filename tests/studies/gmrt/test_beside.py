@@ -9,7 +9,7 @@ import pytest
 
 from pyport.angles import HOUR
 from pyport.fitting.fit import fit
-from pyport.models.model import load
+from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.studies.gmrt import comparison
 from pyport.studies.gmrt.beside import RMS_RATIO, SIGMAS, beside_table_18

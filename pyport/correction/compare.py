@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
+from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
-from pyport.models.use import PointingModel
 from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 

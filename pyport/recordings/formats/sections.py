@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pyport.errors import BadInput
-from pyport.formats.lines import Line, lines_of
+from pyport.recordings.formats.lines import Line, lines_of
 
 
 def sections(path: Path) -> dict[str, list[Line]]:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 
-from pyport.formats.terms.shapes import Shape, Wave, product, wave_product
-from pyport.formats.terms.words import Word
+from pyport.models.terms.shapes import Shape, Wave, product, wave_product
+from pyport.models.terms.words import Word
 
 #: Terms with a name of their own -> shape and sign.
 NAMED: dict[str, tuple[Shape, int]] = {

@@ -13,10 +13,9 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats import exact
-from pyport.formats.katpoint_model import MODEL_FIELD, angle
-from pyport.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.formats import exact
+from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 
@@ -43,10 +42,23 @@ _OURS = {ours: theirs for theirs, ours in COLUMNS.items()}
 _NEEDED = ("azimuth", "elevation", "delta_azimuth", "delta_elevation")
 _SIGMAS = frozenset({"sigma_az_deg", "sigma_el_deg"})
 ANTENNA = "katpoint_antenna"
+#: Where an antenna's description has its pointing model.
+MODEL_FIELD = 6
 #: What the first three lines of such a file fit into [bytes]; a line may also be endless.
 _HEAD = 2**16
 #: A column that says 0 where a row is not to be kept.
 KEEP, NOT_KEPT = "keep", "not kept in the file"
+
+
+def angle(line: Line, text: str) -> Decimal:
+    """Return D:M:S, or plain degrees, in arcseconds, digit for digit."""
+    parts = text.split(":")
+    if len(parts) not in {1, 3}:
+        raise line.error(f"the angle is {text[:40]!r}, expected D:M:S or degrees")
+    numbers = [line.decimal(part, "the angle") for part in parts]
+    whole = [*map(abs, numbers), Decimal(0), Decimal(0)]
+    arcsec = whole[0] * 3600 + whole[1] * 60 + whole[2]
+    return -arcsec if text.strip().startswith("-") else arcsec
 
 
 def looks_like(path: Path) -> bool:

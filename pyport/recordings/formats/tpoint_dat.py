@@ -14,9 +14,9 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats import exact, tpoint_equatorial
-from pyport.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.formats import exact, tpoint_equatorial
+from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, wrap
-from pyport.formats.lines import Line
+from pyport.recordings.formats.lines import Line
 from pyport.recordings.sky import horizon
 
 #: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.

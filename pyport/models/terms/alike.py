@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, Site
-from pyport.formats.terms.shapes import FAMILIES, Shape, Wave, product
+from pyport.models.terms.shapes import FAMILIES, Shape, Wave, product
 
 #: How far from parallel rounding takes two shapes that are one.
 PARALLEL = 1e-9

@@ -12,7 +12,7 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects import Circumstances, Coefficient, Effect
 from pyport.effects.base import stack
-from pyport.formats.terms.shapes import PRODUCT, Shape
+from pyport.models.terms.shapes import PRODUCT, Shape
 
 #: Internal units in one of a word's units.
 SCALES = {"arcsec": ARCSEC, "deg": DEG, "": 1.0}

@@ -14,10 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.formats import exact, katpoint_csv, mapped, tpoint_dat
-from pyport.formats.field_system import xtr
 from pyport.recordings.columns import LABELS
-from pyport.recordings.formats import csv
+from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, tpoint_dat, xtr
 from pyport.recordings.formats import tables as typed
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table

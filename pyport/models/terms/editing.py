@@ -9,11 +9,11 @@ from dataclasses import replace
 from pyport.angles import RADIANS_PER
 from pyport.effects import Effect, catalogue, known
 from pyport.errors import BadInput
-from pyport.formats.terms import field_system, tpoint
-from pyport.formats.terms.alike import ratio, seen
-from pyport.formats.terms.words import Word
 from pyport.models.members import apart
 from pyport.models.model import Model, Term
+from pyport.models.terms import field_system, tpoint
+from pyport.models.terms.alike import ratio, seen
+from pyport.models.terms.words import Word
 from pyport.mounts import KINDS
 from pyport.recordings.columns import LABELS
 

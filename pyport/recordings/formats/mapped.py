@@ -26,6 +26,7 @@ from pyport.files import write_whole
 from pyport.recordings.columns import DAY, HOUR_OF_DAY, LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.csv import comment, read_text
 from pyport.recordings.raw import Raw
+from pyport.toml_text import spelled
 
 #: Signs between columns, in the order in which they are tried; None for blanks.
 DELIMITERS = (",", ";", "\t", "|", None)
@@ -279,8 +280,6 @@ def load(path: Path) -> dict[str, str]:
 
 def save(columns: Mapping[str, str], path: Path) -> None:
     """Keep a map in a small TOML file."""
-    from pyport.models.toml import spelled
-
     with write_whole(path) as file:
         file.write(spelled({"columns": dict(columns)}))
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from pyport.formats.terms.shapes import Shape, Wave, product
-from pyport.formats.terms.words import Word
+from pyport.models.terms.shapes import Shape, Wave, product
+from pyport.models.terms.words import Word
 
 NUMBER, KATPOINT_NUMBER = 30, 22
 #: Those that scale an angle, which katpoint gives as a ratio.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pyport.correction.compare import LOWEST_DEG, REACH_DEG, Comparison, Sky
 from pyport.files import write_whole
-from pyport.models.compare import LOWEST_DEG, REACH_DEG, Comparison, Sky
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""Diagnoses of whole files: read, diagnose, write, one folder for each file."""
+"""A diagnosis from a file of recordings to the folder of its report, one for each file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
-from pyport.models.model import Model, load
+from pyport.formats.models import load
+from pyport.models.model import Model
 from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey

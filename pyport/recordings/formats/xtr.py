@@ -10,10 +10,10 @@ from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.formats import exact
-from pyport.formats.field_system.sections import section, sections
-from pyport.formats.lines import Line, raw_of, spelled
 from pyport.recordings.columns import SET_ASIDE
+from pyport.recordings.formats import exact
+from pyport.recordings.formats.lines import Line, raw_of, spelled
+from pyport.recordings.formats.sections import section, sections
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.effects.base import Circumstances, Effect, MissingColumn
 from pyport.errors import BadInput
 from pyport.recordings.schema import Recordings
-
-Codes = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from pyport.formats.terms import tpoint
-from pyport.formats.terms.shapes import Shape
-from pyport.formats.terms.words import Word
+from pyport.models.terms import tpoint
+from pyport.models.terms.shapes import Shape
+from pyport.models.terms.words import Word
 
 #: In the order in which the dish structure takes them, each with its unit.
 UNITS = {

@@ -1,0 +1,1 @@
+"""A finished model in use: offsets anywhere, where to drive, how it compares with another."""
