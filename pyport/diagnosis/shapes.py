@@ -8,14 +8,16 @@ any effect does, the honest answer is `unknown`.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.finding import Interval
-from pyport.effects.base import Circumstances, Coefficient, Effect
+from pyport.effects import fields
+from pyport.effects.base import Effect
+from pyport.effects.fields import Bumps
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
 
@@ -37,8 +39,8 @@ class Shape:
     ----------
     family, variant
         What kind of shape it is, and which of its kind.
-    columns
-        Shape (n, k).
+    bumps
+        What its columns are made of, for any place in the sky: see `pyport.effects.fields.field`.
     choices
         How many of its kind are tried: the price of picking the best.
     region
@@ -47,7 +49,7 @@ class Shape:
 
     family: str
     variant: str
-    columns: Array
+    bumps: Bumps
     choices: int = 1
     region: tuple[Interval, ...] = ()
 
@@ -76,15 +78,16 @@ def design(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candidate]
     found: list[Candidate] = []
     start = 0
     for shape in _shapes(recordings):
+        columns = fields.values(shape.bumps, recordings.at)
         for axis, measured in (("xel", ~stack.is_y), ("el", stack.is_y)):
-            block = shape.columns[stack.row] * measured[:, None]
+            block = columns[stack.row] * measured[:, None]
             if np.count_nonzero(block.any(axis=1)) < FEWEST_INSIDE:
                 continue
             width = block.shape[1]
             blocks.append(block)
             found.append(
                 Candidate(
-                    _effect(shape, axis),
+                    _effect(shape, axis, width),
                     np.arange(start, start + width),
                     tuple(range(width)),
                     shape.choices,
@@ -98,30 +101,21 @@ def design(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candidate]
 def _shapes(recordings: Recordings) -> Iterator[Shape]:
     known = numbers(recordings)
     for name, values in known.items():
-        yield Shape("a smooth curve", f"follows {name}", _curve(values), len(known))
-    yield from _waves(recordings.at)
+        low, high = float(values.min()), float(values.max())
+        curve = {"kind": "curve", "name": name, "low": low, "high": high, "order": ORDER}
+        yield Shape("a smooth curve", f"follows {name}", curve, len(known))
+    yield from _waves()
     yield from _stretches("az_deg", recordings.at.az % (2 * np.pi))
     yield from _stretches("el_deg", recordings.at.el)
 
 
-def _curve(values: Array) -> Array:
-    """Return Legendre polynomials of a column, scaled to its range."""
-    spread = 2 * (values - values.min()) / np.ptp(values) - 1
-    return np.polynomial.legendre.legvander(spread, ORDER)[:, 1:]
-
-
-def _waves(at: Circumstances) -> Iterator[Shape]:
+def _waves() -> Iterator[Shape]:
     """Yield waves that go around the sky and up it, one by one and all low ones together."""
-    waves = {}
-    for m in AROUND:
-        for n in UPWARD:
-            around = np.stack([np.cos(m * at.az), np.sin(m * at.az)], axis=1)
-            upward = np.stack([np.cos(n * at.el), np.sin(n * at.el)], axis=1)
-            waves[m, n] = (around[:, :, None] * upward[:, None, :]).reshape(len(at), 4)
-    for (m, n), columns in waves.items():
-        where = f"goes with {m} A and {n} E"
-        yield Shape("a wave over the sky", where, columns, len(waves))
-    low = np.concatenate([waves[m, n] for m in (1, 2) for n in UPWARD], axis=1)
+    every = [(m, n) for m in AROUND for n in UPWARD]
+    for m, n in every:
+        bumps = {"kind": "wave", "around": m, "upward": n}
+        yield Shape("a wave over the sky", f"goes with {m} A and {n} E", bumps, len(every))
+    low = {"kind": "waves", "each": [(m, n) for m, n in every if m in (1, 2)]}
     yield Shape("a smooth field over the sky", "of order two", low)
 
 
@@ -130,30 +124,19 @@ def _stretches(name: str, values: Array) -> Iterator[Shape]:
     ordered = np.sort(values)
     # A step that goes on to the end of the sky is a jump, and has a name: one stays inside.
     starts = [(width, k * width / 2) for width in WIDTHS for k in range(1, round(2 / width) - 2)]
-    for width, low in starts:
-        edges = [ordered[int(share * (len(values) - 1))] for share in (low, low + width)]
-        if edges[0] == edges[1]:
+    for width, start in starts:
+        low, high = (float(ordered[int(p * (len(values) - 1))]) for p in (start, start + width))
+        if low == high:
             continue
-        inside = (values >= edges[0]) & (values <= edges[1])
-        region = Interval(name, float(edges[0] / DEG), float(edges[1] / DEG))
+        region = Interval(name, low / DEG, high / DEG)
         variant = f"for {region.column} from {region.low:.6g} to {region.high:.6g}"
-        column = inside[:, None].astype(float)
-        yield Shape("an offset", variant, column, len(starts), (region,))
+        bumps = {"kind": "stretch", "name": name, "low_rad": low, "high_rad": high}
+        yield Shape("an offset", variant, bumps, len(starts), (region,))
 
 
-def _effect(shape: Shape, axis: str) -> Effect:
+def _effect(shape: Shape, axis: str, width: int) -> Effect:
     """Return a shape as an effect that nobody may name."""
-    return Effect(
-        "unknown",
-        f"{shape.family} {shape.variant}",
-        "a shape, no physics",
-        tuple(Coefficient(f"shape_{n + 1}") for n in range(shape.columns.shape[1])),
-        _no_basis,
-        physical=False,
-        variant=f"{axis}: {shape.family} {shape.variant}",
-    )
-
-
-def _no_basis(at: Circumstances) -> tuple[Array, Array]:
-    """Return nothing: a shape's columns are made for one set of recordings only."""
-    return np.zeros((len(at), 0)), np.zeros((len(at), 0))
+    variant = f"{axis}: {shape.family} {shape.variant}"
+    axes, one = [int(axis == "el")] * width, np.eye(width).tolist()
+    effect = fields.field(shape.bumps, axes, range(width), one, shape.family, variant)
+    return replace(effect, sentence=f"{shape.family} {shape.variant}")

