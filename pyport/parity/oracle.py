@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import shutil
 import tempfile
 from functools import cache
 from importlib.machinery import ExtensionFileLoader, ModuleSpec
-from multiprocessing import Pipe, Process, parent_process
+from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import ModuleType
@@ -123,13 +122,17 @@ class Oracle:
 
 
 class _Child:
-    """A process that calls libraries; one pipe to it, no threads on this side."""
+    """A process that calls libraries; one pipe to it, no threads on this side.
+
+    It is started anew and not forked: a fork would hold open what this process has open.
+    """
 
     def __init__(self) -> None:
         self.parent = os.getpid()
         self.copies = 0
-        self._pipe, theirs = Pipe()
-        self._process = Process(target=_serve, args=(theirs,), daemon=True)
+        context = get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()
 
@@ -158,11 +161,6 @@ class _Child:
 
 def _serve(pipe: Connection) -> None:
     end_with_parent()
-    # Pipes of the parent's other processes: held open here, they would keep those from ending.
-    parent = parent_process()
-    kept = sorted({2, pipe.fileno(), *([] if parent is None else [int(parent.sentinel)])})
-    for low, high in itertools.pairwise([*kept, os.sysconf("SC_OPEN_MAX")]):
-        os.closerange(low + 1, high)
     while True:
         try:
             path, number, arrays, fresh = pipe.recv()

@@ -1,5 +1,8 @@
 """The oracle takes only numbers that the Fortran holds exactly, and says what made it."""
 
+import os
+import select
+
 import numpy as np
 import pytest
 import rt32
@@ -75,6 +78,23 @@ def test_signature_has_the_kinds_of_the_build(build):
     assert ("real*4" in text, "real*8" in text) == ((True, False), (False, True))[
         build == "promoted"
     ]
+
+
+@pytest.mark.oracle
+@pytest.mark.usefixtures("oracle")
+def test_process_holds_nothing_of_its_parent_open():
+    """A pipe that is closed here has ended, though an oracle was started while it was open."""
+    here, there = os.pipe()
+    asked = compiled.Oracle(rt32.DESCRIPTION, rt32.DESCRIPTION.reference)
+    try:
+        asked.ask(HJUMP, {"az": np.float32([0.1]), "alt": np.float32([0.5])})
+        os.close(there)
+
+        assert select.select([here], [], [], 5)[0]
+        assert os.read(here, 1) == b""
+    finally:
+        os.close(here)
+        asked.close()
 
 
 @pytest.mark.oracle
