@@ -31,7 +31,7 @@ RECORDINGS = (
 def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, the steering table, a diagnosis of real recordings."""
     from pyport import legacy, pipeline, steering
-    from pyport.parity.run import summary
+    from pyport.parity.report import summary
     from pyport.progress import working
 
     tell = click.echo if not as_json else (lambda *_, **__: None)

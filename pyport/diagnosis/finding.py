@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import ARCSEC, Array
 
 if TYPE_CHECKING:
-    from pyport.diagnosis.resampling import Stability
+    from pyport.diagnosis.stability import Stability
     from pyport.fitting.combinations import Combination
 
 #: Where the fitted terms absorb less than a twentieth of an effect it is not worth a word.

@@ -9,8 +9,9 @@ from pyport.diagnosis import identify
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.guards import Refusal, refusal
 from pyport.diagnosis.identify import MOST_MEMBERS, decide_by
-from pyport.diagnosis.resampling import Stability, stability
+from pyport.diagnosis.resampling import stability
 from pyport.diagnosis.scene import Scene
+from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.effects import known
 

@@ -18,8 +18,7 @@ from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.folder import finish
 from pyport.diagnosis.joint import Joint, rms
-from pyport.diagnosis.soundness import warnings
-from pyport.diagnosis.words import nothing
+from pyport.diagnosis.soundness import nothing, warnings
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms

@@ -1,6 +1,6 @@
 """Whether a name comes back: the choice among the nearest names, made again on resampled data.
 
-It decides the verdict: see `Stability.verdict`. Whole sessions, or blocks of time, are drawn with
+It decides the verdict: see `stability.Stability`. Whole sessions, or blocks of time, are drawn with
 replacement. Their products add up, so a draw costs one small sum; the model, the other findings,
 the name and its rivals are fitted anew in each.
 """
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -19,18 +18,12 @@ from pyport.diagnosis.case import Chosen, Setup
 from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
 from pyport.diagnosis.identify import TIE, fits_physics
 from pyport.diagnosis.scene import Scene
+from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.least_squares.gram import inverse_of
 from pyport.stages import stage
 
 DRAWS = 40
-#: A name that comes first in fewer draws than this share is not stable.
-STABLE = 0.8
-#: A name that came first in this share of the draws is one that the data allow. Of 40 draws that
-#: is four: a name that comes first in one of a hundred does so four times once in 2,700 cases.
-NOTICEABLE = 0.1
-#: Where no name came first in more draws than this share the data mostly hold nothing to name.
-MOSTLY = 0.5
 #: So many of the nearest names compete with it.
 RIVALS = 4
 #: Rivals that fell behind by more than this in evidence cannot come first in any draw.
@@ -39,77 +32,6 @@ NEAR = 100.0
 MOST_COLUMNS = 500
 #: Sessions from which on whole sessions are drawn; else so many blocks of time.
 ENOUGH_SESSIONS, BLOCKS = 10, 40
-
-
-@dataclass(frozen=True)
-class Stability:
-    """How often a name came first.
-
-    Attributes
-    ----------
-    resampled
-        What was drawn: sessions, blocks of time or pointings.
-    draws, kept
-        How often, and in how many the name, or one of its class, came first.
-    names
-        Other names that came first, and in how many draws, the most frequent first.
-    """
-
-    resampled: str
-    draws: int
-    kept: int
-    names: dict[str, int] = field(default_factory=dict)
-
-    @property
-    def stable(self) -> bool:
-        """Tell whether the name survives."""
-        return self.kept >= STABLE * self.draws
-
-    @property
-    def nameless(self) -> int:
-        """Return in how many draws nothing was worth a name."""
-        return self.draws - self.kept - sum(self.names.values())
-
-    @property
-    def instead(self) -> str | None:
-        """Return the name that came first most often where it did not, None for no name."""
-        most = max(self.names, key=lambda name: self.names[name], default=None)
-        return most if most is not None and self.names[most] >= self.nameless else None
-
-    @property
-    def returned(self) -> tuple[str, ...]:
-        """Return the other names that came first in a noticeable share of the draws."""
-        return tuple(n for n, count in self.names.items() if count >= NOTICEABLE * self.draws)
-
-    def verdict(self, verdict: str) -> str:
-        """Return what a verdict becomes: the data decide between names only if they keep doing so.
-
-        A name that is not stable is `ambiguous` with those that came back, or `unknown` where
-        mostly none did.
-        """
-        if self.stable or verdict == "unknown":
-            return verdict
-        return "unknown" if self.nameless > MOSTLY * self.draws else "ambiguous"
-
-    @property
-    def counts(self) -> str:
-        """Return how often which name came first."""
-        others = [f"{name} in {count}" for name, count in self.names.items()]
-        if self.nameless:
-            others.append(f"no name in {self.nameless}")
-        first = f"the name came back in {self.kept} of {self.draws} draws"
-        return ", ".join([first, *others])
-
-    @property
-    def words(self) -> str:
-        """Return how often the name came back, and what came in its place."""
-        said = f"resampling {self.resampled}, {self.counts}"
-        return said if self.stable else f"not stable: {said}"
-
-    def as_json(self) -> dict[str, object]:
-        """Return it as the report spells it."""
-        more = {"instead": self.instead, "nameless": self.nameless, "stable": self.stable}
-        return vars(self) | more
 
 
 @stage("resampling")

@@ -1,4 +1,4 @@
-"""What is wrong with the fits of a diagnosis, if anything is."""
+"""What is wrong with the fits of a diagnosis, and what is said where it finds nothing."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pyport.diagnosis.enough import smallest_seen
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.search import MOST_FINDINGS
+from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.fitting.soundness import doubts
 
 if TYPE_CHECKING:
@@ -46,4 +48,22 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
         covariance=solution.covariance[np.ix_(known, known)],
         numbers=int(diagnosis.weighed.used.sum()),
         rank=solution.rank,
+    )
+
+
+def nothing(diagnosis: Diagnosis) -> str:
+    """Return what is said where no finding is: what was looked for, and how little was to be seen.
+
+    No finding is no all-clear: few recordings show large effects only, and what is left may not
+    look like noise though nothing that was tried predicts unseen data better.
+    """
+    seen = smallest_seen(diagnosis.detection_limits)
+    more = "" if seen is None else f"; {seen}"
+    if diagnosis.too_few is not None:
+        return f"{diagnosis.too_few.sentence}{more}"
+    if diagnosis.p_value > FAMILY_ERROR:
+        return f"Nothing is missing that these recordings could show{more}"
+    return (
+        "What is left does not look like the noise that was assumed, but nothing that was tried "
+        "predicts unseen data better"
     )

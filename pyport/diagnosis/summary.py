@@ -11,8 +11,7 @@ from pyport.diagnosis import noise_words, record, two_axes_words
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
-from pyport.diagnosis.soundness import warnings
-from pyport.diagnosis.words import nothing
+from pyport.diagnosis.soundness import nothing, warnings
 from pyport.fitting.sizes import axis_rms, sky_rms
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models import words as corrections

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pyport.diagnosis.enough import smallest_seen
 from pyport.diagnosis.finding import Parameter, Where
-from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
 
 if TYPE_CHECKING:
-    from pyport.diagnosis.diagnose import Diagnosis
     from pyport.diagnosis.identify import Name
     from pyport.fitting.combinations import Combination
 
@@ -23,24 +20,6 @@ WATCH = "look at the region and the column that it follows, and record what chan
 _AXES = {"xel": "cross-elevation", "el": "elevation"}
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
-
-
-def nothing(diagnosis: Diagnosis) -> str:
-    """Return what is said where no finding is: what was looked for, and how little was to be seen.
-
-    No finding is no all-clear: few recordings show large effects only, and what is left may not
-    look like noise though nothing that was tried predicts unseen data better.
-    """
-    seen = smallest_seen(diagnosis.detection_limits)
-    more = "" if seen is None else f"; {seen}"
-    if diagnosis.too_few is not None:
-        return f"{diagnosis.too_few.sentence}{more}"
-    if diagnosis.p_value > FAMILY_ERROR:
-        return f"Nothing is missing that these recordings could show{more}"
-    return (
-        "What is left does not look like the noise that was assumed, but nothing that was tried "
-        "predicts unseen data better"
-    )
 
 
 def since(effect: Effect) -> str | None:

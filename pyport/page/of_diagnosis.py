@@ -9,8 +9,8 @@ from pyport.diagnosis import noise_words, record, soundness, two_axes_words
 from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
+from pyport.diagnosis.soundness import nothing
 from pyport.diagnosis.steps import Step
-from pyport.diagnosis.words import nothing
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.page.against import columns

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 from pyport.parity.compare import Comparison
 from pyport.parity.description import PROMISE_TEXT, Port
+from pyport.parity.loading import load
 from pyport.parity.promise import bound, tolerance
-from pyport.parity.run import Parity
+from pyport.parity.run import Parity, run
 from pyport.parity.ulp import UNLIKE
 
 #: Distances from here on are shown as powers of ten: two models, no longer two roundings.
@@ -181,3 +183,8 @@ def ulp(distance: int) -> str:
     if distance == UNLIKE:
         return "unlike"
     return f"{distance:,}" if distance < LONG else f"{distance:.1e}"
+
+
+def summary(path: Path, random_points: int = 5000) -> str:
+    """Return the short account of a description's parity that the demonstration prints."""
+    return text(run(load(path), random_points))

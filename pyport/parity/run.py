@@ -138,13 +138,6 @@ def run(
     return _with_minimal(done, partial(failing, description, asker(description)))
 
 
-def summary(path: Path, random_points: int = 5000) -> str:
-    """Return the short account of a description's parity that the demonstration prints."""
-    from pyport.parity.report import text
-
-    return text(run(load(path), random_points))
-
-
 def kept_beside(report: str | None, description: Description, points: int, seed: int) -> Path:
     """Return where is kept how far a comparison has come: beside its report, or in the cache."""
     if report is None:

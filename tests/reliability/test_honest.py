@@ -17,9 +17,10 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.enough import FEWEST
 from pyport.diagnosis.guards import carriers
 from pyport.diagnosis.honest import judged
-from pyport.diagnosis.resampling import DRAWS, Stability, stability
+from pyport.diagnosis.resampling import DRAWS, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
+from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.summary import summary
 from pyport.formats.models import load
 

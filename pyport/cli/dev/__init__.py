@@ -11,6 +11,7 @@ command = Lazy(
         "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
+        "imports": "Print which part of the program imports which, and what climbs.",
         "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",
         "real": "Run fit and diagnose on public recordings, beside what was published of them.",
         "reduction": "Take nutation, aberration, UT1, ... out of offsets; print their sizes.",
