@@ -22,6 +22,7 @@ def _proposed(name: str, given: Given) -> dict[str, str]:
     from pyport.recordings.columns import angle_of
     from pyport.recordings.formats import mapped
     from pyport.recordings.formats import registry as tables
+    from pyport.recordings.mounted import OFFSETS
 
     path = Path(name)
     known = path.suffix.lower() in tables.BY_SUFFIX and path.suffix.lower() != ".csv"
@@ -31,7 +32,7 @@ def _proposed(name: str, given: Given) -> dict[str, str]:
         return {}
     table = mapped.sheet(path)
     offsets = {one[0] for one in map(angle_of, table.names) if one is not None}
-    if offsets & {"d_az", "d_xel", "d_el", "d_zd"}:
+    if offsets & OFFSETS:
         return {}
     return mapped.propose(table)
 

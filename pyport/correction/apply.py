@@ -13,8 +13,10 @@ from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.convert import table_of
+from pyport.mounts import ALTAZ
 from pyport.recordings.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
-from pyport.recordings.interpret import angles_of, azimuth_from_south, offsets_of, targets
+from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
+from pyport.recordings.mounted import axes_of, names_of, offsets_of
 from pyport.recordings.nights import with_nights
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
@@ -70,6 +72,8 @@ def applied(
         The file tells no directions, or lacks something that the model needs.
     """
     at = targets(raw)
+    if at.mount is ALTAZ:
+        at = replace(at, mount=model.model.mount)
     there = np.isfinite(at.az) & np.isfinite(at.el)
     if not there.any():
         raise raw.error("no row tells an azimuth and an elevation")
@@ -113,13 +117,14 @@ def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:
 
 def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:
     x, y = model.at(at)
-    turn = x / np.cos(at.el)
+    first, second = axes_of(at)
+    turn, names = x / np.cos(second), names_of(at.mount)
     return {
-        "model_d_xel_arcsec": x / ARCSEC,
-        "model_d_az_arcsec": turn / ARCSEC,
-        "model_d_el_arcsec": y / ARCSEC,
-        "mount_az_deg": (at.az + turn) / DEG,
-        "mount_el_deg": (at.el + y) / DEG,
+        f"model_{names.across}_arcsec": x / ARCSEC,
+        f"model_{names.first}_arcsec": turn / ARCSEC,
+        f"model_{names.along}_arcsec": y / ARCSEC,
+        f"mount_{names.first.removeprefix('d_')}_deg": (first + turn) / DEG,
+        f"mount_{names.along.removeprefix('d_')}_deg": (second + y) / DEG,
     }
 
 
@@ -132,12 +137,13 @@ def _residuals(
     raw: Raw, at: Circumstances, there: NDArray[np.bool_], found: dict[str, Array]
 ) -> dict[str, Array]:
     """Return what is left of the measured offsets [arcsec]."""
-    if "model_d_xel_arcsec" not in found:
+    if "true_az_deg" in found:
         raise BadInput("residuals are of true directions: leave --inverse out")
-    x, y = offsets_of(raw, angles_of(raw), at.el)
+    measured, names = offsets_of(raw, angles_of(raw), at), names_of(at.mount)
     return {
-        "residual_xel_arcsec": x[there] / ARCSEC - found["model_d_xel_arcsec"],
-        "residual_el_arcsec": y[there] / ARCSEC - found["model_d_el_arcsec"],
+        f"residual_{name.removeprefix('d_')}_arcsec": one[there] / ARCSEC
+        - found[f"model_{name}_arcsec"]
+        for name, one in zip((names.across, names.along), measured, strict=True)
     }
 
 
@@ -153,7 +159,7 @@ def _unknown(model: PointingModel, at: Circumstances) -> dict[str, int]:
 def _rms(found: dict[str, Array]) -> dict[str, float]:
     """Return the rms of what is left by axis, and over both axes by the row [arcsec]."""
     out, total = {}, 0.0
-    left = [found["residual_xel_arcsec"], found["residual_el_arcsec"]]
+    left = [one for name, one in found.items() if name.startswith("residual_")]
     for name, one in zip(("xel", "el"), left, strict=True):
         own = one[np.isfinite(one)]
         if len(own):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
@@ -20,6 +20,7 @@ from pyport.models import words
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
 from pyport.models.model import Model
+from pyport.mounts import ALTAZ
 from pyport.recordings.columns import LABELS
 
 if TYPE_CHECKING:
@@ -125,6 +126,10 @@ class PointingModel:
         under the names that recordings have inside the program (`time` in seconds since 1970,
         `temperature_c`, ...).
         """
+        if self.model.mount is not ALTAZ:
+            told = {key: np.array([one]) for key, one in columns.items()}
+            x, y = self._offsets(np.array([az_rad]), np.array([el_rad]), told, self.model.site)
+            return float(x[0]), float(y[0])
         ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
         if self._by_row:
             columns.setdefault("order", LATEST)
@@ -141,7 +146,7 @@ class PointingModel:
         """
         there = directions(where, conditions, self.model.site, self._others)
         x, y = self._asked(there)
-        return formed(there, there.az + x / np.cos(there.el), there.el + y)
+        return formed(there, *self._moved(there.az, there.el, x, y, there.site))
 
     def inverse(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
         """Return the true direction that a mount points at, from its readings.
@@ -259,8 +264,11 @@ class PointingModel:
             key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()
         }
         try:
-            if len(single) < len(known) or site != self.model.site:
-                return self.model.offsets(Circumstances(az, el, site, columns))
+            plain = self.model.mount is ALTAZ and site == self.model.site
+            if len(single) < len(known) or not plain:
+                return self.model.offsets(
+                    Circumstances(az, el, site, columns, mount=self.model.mount)
+                )
             return self._kernel(tuple(single.items())).many(az, el, columns, site)
         except MissingColumn:
             raise self._lacking(set(columns)) from None
@@ -278,12 +286,26 @@ class PointingModel:
         """Return columns beyond the contract's that terms of this model follow."""
         return frozenset(name for term in self.model.terms for name in term.effect.needs)
 
+    def _moved(
+        self, az: Array, el: Array, x: Array, y: Array, site: Site | None
+    ) -> tuple[Array, Array]:
+        """Return directions moved by offsets along the mount's axes [rad]."""
+        mount = self.model.mount
+        if mount is ALTAZ:
+            return az + x / np.cos(el), el + y
+        latitude = site.latitude if site is not None else 0.0
+        first, second = mount.angles(az, el, latitude)
+        return mount.sky(first + x / np.cos(second), second + y, latitude)
+
     def _solved(self, there: Pointing) -> tuple[Array, Array]:
         """Return the true directions of a mount's readings [rad], by fixed-point iteration."""
         az, el = there.az.copy(), there.el.copy()
         for _ in range(TURNS):
             x, y = self._offsets(az, el, there.columns, there.site)
-            new_az, new_el = there.az - x / np.cos(el), there.el - y
+            seen_az, seen_el = self._moved(az, el, x, y, there.site)
+            new_az, new_el = az + (there.az - seen_az), el + (there.el - seen_el)
+            if self.model.mount is not ALTAZ:
+                new_az = az + wrap(new_az - az)
             moved = np.hypot((new_az - az) * np.cos(el), new_el - el)
             az, el = new_az, new_el
             if not np.nanmax(moved, initial=0.0) > SETTLED:

@@ -82,7 +82,9 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         effect=effect.id if named else "unknown",
         members=called.members if named else ("unknown",),
         verdict=verdict,
-        sentence=words.sentence(effect, parameters, where, together, mounts)
+        sentence=words.sentence(
+            effect, parameters, where, together, mounts, setup.recordings.at.mount.names
+        )
         if named
         else words.UNKNOWN,
         where=where,

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
-_AXES = ((False, "cross-elevation"), (True, "elevation"))
 #: Scatter that differs by less than a quarter between low and high is not worth a word.
 GROWS = 1.25
 #: The lowest and the highest share of the readings that are compared.
@@ -43,7 +42,7 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     setup, floor = diagnosis.setup, diagnosis.weighed.covariance.floor
     el = setup.recordings.at.el[setup.stack.row]
     found = []
-    for is_y, name in _AXES:
+    for is_y, name in zip((False, True), setup.recordings.at.mount.names, strict=True):
         rows = np.flatnonzero((setup.stack.is_y == is_y) & diagnosis.weighed.used)
         end = int(END * len(rows))
         if end == 0:

@@ -53,6 +53,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the report of a diagnosis."""
     recordings, model = diagnosis.setup.recordings, diagnosis.setup.model
     names, matrix = correlation(diagnosis)
+    mount = recordings.at.mount
     return {
         "schema": SCHEMA,
         "input": _input(recordings, diagnosis),
@@ -60,6 +61,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             "name": model.name,
             "refit": [c.candidate.effect.id for c in diagnosis.setup.base],
         },
+        "mount": {"name": mount.id, "axes": dict(zip(("xel", "el"), mount.names, strict=True))},
         "noise": _noise(diagnosis),
         "verdict": None if diagnosis.mismatch else nothing(diagnosis),
         "mismatch": diagnosis.mismatch,
@@ -77,7 +79,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "combinations": [one.as_json() for one in diagnosis.combinations],
         "dropped": [vars(one) for one in diagnosis.dropped],
-        "two_axes": [two_axes_words.as_json(one) for one in diagnosis.two_axes],
+        "two_axes": [two_axes_words.as_json(one, mount.names) for one in diagnosis.two_axes],
         "antennas": _antennas(diagnosis),
         "not_testable": {one.effect: one.reason for one in diagnosis.untestable},
         "correlation": {"names": names, "matrix": matrix},

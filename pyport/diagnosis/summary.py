@@ -48,7 +48,7 @@ def summary(diagnosis: Diagnosis) -> str:
             lines += _wrapped(f"Would have been seen in half of all cases, as rms: {seen}.")
     lines += _combinations(diagnosis)
     for one in diagnosis.two_axes:
-        lines += _wrapped(two_axes_words.sentence(one))
+        lines += _wrapped(two_axes_words.sentence(one, diagnosis.setup.recordings.at.mount.names))
     for said in (*noise_words.sentences(diagnosis), *noise_words.dropped(diagnosis)):
         lines += _wrapped(f"{said}.")
     lines += _improvement(diagnosis)
@@ -127,9 +127,10 @@ def _in_fit(diagnosis: Diagnosis) -> str:
     setup, used = diagnosis.setup, diagnosis.share > 0
     fits = [diagnosis.left(one) for one in (diagnosis.before, diagnosis.after)]
     told = []
+    across, along = setup.recordings.at.mount.names
     for name, found in (
-        ("cross-elevation", [axis_rms(setup.stack, one, used, is_y=False) for one in fits]),
-        ("elevation", [axis_rms(setup.stack, one, used, is_y=True) for one in fits]),
+        (across, [axis_rms(setup.stack, one, used, is_y=False) for one in fits]),
+        (along, [axis_rms(setup.stack, one, used, is_y=True) for one in fits]),
         ("sky", [sky_rms(setup.stack, one, used) for one in fits]),
     ):
         sizes = [one[0] / ARCSEC for one in found if one is not None]

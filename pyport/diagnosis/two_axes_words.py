@@ -10,6 +10,7 @@ from pyport.diagnosis.finding import Parameter
 from pyport.diagnosis.two_axes import Disagreement, Split
 from pyport.diagnosis.words import number
 from pyport.fitting.two_axes import Difference
+from pyport.mounts import ALTAZ
 
 #: So many sigmas between two halves of the recordings say in which axis the matter lies.
 TELLS = 3.0
@@ -17,10 +18,9 @@ TELLS = 3.0
 SAME = 2.0
 #: Coefficients told in a sentence, those that differ most.
 _SHOWN = 2
-_NAMES = ("cross-elevation", "elevation")
 
 
-def sentence(one: Disagreement) -> str:
+def sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) -> str:
     """Return what both axes say of an effect, where they part, and what would settle it."""
     effect, found = one.chosen.candidate.effect, one.found
     name = effect.id.replace("_", " ")
@@ -28,11 +28,11 @@ def sentence(one: Disagreement) -> str:
     most = np.argsort(-np.abs(found.first - found.second) / spread, kind="stable")[:_SHOWN]
     told = ", ".join(_against(one, place) for place in sorted(most))
     differ = (
-        f"The {name} seen in cross-elevation and that seen in elevation differ by "
+        f"The {name} seen in {axes[0]} and that seen in {axes[1]} differ by "
         f"{found.sigmas:.1f} sigma (chance {found.p_value:.1g}): {told}."
     )
     said = [differ, f"No {name} does that: something acts on one axis alone."]
-    said.append(_place(one.splits, name))
+    said.append(_place(one.splits, name, axes))
     if one.causes:
         causes = ", ".join(f"{which} ({left.sigmas:.1f})" for which, left in one.causes)
         said.append(f"Fitted besides would take it away, but for so many sigma: {causes}.")
@@ -65,7 +65,7 @@ def _parameters(one: Disagreement, place: int) -> tuple[Parameter, Parameter]:
     return x, y
 
 
-def _place(splits: tuple[Split, ...], name: str) -> str:
+def _place(splits: tuple[Split, ...], name: str, axes: tuple[str, str]) -> str:
     """Say in which axis and which half of the recordings the matter lies."""
     apart = [
         (own.sigmas, axis, split)
@@ -78,22 +78,22 @@ def _place(splits: tuple[Split, ...], name: str) -> str:
         return "Each axis by itself says the same in either half of the sky and of the time."
     sigmas, axis, split = most
     here, there = split.halves
-    lies = f"It lies in {_NAMES[axis]}, whose {name} {here.name} is not that {there.name}"
+    lies = f"It lies in {axes[axis]}, whose {name} {here.name} is not that {there.name}"
     said = [f"{lies} ({sigmas:.1f} sigma)"]
     other = (split.in_y, split.in_x)[axis]
     if other is not None and other.sigmas < SAME:
-        said.append(f"{_NAMES[1 - axis]} has one in both ({other.sigmas:.1f})")
+        said.append(f"{axes[1 - axis]} has one in both ({other.sigmas:.1f})")
     seen = [f"{half.axes.sigmas:.1f} {half.name}" for half in split.halves if half.axes]
     said.append(f"the axes are apart by {' and '.join(seen)}")
     return "; ".join(said) + "."
 
 
-def as_json(one: Disagreement) -> dict[str, Any]:
+def as_json(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) -> dict[str, Any]:
     """Return a disagreement for report.json."""
     pairs = [_parameters(one, place) for place in range(len(one.found.of))]
     return {
         "effect": one.chosen.candidate.effect.id,
-        "sentence": sentence(one),
+        "sentence": sentence(one, axes),
         **_figures(one.found),
         "parameters": [
             {

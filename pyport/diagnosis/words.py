@@ -10,6 +10,7 @@ import numpy as np
 from pyport.diagnosis.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
+from pyport.mounts import ALTAZ
 
 if TYPE_CHECKING:
     from pyport.diagnosis.identify import Name
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = "look at the region and the column that it follows, and record what changes there"
-_AXES = {"xel": "cross-elevation", "el": "elevation"}
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
 
@@ -44,13 +44,15 @@ def sentence(
     where: Where,
     together: Combination | None = None,
     mounts: tuple[str, ...] = (),
+    names: tuple[str, str] = ALTAZ.names,
 ) -> str:
     """Return what the recordings show of an effect, how large, and what that means.
 
     `together` is the combination in which its coefficients are known, if none is known alone;
-    `mounts` is what was declared of the mount.
+    `mounts` is what was declared of the mount, `names` what it calls its axes.
     """
-    axes = " and ".join(_AXES[axis] for axis in where.axes)
+    called = dict(zip(("xel", "el"), names, strict=True))
+    axes = " and ".join(called[axis] for axis in where.axes)
     said = f"{effect.pattern or effect.sentence} (seen in {axes})"
     cause = meaning(effect, mounts)
     if together is not None:

@@ -27,6 +27,8 @@ SPELLED = {
     "hour_angle": "hour_angle_h",
     "ra": "ra_deg",
     "dec": "dec_deg",
+    "x": "x_deg",
+    "y": "y_deg",
     "sun_az": "sun_az_deg",
     "sun_el": "sun_el_deg",
     "wind_az": "wind_az_deg",

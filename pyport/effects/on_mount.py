@@ -27,6 +27,7 @@ def on(effect: Effect, mount: Mount) -> Effect:
         id=_named(effect.id, mount),
         of=effect.id,
         sentence=say(effect.sentence),
+        variant=say(effect.variant),
         pattern=say(effect.pattern),
         formula=(_lettered(effect.formula[0], mount), _lettered(effect.formula[1], mount)),
         coefficients=tuple(

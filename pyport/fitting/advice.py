@@ -57,11 +57,12 @@ def warnings(fit: Fit) -> Iterator[str]:
     if weak:
         yield f"within {WEAK:g} sigmas of zero: {', '.join(weak)}; try --drop"
     yield from _tied(fit, everything)
+    across, along = fit.recordings.at.mount.names
     for term, apart in fit.two_axes:
         if apart.p_value < UNLIKELY / len(fit.two_axes):
             name = term.effect.id.replace("_", " ")
             yield (
-                f"the {name} seen in cross-elevation and that seen in elevation differ by "
+                f"the {name} seen in {across} and that seen in {along} differ by "
                 f"{apart.sigmas:.1f} sigmas: no {name} does that; pyport diagnose tells where"
             )
     known = np.array([np.isfinite(one.value[n]) for _, one, n in everything], bool)

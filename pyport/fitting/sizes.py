@@ -25,9 +25,10 @@ ON_SKY = (
 def largest_offset(data: Stack, at: Circumstances) -> float:
     """Return the largest offset of either axis as it reads the telescope [rad].
 
-    Across the elevation that is the azimuth's own, x / cos E.
+    Of the first axis that is x over the cosine of the second: x / cos E.
     """
-    reading = np.where(data.is_y, 1.0, np.maximum(np.cos(at.el[data.row]), 1e-3))
+    cosine = np.cos(at.axes.el) * at.side
+    reading = np.where(data.is_y, 1.0, np.maximum(cosine[data.row], 1e-3))
     return float((np.abs(data.value) / reading).max(initial=0.0))
 
 

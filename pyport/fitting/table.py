@@ -33,7 +33,7 @@ def text(fit: Fit) -> str:
         if one.sigma is None
     ]
     lines.append("")
-    for axis, is_y in (("cross-elevation", False), ("elevation", True)):
+    for axis, is_y in zip(fit.recordings.at.mount.names, (False, True), strict=True):
         rows = int((fit.stack.is_y == is_y).sum())
         found = axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=is_y)
         if found is not None:

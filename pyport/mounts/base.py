@@ -90,6 +90,11 @@ class Mount:
     words: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
+    def fixed(self) -> str:
+        """Return what the axis that is fixed to the ground is called."""
+        return self.words.get("azimuth axis", f"{self.first.name} axis")
+
+    @property
     def names(self) -> tuple[str, str]:
         """Return what the two components of an offset on the sky are called."""
         return self.across, self.second.name

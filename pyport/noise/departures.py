@@ -57,11 +57,13 @@ def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Depa
     labels = tuple(name for (name,) in names)
     inside = session[data.row][:, None] == np.arange(len(names))
     ones = np.ones(len(data))
+    mount = recordings.at.mount
+    across, along = mount.names
     tilts = data.columns(CATALOGUE["tilt"], recordings.at)
     shapes: list[tuple[str, tuple[Array, ...]]] = [
-        ("zero in cross-elevation", (ones * ~data.is_y,)),
-        ("zero in elevation", (ones * data.is_y,)),
-        ("tilt of the azimuth axis", tuple(tilts.T)),
+        (f"zero in {across}", (ones * ~data.is_y,)),
+        (f"zero in {along}", (ones * data.is_y,)),
+        (f"tilt of the {mount.fixed}", tuple(tilts.T)),
         ("sag", tuple(data.columns(CATALOGUE["sag_cosine"], recordings.at).T)),
     ]
     return [
@@ -90,12 +92,12 @@ def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Depar
     labels = tuple(names[one][0] for one in again)
     ones = np.ones(len(data))
     shapes = [
-        ("offset in cross-elevation", [ones * ~data.is_y]),
-        ("offset in elevation", [ones * data.is_y]),
+        (f"offset in {name}", [ones * here])
+        for name, here in zip(recordings.at.mount.names, (~data.is_y, data.is_y), strict=True)
     ]
     with contextlib.suppress(MissingColumn):
         east, north = parallactic(recordings.at)
-        turned = [data.spread(*east), data.spread(*north)]
+        turned = [data.spread(*recordings.at.along_axes(*one)) for one in (east, north)]
         if np.isfinite(np.stack(turned)).all():
             shapes = [("place in the catalogue", turned)]
     return [

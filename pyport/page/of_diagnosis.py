@@ -20,6 +20,7 @@ from pyport.page.notes import notes
 from pyport.page.picture import Layer, Picture, Side, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
 from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import Stack
 
 #: Labels that distinguish recordings when one is pointed at.
 LABELS = ("source", "antenna", "session", "receiver", "channel")
@@ -65,6 +66,7 @@ def picture_of(
         y=y,
         names=names,
         show=show,
+        axes=at.mount.names,
     )
 
 
@@ -196,12 +198,12 @@ def _card(finding: Finding, layer: int) -> Card:
 
 
 def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
-    said = []
+    said, axes = [], diagnosis.setup.recordings.at.mount.names
     if diagnosis.noisy:
         said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.noisy)}.")
     together = [one.sentence for one in diagnosis.combinations[:MOST_COMBINATIONS]]
     said += [f"{one[0].upper()}{one[1:]}." for one in together]
-    said += [two_axes_words.sentence(one) for one in diagnosis.two_axes]
+    said += [two_axes_words.sentence(one, axes) for one in diagnosis.two_axes]
     said += [f"{one[0].upper()}{one[1:]}." for one in soundness.warnings(diagnosis)]
     return tuple(said)
 
@@ -242,9 +244,10 @@ def _turn(diagnosis: Diagnosis, step: Step) -> Turn:
     return Turn(winner.id, step.p_value, tuple(list(best.values())[:MOST_RIVALS]))
 
 
-def off_by(line: int, is_y: bool, residual: float) -> tuple[int, str]:  # noqa: FBT001 - an axis
-    """Return the line of an outlier and what is the matter with it."""
-    axis = "elevation" if is_y else "cross-elevation"
+def off_by(recordings: Recordings, stack: Stack, n: np.intp, residual: float) -> tuple[int, str]:
+    """Return the line of an outlier among the readings and what is the matter with it."""
+    axis = recordings.at.mount.names[int(stack.is_y[n])]
+    line = int(recordings.line[stack.row[n]])
     return line, f"{axis} off by {residual / ARCSEC:.1f} arcsec"
 
 
@@ -252,7 +255,4 @@ def _outliers(diagnosis: Diagnosis) -> tuple[tuple[int, str], ...]:
     setup = diagnosis.setup
     left = diagnosis.left(diagnosis.after)
     rows = np.flatnonzero(~diagnosis.weighed.used)
-    return tuple(
-        off_by(int(setup.recordings.line[setup.stack.row[n]]), setup.stack.is_y[n], left[n])
-        for n in rows
-    )
+    return tuple(off_by(setup.recordings, setup.stack, n, left[n]) for n in rows)

@@ -112,6 +112,6 @@ def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
 
 def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:
     return tuple(
-        off_by(int(fit.recordings.line[fit.stack.row[n]]), fit.stack.is_y[n], fit.residual[n])
+        off_by(fit.recordings, fit.stack, n, fit.residual[n])
         for n in np.flatnonzero(~fit.noise.used)
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCMIN, ARCSEC, Array
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
+from pyport.mounts import ALTAZ
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
 
@@ -93,7 +94,7 @@ class Picture:
     `time` in seconds of UTC since 1970 or None; `columns` with azimuth and
     elevation first and the hour angle next, then the others, the one with the most
     structure first; `labels` distinguish recordings when one is pointed at; `show`
-    is what is drawn first: before, after or both.
+    is what is drawn first: before, after or both; `axes` are what the mount calls x and y.
     """
 
     time: Array | None
@@ -105,6 +106,7 @@ class Picture:
     y: Side
     names: tuple[str, str] = ("before", "after")
     show: str = "both"
+    axes: tuple[str, str] = ALTAZ.names
 
     def __len__(self) -> int:
         """Return n."""
@@ -118,7 +120,7 @@ class Picture:
 
     def sides(self) -> list[tuple[str, Side]]:
         """Return the axes on which anything was measured, with their names."""
-        both = (("cross-elevation", self.x), ("elevation", self.y))
+        both = zip(self.axes, (self.x, self.y), strict=True)
         return [(name, side) for name, side in both if np.isfinite(side.before).any()]
 
 

@@ -32,7 +32,7 @@ def listed(at: Circumstances) -> Array:
 def columns(at: Circumstances, row: NDArray[np.intp], is_y: NDArray[np.bool_]) -> Array:
     """Return the terms in azimuth, in cross-elevation and in elevation, shape (m, 3 K)."""
     shapes = listed(at)[row]
-    results = np.cos(at.el)[row] * ~is_y, ~is_y * 1.0, is_y * 1.0
+    results = (np.cos(at.axes.el) * at.side)[row] * ~is_y, ~is_y * 1.0, is_y * 1.0
     return np.concatenate([shapes * one[:, None] for one in results], axis=1)
 
 

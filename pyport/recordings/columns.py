@@ -7,23 +7,14 @@ from pyport.angles import ARCMIN, RADIANS_PER
 #: Angles: each is a column `NAME_UNIT`, for instance `az_deg` or `d_el_arcmin`.
 ANGLES = frozenset(
     {
-        "az",
-        "el",
-        "d_az",
-        "d_xel",
-        "d_el",
-        "d_zd",
-        "sigma_xel",
-        "sigma_az",
-        "sigma_el",
-        "hour_angle",
-        "ra",
-        "dec",
-        "wind_az",
-        "sun_az",
-        "sun_el",
+        *("az", "el", "d_az", "d_xel", "d_el", "d_zd", "sigma_xel", "sigma_az", "sigma_el"),
+        *("hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"),
+        *("d_ha", "d_xha", "d_dec", "sigma_ha", "sigma_xha", "sigma_dec"),
+        *("x", "y", "d_x", "d_xx", "d_y", "sigma_x", "sigma_xx", "sigma_y"),
     }
 )
+#: Short names of angles.
+ALIASES = {"ha": "hour_angle"}
 
 #: Angles that are also told in hours.
 HOURLY = frozenset({"hour_angle", "ra"})
@@ -42,7 +33,16 @@ NUMBERS = frozenset(
 
 #: Labels, kept as text even where they look like numbers.
 LABELS = frozenset(
-    {"antenna", "session", "receiver", "channel", "polarisation", "source", "scan_axis"}
+    {
+        "antenna",
+        "session",
+        "receiver",
+        "channel",
+        "polarisation",
+        "source",
+        "scan_axis",
+        "pier_side",
+    }
 )
 
 TIME = "time_utc"
@@ -64,6 +64,7 @@ def angle_of(name: str) -> tuple[str, float] | None:
     None where the name is no angle of the contract.
     """
     quantity, _, unit = name.rpartition("_")
+    quantity = ALIASES.get(quantity, quantity)
     if quantity not in ANGLES or unit not in RADIANS_PER:
         return None
     if unit == "h" and quantity not in HOURLY:

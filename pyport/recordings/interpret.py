@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.effects.base import Circumstances, Site
-from pyport.effects.mounts import MOUNT, MOUNTS, unknown
-from pyport.recordings import sky
+from pyport.effects.base import PIER_SIDE, Circumstances, Site
+from pyport.effects.mounts import MOUNT, declared
+from pyport.mounts import ALTAZ, Mount
+from pyport.recordings import mounted, sky
 from pyport.recordings.columns import (
     ANGLES,
     DAY,
@@ -40,11 +41,8 @@ LARGEST_OFFSET_DEG = 180
 #: or a record of another format, is. A file whose encoders have no zero says so by the key.
 LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
-#: Angles that are offsets, of which a file has one or more.
-OFFSETS = frozenset({"d_az", "d_xel", "d_el", "d_zd"})
-
 #: Angles that are kept as columns.
-DIRECTIONS = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"})
+DIRECTIONS = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el", "x", "y"})
 
 
 def interpret(raw: Raw) -> Recordings:
@@ -56,23 +54,20 @@ def interpret(raw: Raw) -> Recordings:
         Required columns are missing, two say the same, a cell is no number or
         out of range, a header key is no number.
     """
-    _known_mount(raw)
     angles = angles_of(raw)
     at = _circumstances(raw, angles)
-    x, y = offsets_of(raw, angles, at.el)
+    x, y = mounted.offsets_of(raw, angles, at)
     _refuse_far_off(raw, x, y)
-    blank = np.full(len(raw.line), np.nan)
+    sigma_x, sigma_y = mounted.sigmas_of(angles, at)
     everything = Recordings(
         at=at,
         x=x,
         y=y,
-        sigma_x=angles["sigma_az"] * np.cos(at.el)
-        if "sigma_az" in angles
-        else angles.get("sigma_xel", blank),
-        sigma_y=angles.get("sigma_el", blank),
+        sigma_x=sigma_x,
+        sigma_y=sigma_y,
         line=raw.line,
         file=raw.file,
-        meta=raw.meta,
+        meta=_declaring(raw, at),
     )
     return _quarantine(everything, raw)
 
@@ -102,18 +97,33 @@ def targets(raw: Raw) -> Circumstances:
 
 def _circumstances(raw: Raw, angles: dict[str, Array]) -> Circumstances:
     """Return where, when and in which conditions; azimuths become those from north."""
-    site = _site(raw)
+    site, mount = _site(raw), mounted.mount_of(raw, angles)
+    if mount.needs_latitude and site is None:
+        raise raw.error(f"{mount.sentence} needs a line '# latitude_deg: ...', expected one")
     columns = _columns(raw)
     south = azimuth_from_south(raw)
     check_ranges(raw, angles)
     if south:
         for name in {"az", "sun_az", "wind_az"} & set(angles):
             angles[name] = angles[name] + np.pi
-    az, el = _position(raw, angles, site)
+    az, el = _position(raw, angles, site, mount)
     columns |= {name: angles[name] for name in DIRECTIONS & set(angles)}
     if site is not None:
         _add_equatorial(columns, az, el, site)
-    return Circumstances(az, el, site, columns)
+    at = Circumstances(az, el, site, columns, mount=mount)
+    if mount is not ALTAZ:
+        for axis, angle in zip((mount.first, mount.second), mounted.axes_of(at), strict=True):
+            columns.setdefault(axis.column, angle)
+    return at
+
+
+def _declaring(raw: Raw, at: Circumstances) -> dict[str, str]:
+    """Return the header keys; what the columns told of the mount is declared like the rest."""
+    words = declared(raw.meta)
+    if at.mount is ALTAZ or at.mount.id in words:
+        return raw.meta
+    others = (word for word in words if word in mounted.MOUNTS)
+    return {**raw.meta, MOUNT: ", ".join((at.mount.id, *others))}
 
 
 def _site(raw: Raw) -> Site | None:
@@ -143,13 +153,6 @@ def _key(raw: Raw, key: str, largest: float) -> float | None:
     return value
 
 
-def _known_mount(raw: Raw) -> None:
-    """Refuse a kind of mount that no effect knows."""
-    if wrong := unknown(raw.meta):
-        known = ", ".join(MOUNTS)
-        raise raw.error(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}")
-
-
 def azimuth_from_south(raw: Raw) -> bool:
     """Tell whether the file counts azimuth from south through west."""
     zero = raw.meta.get("azimuth_zero", "north").lower()
@@ -176,11 +179,11 @@ def angles_of(raw: Raw, *, measured: bool = True) -> dict[str, Array]:
         if quantity in found:
             raise raw.error(f"{found[quantity][0]!r} and {name!r} say the same, expected one")
         found[quantity] = name, radians
-    for one, other in (("d_az", "d_xel"), ("d_el", "d_zd"), ("sigma_az", "sigma_xel")):
+    for one, other in mounted.SAME:
         if one in found and other in found:
             both = f"{found[one][0]!r} and {found[other][0]!r}"
             raise raw.error(f"{both} say the same, expected one")
-    if measured and not OFFSETS & set(found):
+    if measured and not mounted.OFFSETS & set(found):
         raise raw.error("no offset column, expected d_az_deg or d_xel_deg, d_el_deg or d_zd_deg")
     return {quantity: raw.numbers(name) * radians for quantity, (name, radians) in found.items()}
 
@@ -205,6 +208,9 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
         raw.refuse(
             ~np.isin(columns["scan_axis"], ("az", "el", "")), "scan_axis is not az, el or blank"
         )
+    if PIER_SIDE in columns:
+        side = columns[PIER_SIDE] = np.char.lower(columns[PIER_SIDE])
+        raw.refuse(~np.isin(side, (*mounted.SIDES, "")), "pier_side is not east, west or blank")
     if "scan_rate" in columns:
         raw.refuse(columns["scan_rate"] < 0, f"{SCAN_RATE} is negative, expected a positive number")
     return columns
@@ -237,39 +243,40 @@ def check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
             f"elevation above {highest:g} deg, expected less, or a line '# {PLUNGE}: 95' for a "
             "telescope that goes beyond the zenith",
         )
-    for name in OFFSETS & set(angles):
+    if "dec" in angles:
+        beyond = np.abs(angles["dec"]) > np.pi / 2 + 1e-12
+        raw.refuse(beyond, "declination outside [-90, 90] deg, expected one of the sky")
+    for name in mounted.OFFSETS & set(angles):
         raw.refuse(
             np.abs(angles[name]) > LARGEST_OFFSET_DEG * DEG,
             f"offset {name} above {LARGEST_OFFSET_DEG} deg, expected a pointing offset",
         )
-    for name in {"sigma_xel", "sigma_az", "sigma_el"} & set(angles):
+    for name in {one for one in angles if one.startswith("sigma_")}:
         raw.refuse(
             angles[name] <= 0, f"{name} is not positive, expected a positive number or blank"
         )
 
 
-def _position(raw: Raw, angles: dict[str, Array], site: Site | None) -> tuple[Array, Array]:
-    """Return azimuth and elevation, from hour angle and declination where they are not given."""
-    if {"az", "el"} <= set(angles) and site is None:
-        return angles["az"], angles["el"]
+def _position(
+    raw: Raw, angles: dict[str, Array], site: Site | None, mount: Mount
+) -> tuple[Array, Array]:
+    """Return azimuth and elevation, from other angles where they are not given."""
     nothing = np.full(len(raw.line), np.nan)
     az, el = angles.get("az", nothing), angles.get("el", nothing)
+    if mount is not ALTAZ and {mount.first.column, mount.second.column} <= set(angles):
+        return mounted.place(mount, angles, 0.0 if site is None else site.latitude, az, el)
+    if {"az", "el"} <= set(angles) and site is None:
+        return az, el
     if site is not None and {"hour_angle", "dec"} <= set(angles):
         seen_az, seen_el = sky.horizon(angles["hour_angle"], angles["dec"], site.latitude)
         lost = np.isnan(az) | np.isnan(el)
         az, el = np.where(lost, seen_az, az), np.where(lost, seen_el, el)
     elif not {"az", "el"} <= set(angles):
         instead = "hour_angle_h, dec_deg and a line '# latitude_deg: ...'"
+        if not mount.needs_latitude and mount is not ALTAZ:
+            instead = f"{mount.first.column}_deg and {mount.second.column}_deg"
         raise raw.error(f"no columns az_deg and el_deg, expected them, or {instead}")
     return az, el
-
-
-def offsets_of(raw: Raw, angles: dict[str, Array], el: Array) -> tuple[Array, Array]:
-    """Return the offsets across and along elevation."""
-    nothing = np.full(len(raw.line), np.nan)
-    x = angles["d_az"] * np.cos(el) if "d_az" in angles else angles.get("d_xel", nothing)
-    y = -angles["d_zd"] if "d_zd" in angles else angles.get("d_el", nothing)
-    return x, y
 
 
 def _add_equatorial(columns: dict[str, NDArray[Any]], az: Array, el: Array, site: Site) -> None:
@@ -286,9 +293,14 @@ def _quarantine(everything: Recordings, raw: Raw) -> Recordings:
     reason = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(everything), "")
     reason = reason.astype(object)
     no_offset = np.isnan(everything.x) & np.isnan(everything.y)
-    no_position = np.isnan(everything.at.az) | np.isnan(everything.at.el)
+    at = everything.at
+    no_position = np.isnan(at.az) | np.isnan(at.el)
     reason[(reason == "") & no_offset] = "no offset on either axis"
     reason[(reason == "") & no_position] = "no azimuth or no elevation"
+    if at.mount.turns_over:
+        if PIER_SIDE not in at:
+            raise raw.error(f"{at.mount.sentence} needs a column pier_side, expected east or west")
+        reason[(reason == "") & (at.column(PIER_SIDE) == "")] = "no side of the pier"
     for row, line in repeated(raw, everything).items():
         reason[row] = reason[row] or f"the same as line {line} in every column"
     bad = reason != ""

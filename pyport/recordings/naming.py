@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from pyport.effects import MissingColumn
 from pyport.effects.base import SPELLED
 from pyport.recordings.columns import DAY, HOUR_OF_DAY, SCAN_RATE, SCAN_RATE_UNIT, angle_of
+from pyport.recordings.mounted import axes_of, names_of
 from pyport.recordings.schema import Recordings
 
 #: Angles that are kept as columns of circumstances.
-_KEPT = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"})
+_KEPT = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el", "x", "y"})
 
 
 def column(recordings: Recordings, name: str) -> NDArray[Any] | None:
@@ -37,20 +38,22 @@ def column(recordings: Recordings, name: str) -> NDArray[Any] | None:
 def _angle(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
     """Return an angle in radians."""
     at = recordings.at
+    told = names_of(at.mount)
     own = {
         "az": at.az,
         "el": at.el,
-        "d_xel": recordings.x,
-        "d_el": recordings.y,
-        "d_zd": -recordings.y,
-        "sigma_xel": recordings.sigma_x,
-        "sigma_el": recordings.sigma_y,
+        told.across: recordings.x,
+        told.along: recordings.y,
+        told.sigmas[1]: recordings.sigma_x,
+        told.sigmas[2]: recordings.sigma_y,
     }
     if quantity in own:
         return own[quantity]
-    if quantity in {"d_az", "sigma_az"}:
-        across = recordings.x if quantity == "d_az" else recordings.sigma_x
-        return across / np.cos(at.el)
+    if quantity == "d_zd" and "d_el" in own:
+        return -recordings.y
+    if quantity in {told.first, told.sigmas[0]}:
+        across = recordings.x if quantity == told.first else recordings.sigma_x
+        return across / np.cos(axes_of(at)[1])
     if quantity in _KEPT and quantity in at:
         return at.column(quantity)
     if quantity in {"sun_az", "sun_el"}:
@@ -72,7 +75,9 @@ def _sun(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
 def names(recordings: Recordings) -> list[str]:
     """Return the names that `column` knows here, angles in degrees."""
     kept = [SPELLED.get(name, name) for name in recordings.at.columns]
-    found = ["az_deg", "el_deg", "d_xel_deg", "d_el_deg", "sigma_xel_deg", "sigma_el_deg", *kept]
+    told = names_of(recordings.at.mount)
+    own = (told.across, told.along, *told.sigmas[1:])
+    found = ["az_deg", "el_deg", *(f"{one}_deg" for one in own), *kept]
     if "sun_el_deg" not in found and column(recordings, "sun_el_deg") is not None:
         found += ["sun_az_deg", "sun_el_deg"]
     return [name for name in found if name not in {DAY, HOUR_OF_DAY}]

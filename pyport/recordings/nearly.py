@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from pyport.errors import BadInput
+from pyport.recordings.columns import angle_of
 
 #: Header keys of the contract.
 KEYS = frozenset(
@@ -88,7 +89,11 @@ def refuse_columns(names: Iterable[str]) -> None:
         With the right name, and how to read the column under it.
     """
     there = set(names)
+    angles = {one[0] for one in map(angle_of, there) if one is not None}
+    of_x_and_y = bool(angles & {"x", "y", "d_y", "d_xx"})
     for name in there:
+        if of_x_and_y and angle_of(name) is not None:
+            continue
         right = meant(name)
         if right is None or right in there or right in _KEPT:
             continue

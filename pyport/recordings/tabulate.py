@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR
 from pyport.recordings.columns import SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
+from pyport.recordings.mounted import names_of
 from pyport.recordings.schema import Recordings
 
 #: Columns of the program -> the contract's name and the radians (or s) of one of its units.
@@ -17,6 +18,8 @@ _UNITS = {
     "hour_angle": ("hour_angle_h", HOUR),
     "ra": ("ra_deg", DEG),
     "dec": ("dec_deg", DEG),
+    "x": ("x_deg", DEG),
+    "y": ("y_deg", DEG),
     "wind_az": ("wind_az_deg", DEG),
     "sun_az": ("sun_az_deg", DEG),
     "sun_el": ("sun_el_deg", DEG),
@@ -36,11 +39,12 @@ def tabulate(recordings: Recordings) -> Table:
     """Return the columns that a file of these recordings has, excluded rows at the end."""
     at = recordings.at
     columns: dict[str, NDArray[Any]] = {"az_deg": at.az / DEG, "el_deg": at.el / DEG}
+    names = names_of(at.mount)
     offsets = {
-        "d_xel_deg": recordings.x,
-        "d_el_deg": recordings.y,
-        "sigma_xel_deg": recordings.sigma_x,
-        "sigma_el_deg": recordings.sigma_y,
+        f"{names.across}_deg": recordings.x,
+        f"{names.along}_deg": recordings.y,
+        f"{names.sigmas[1]}_deg": recordings.sigma_x,
+        f"{names.sigmas[2]}_deg": recordings.sigma_y,
     }
     for name, values in offsets.items():
         if name.startswith("d_") or np.isfinite(values).any():

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.effects.base import Circumstances
 from pyport.errors import BadInput
-from pyport.recordings import interpret
+from pyport.mounts import ALTAZ
+from pyport.recordings import interpret, mounted
 from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.tables import is_text
 from pyport.recordings.raw import LONGEST_CELL, Raw
@@ -103,7 +105,9 @@ def chunk_of(batch: Any, piece: Piece, first_row: int, aside: Aside) -> Chunk:  
     if not {"az", "el"} <= set(angles):
         raise raw.error("no columns az_deg and el_deg: a data set of many files must have them")
     az, el = angles["az"], angles["el"]
-    x, y = interpret.offsets_of(raw, angles, el)
+    if (mount := mounted.mount_of(raw, angles)) is not ALTAZ:
+        raise raw.error(f"{mount.sentence}: a data set of many files must be of alt-azimuth ones")
+    x, y = mounted.offsets_of(raw, angles, Circumstances(az, el))
     time = raw.seconds(TIME) if TIME in raw.columns else np.zeros(len(az))
     numbers = {
         name: raw.numbers(name)

@@ -47,8 +47,7 @@ def _story(fit: Rt32Fit, honest: Array, picture: Picture) -> Story:
         for k, value in enumerate(fit.values)
     )
     outliers = tuple(
-        off_by(int(fit.recordings.line[fit.stack.row[n]]), bool(fit.stack.is_y[n]), fit.residual[n])
-        for n in np.flatnonzero(~fit.inside)
+        off_by(fit.recordings, fit.stack, n, fit.residual[n]) for n in np.flatnonzero(~fit.inside)
     )
     return Story(
         kind="fit",
