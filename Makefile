@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 OUT ?= out
 
 .PHONY: demo test lint format proof proof-small acceptance docs physics api tutorial screenshots golden
-.PHONY: dist clean
+.PHONY: dist wheel sanitize clean
 .PHONY: nulls real
 .PHONY: fuzz torture lock audit
 .PHONY: bench bench-record growth FORCE
@@ -62,6 +62,25 @@ docs: $(VENV)/docs
 dist: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet 'build>=1.2'
 	$(BIN)/python -m build --outdir dist
+
+# The compiled kernel, and the program beside it; needs a C compiler. Installed, it is used.
+KERNEL := pyport/pointing/kernel_src
+
+wheel: dist
+	$(BIN)/python -m build --outdir dist $(KERNEL)
+
+# The kernel's tests with every load, store and sum watched.
+SANITIZED := $(OUT)/sanitized
+
+sanitize: $(BIN)/pyport
+	@sh .ci/install gfortran
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	rm -rf $(SANITIZED)
+	$(BIN)/python -m pip install --quiet --no-deps --target $(SANITIZED) $(KERNEL) \
+	  -Csetup-args=-Db_sanitize=address,undefined -Csetup-args=-Db_lundef=false
+	LD_PRELOAD=$$($${CC:-cc} -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 \
+	  UBSAN_OPTIONS=halt_on_error=1 PYTHONPATH=$(SANITIZED) PYPORT_KERNEL=required \
+	  $(BIN)/python -m pytest -q -p no:cacheprovider tests/pointing tests/steering/test_lookup.py
 
 # The reference of every public name, from the docstrings.
 api: $(BIN)/pyport

@@ -6,10 +6,22 @@ from hypothesis import settings
 
 from pyport.parity import oracle as compiled
 from pyport.parity import stored
+from pyport.pointing import kernel
 
 # how long an example takes says something about the machine's other work, nothing about the program
 settings.register_profile("pyport", deadline=None)
 settings.load_profile("pyport")
+
+
+@pytest.fixture(scope="module", params=["numpy", "kernel"])
+def both_paths(request):
+    """Run a module's tests by numpy, and by the compiled kernel where it is installed."""
+    if request.param == "kernel" and kernel.KERNEL is None:
+        pytest.skip("the kernel is not installed: make wheel")
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "numpy":
+            patch.setattr(kernel, "KERNEL", None)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -46,7 +46,24 @@ FORMER = {
     "verify": "dev verify",
 }
 
-pyport = click.version_option(__version__, prog_name="pyport")(
+
+def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001 - click's signature
+    """Print the version and what computes."""
+    if wanted and not context.resilient_parsing:
+        from pyport.pointing import kernel
+
+        click.echo(f"pyport, version {__version__}, computing with {kernel.path()}")
+        context.exit()
+
+
+pyport = click.option(
+    "--version",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_print_version,
+    help="Show the version and what computes, numpy or the compiled kernel.",
+)(
     Lazy(
         "pyport",
         "pyport.cli",

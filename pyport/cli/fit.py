@@ -168,8 +168,9 @@ def _fit_rt32(
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:
     """Print a fit as text or JSON, and leave the JSON in a folder where one is asked for."""
     from pyport.files import write_whole
+    from pyport.pointing import kernel
 
-    whole = json.dumps(report, indent=1, allow_nan=False)
+    whole = json.dumps(report | {"computed_with": kernel.path()}, indent=1, allow_nan=False)
     if out is not None:
         with write_whole(out / "fit.json") as file:
             file.write(whole + "\n")

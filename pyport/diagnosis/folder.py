@@ -14,6 +14,7 @@ from typing import Any
 
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
+from pyport.pointing import kernel
 
 REPORT = "report.json"
 #: What a diagnosis writes beside its report.
@@ -21,11 +22,12 @@ _COMPANIONS = ("rows.csv", "report.html", "finding-[0-9]*-*.png", "array-places.
 
 
 def finish(folder: Path, report: dict[str, Any], companions: Iterable[Path]) -> dict[str, Any]:
-    """Write report.json with the hashes of the files beside it, and return it.
+    """Write report.json with what computed it and the hashes of the files beside it; return it.
 
     What earlier runs left there under names of the program's own is removed.
     """
-    whole = report | {"files": {path.name: sha256(path) for path in companions}}
+    files = {path.name: sha256(path) for path in companions}
+    whole = report | {"computed_with": kernel.path(), "files": files}
     with write_whole(folder / REPORT) as file:
         json.dump(whole, file, indent=1, allow_nan=False)
         file.write("\n")

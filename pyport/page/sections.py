@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from pyport.page.markup import Markup, join, table, tag
 from pyport.page.story import Bar, Card, Story
+from pyport.pointing import kernel
 
 #: Rows of a table beyond which it is cut.
 CUT = 400
@@ -203,7 +204,7 @@ def _folded(title: str, how: str, inside: Markup, *, unfolded: bool = False) -> 
 
 def foot(story: Story, version: str) -> Markup:
     """Return where the page comes from."""
-    told = [f"pyport {version}", f"file {story.source.file}"]
+    told = [f"pyport {version}, computed with {kernel.path()}", f"file {story.source.file}"]
     if story.source.sha256:
         told.append(f"SHA-256 {story.source.sha256}")
     told += [f"{key} {value}" for key, value in story.source.meta if key != "bookkeeping"]

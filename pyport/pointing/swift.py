@@ -12,74 +12,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pyport.angles import Array, wrap
+from pyport.pointing import kernel
 from pyport.pointing.axis import Axis
 from pyport.pointing.jump import has_jumped, jump_altitude
+from pyport.pointing.leaning import Leaning
 
 #: Points of a block, and arrays that its work needs: together they fit into a core's second cache.
 BLOCK, _ROOMS = 16384, 10
 
 
-@dataclass(frozen=True)
-class _Parameters:
-    """p1..p12 [rad] by name, and what follows from them for azimuths counted from `toward`."""
-
-    az0: float
-    alt0: float
-    sigma: float
-    beta: float
-    lean: float
-    upright: float
-    toward: float
-    #: How far from its own zero the tilted mount sees the south point.
-    south: float
-    sag: float
-    sag_sine: float
-    jump: float
-    #: What sin(2 Az) and cos(2 Az) add to the offsets in azimuth and in altitude.
-    in_az: tuple[float, float]
-    in_alt: tuple[float, float]
-
-    @classmethod
-    def of(cls, p: ArrayLike, *, exact: bool) -> _Parameters:
-        """Return them for either form."""
-        # an infinite angle has no sine
-        given = [one if math.isfinite(one) else math.nan for one in map(float, np.asarray(p))]
-        az0, alt0, sigma, beta, xi, zeta, sag, sag_sine, sin_2a, cos_2a, nod, jump = given
-        south, west = (math.sin(xi), math.sin(zeta)) if exact else (xi, zeta)
-        toward = math.atan2(west, south)
-        sine, cosine = math.sin(2 * toward), math.cos(2 * toward)
-        in_az = sin_2a * cosine - cos_2a * sine, sin_2a * sine + cos_2a * cosine
-        in_alt = nod * cosine, nod * sine
-        lean = math.hypot(south, west)
-        upright = math.sqrt(max(0.0, 1 - lean**2))
-        zero = 0.0
-        if exact:
-            sine, cosine = math.sin(toward), math.cos(toward)
-            zero = math.atan2(sine * cosine * (1 - upright), cosine**2 * upright + sine**2)
-        return cls(
-            az0, alt0, sigma, beta, lean, upright, toward, zero, sag, sag_sine, jump, in_az, in_alt
-        )
-
-
 #: (azimuth from where the mount leans, altitude, parameters, the two offsets' place, room to
 #: work) -> None; what depends on both angles is written.
-_Form = Callable[[Axis, Axis, _Parameters, tuple[Array, Array], Array], None]
+_Form = Callable[[Axis, Axis, Leaning, tuple[Array, Array], Array], None]
 
 
 def exact(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.exact.exact_offsets` does, within 1e-15/cos(alt) rad."""
-    return _by_blocks(_exact, az_south, altitude, _Parameters.of(p, exact=True))
+    return _by_blocks(_exact, az_south, altitude, Leaning.of(p, exact=True))
 
 
 def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return what :func:`pyport.pointing.approximate.approximate_offsets` does."""
-    return _by_blocks(_approximate, az_south, altitude, _Parameters.of(p, exact=False))
+    return _by_blocks(_approximate, az_south, altitude, Leaning.of(p, exact=False))
 
 
 def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]:
@@ -101,9 +60,12 @@ def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]
 
 
 def _by_blocks(
-    form: _Form, az_south: ArrayLike, altitude: ArrayLike, p: _Parameters
+    form: _Form, az_south: ArrayLike, altitude: ArrayLike, p: Leaning
 ) -> tuple[Array, Array]:
     az, alt = np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
+    compiled = kernel.offsets(az, alt, p, exact=form is _exact)
+    if compiled is not None:
+        return compiled
     shape = np.broadcast_shapes(az.shape, alt.shape)
     if len(shape) == 2 and az.shape == (shape[0], 1) and alt.shape[-1] == alt.size:
         return _grid(form, az.reshape(-1), alt.reshape(-1, 1), p)
@@ -126,7 +88,7 @@ def _by_blocks(
     return d_az[()], d_alt[()]
 
 
-def _grid(form: _Form, az: Array, alt: Array, p: _Parameters) -> tuple[Array, Array]:
+def _grid(form: _Form, az: Array, alt: Array, p: Leaning) -> tuple[Array, Array]:
     """Return the offsets of a grid; in memory azimuths lie together, being the more usually."""
     columns, rows = Axis.of(az, p.toward), Axis.of_altitudes(alt)
     waves, sags = np.empty((3, len(az))), np.empty((2, *alt.shape))
@@ -155,7 +117,7 @@ def _slices(count: int, size: int) -> Iterator[slice]:
         yield slice(low, low + size)
 
 
-def _waves(az: Axis, p: _Parameters, room: Array) -> None:
+def _waves(az: Axis, p: Leaning, room: Array) -> None:
     """Write what depends on azimuth alone to two arrays, with a third to work in.
 
     Zeros of both axes, encoders and rail.
@@ -169,7 +131,7 @@ def _waves(az: Axis, p: _Parameters, room: Array) -> None:
         wave += zero + by_cosine
 
 
-def _sags(alt: Axis, p: _Parameters, room: Array) -> Array:
+def _sags(alt: Axis, p: Leaning, room: Array) -> Array:
     """Return what depends on altitude alone, written to the first of two arrays."""
     np.multiply(alt.cosine, p.sag, out=room[0])
     room[0] += np.multiply(alt.sine, p.sag_sine, out=room[1])
@@ -189,7 +151,7 @@ def _wrap(angle: Array) -> None:
         angle[beyond] = wrap(angle[beyond])
 
 
-def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: Array) -> None:
+def _exact(az: Axis, alt: Axis, p: Leaning, out: tuple[Array, Array], room: Array) -> None:
     """Write the exact form's arcs, eqs. 1 to 4, 15 and 16."""
     facing = np.copysign(1.0, alt.cosine) if _some_below(alt.cosine) else None
     _tilted(az, alt, p, facing, out[0], room)
@@ -200,7 +162,7 @@ def _exact(az: Axis, alt: Axis, p: _Parameters, out: tuple[Array, Array], room: 
 
 
 def _tilted(
-    az: Axis, alt: Axis, p: _Parameters, facing: Array | None, d_az: Array, room: Array
+    az: Axis, alt: Axis, p: Leaning, facing: Array | None, d_az: Array, room: Array
 ) -> None:
     """Write the turn of azimuth by a tilt.
 
@@ -232,7 +194,7 @@ def _tilted(
 
 
 def _skewed(
-    alt: Axis, p: _Parameters, facing: Array | None, out: tuple[Array, Array], room: Array
+    alt: Axis, p: Leaning, facing: Array | None, out: tuple[Array, Array], room: Array
 ) -> None:
     """Add the turn of azimuth and write the change of altitude by skew and box.
 
@@ -273,7 +235,7 @@ def _skewed(
 def _approximate(
     az: Axis,
     alt: Axis,
-    p: _Parameters,
+    p: Leaning,
     out: tuple[Array, Array],
     room: Array,  # noqa: ARG001 - the exact form needs it
 ) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG, Array
 from pyport.errors import BadInput
+from pyport.pointing import kernel
 from pyport.steering.ascii import read_ascii
 from pyport.steering.binary import MAGIC, read_binary
 from pyport.steering.grid import Table
@@ -55,11 +56,13 @@ def offsets_at(table: Table, az_deg: ArrayLike, zd_deg: ArrayLike) -> tuple[Arra
         np.asarray(az_deg, dtype=float), np.asarray(zd_deg, dtype=float)
     )
     nodes = table.grid.az_deg, table.grid.zd_deg
-    _within("azimuth", az_deg, nodes[0])
-    _within("zenith distance", zd_deg, nodes[1])
     d_az_deg, d_zd_deg = np.empty(az_deg.shape), np.empty(az_deg.shape)
     az, zd, *out = (one.reshape(-1) for one in (az_deg, zd_deg, d_az_deg, d_zd_deg))
     of = [np.ascontiguousarray(one).reshape(-1) for one in (table.d_az_deg, table.d_zd_deg)]
+    if kernel.look_up(nodes, of, (az, zd), out):
+        return d_az_deg[()], d_zd_deg[()]
+    _within("azimuth", az_deg, nodes[0])
+    _within("zenith distance", zd_deg, nodes[1])
     for low in range(0, len(az), BLOCK):
         some = slice(low, low + BLOCK)
         corners = _corners(_place(az[some], nodes[0]), _place(zd[some], nodes[1]), len(nodes[1]))

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pyport.angles import ARCSEC, DEG, wrap
 from pyport.pointing import approximate_offsets, exact_offsets, printed
 from pyport.pointing.exact import skewed, tilted
+
+pytestmark = pytest.mark.usefixtures("both_paths")
 
 azimuths = st.floats(-270 * DEG, 270 * DEG)
 altitudes = st.floats(-5 * DEG, 89 * DEG)

@@ -8,6 +8,8 @@ from pyport.effects import Circumstances
 from pyport.pointing import Rt32Model, exact_offsets, printed
 from pyport.pointing.jacobian import exact_slopes
 
+pytestmark = pytest.mark.usefixtures("both_paths")
+
 STEP = 1e-6
 
 

@@ -22,6 +22,8 @@ from pyport.pointing import (
 )
 from pyport.pointing.approximate import effect_of
 
+pytestmark = pytest.mark.usefixtures("both_paths")
+
 TABLE = Path(__file__).parents[2] / "golden_tables/published/model3_parameters.txt"
 
 

@@ -15,6 +15,8 @@ from pyport.effects import Circumstances
 from pyport.pointing import approximate_columns, recovered, swift
 from pyport.pointing.exact import exact_offsets, tilted
 
+pytestmark = pytest.mark.usefixtures("both_paths")
+
 azimuths = st.floats(-270 * DEG, 270 * DEG)
 altitudes = st.floats(-5 * DEG, 95 * DEG)
 small = st.floats(-0.05 * DEG, 0.05 * DEG)

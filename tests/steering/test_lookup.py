@@ -12,6 +12,8 @@ from pyport.steering import Grid, Table, offsets_at, tabulate
 from pyport.steering.lookup import answers, interpolation_errors
 from pyport.steering.tabulate import offsets_of
 
+pytestmark = pytest.mark.usefixtures("both_paths")
+
 GRID = Grid(np.arange(-270.0, 271, 10), np.arange(-5.0, 90))
 AZ_DEG, ZD_DEG = GRID.points_deg()
 PLANE = Table(GRID, 0.1 * AZ_DEG + ZD_DEG, AZ_DEG * ZD_DEG)

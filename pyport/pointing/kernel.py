@@ -1,0 +1,101 @@
+"""The compiled kernel where it is installed: the same formulae in one loop.
+
+It is a distribution of its own, `pyport-pointing-kernel`, that `make wheel` builds from
+`kernel_src`. PYPORT_KERNEL=off leaves it out, PYPORT_KERNEL=required insists on it.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from types import ModuleType
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.pointing.leaning import Leaning
+
+
+def _installed() -> ModuleType | None:
+    """Return the kernel, None where it is not installed or not wanted."""
+    wish = os.environ.get("PYPORT_KERNEL", "")
+    if wish == "off":
+        return None
+    try:
+        import pyport_kernel
+    except ImportError:
+        if wish == "required":
+            raise
+        return None
+    return pyport_kernel
+
+
+#: The kernel in use, None where numpy does the work.
+KERNEL = _installed()
+
+
+def path() -> str:
+    """Return what computes: `numpy`, or the kernel and its instruction set."""
+    return "numpy" if KERNEL is None else f"kernel, {KERNEL.level()}"
+
+
+def offsets(az: Array, alt: Array, p: Leaning, *, exact: bool) -> tuple[Array, Array] | None:
+    """Return both offsets [rad] in the angles' broadcast shape.
+
+    None where numpy has to: no kernel, or angles of more than a million radians.
+    """
+    if KERNEL is None:
+        return None
+    shape = np.broadcast_shapes(az.shape, alt.shape)
+    given = _given(p)
+    if len(shape) == 2 and az.shape == (shape[0], 1) and alt.shape[-1] == alt.size:
+        d_az, d_alt = np.empty((2, shape[1], shape[0]))
+        large = KERNEL.grid(exact, given, _flat(az), _flat(alt), d_az, d_alt)
+        return None if large else (d_az.T, d_alt.T)
+    d_az, d_alt = np.empty(shape), np.empty(shape)
+    az, alt = (np.broadcast_to(one, shape) for one in (az, alt))
+    large = KERNEL.scattered(exact, given, _flat(az), _flat(alt), d_az, d_alt)
+    return None if large else (d_az[()], d_alt[()])
+
+
+def look_up(
+    nodes: tuple[Array, Array], of: Sequence[Array], at: Sequence[Array], out: Sequence[Array]
+) -> bool:
+    """Write what a table's offsets are between its nodes; tell whether that could be done.
+
+    Parameters
+    ----------
+    nodes
+        The table's two axes, of equal steps, shapes (n,) and (m,).
+    of
+        Two offsets at the nodes, shape (n m,) each.
+    at, out
+        Two places and the room for two offsets, shape (k,) each.
+
+    Notes
+    -----
+    It cannot be done without the kernel, nor where a place lies beyond the table.
+    """
+    if KERNEL is None or min(map(len, nodes)) < 2:
+        return False
+    nodes_and_all = (*nodes, *of, *at)
+    return not KERNEL.look_up(*map(np.ascontiguousarray, nodes_and_all), *out)
+
+
+def _flat(angles: Array) -> Array:
+    return np.ascontiguousarray(angles.reshape(-1))
+
+
+def _given(p: Leaning) -> Array:
+    """Return the parameters in the order of the kernel's `loops.h`."""
+    cos_s, tan_s = math.cos(p.sigma), math.tan(p.sigma)
+    sin_b, cos_b = math.sin(p.beta), math.cos(p.beta)
+    return np.array([
+        p.toward, p.lean, p.lean**2, 1 / (1 + p.upright), p.upright, p.south,
+        2 * p.in_az[0], 2 * p.in_az[1], p.az0 + p.south + p.in_az[1],
+        2 * p.in_alt[0], 2 * p.in_alt[1], p.alt0 + p.in_alt[1],
+        p.sag, p.sag_sine, p.jump,
+        p.sigma, p.beta, tan_s, sin_b / cos_s,
+        sin_b * cos_s * tan_s, 1 / (cos_s * cos_b), 1 / cos_b,
+    ])  # fmt: skip

@@ -1,0 +1,41 @@
+/* The kernel's loops, compiled once for each instruction set. */
+
+#ifndef PYPORT_KERNEL_LOOPS_H
+#define PYPORT_KERNEL_LOOPS_H
+
+#include <stddef.h>
+
+/* Parameters of a form, as pyport.pointing.kernel makes them. */
+enum parameter {
+    TOWARD, LEAN, LEAN_SQUARED, LEAN_SHARE, UPRIGHT, SOUTH,
+    AZ_BY_SINE, AZ_BY_COSINE, AZ_ZERO, ALT_BY_SINE, ALT_BY_COSINE, ALT_ZERO,
+    SAG, SAG_SINE, JUMP,
+    SIGMA, BETA, ACROSS_BY_SINE, ACROSS_ZERO, RISE_ZERO, RISE_BY_COSINE, RISE_BY_SINE,
+    PARAMETERS
+};
+
+struct table {
+    const double *az, *zd;      /* offsets at the nodes, rows of azimuth */
+    ptrdiff_t rows, row;        /* how many rows, and nodes in one */
+    double first_az, last_az, first_zd, last_zd;
+};
+
+struct loops {
+    const char *name;
+    /* Offsets at n points; how many angles are too large to be reduced here. */
+    size_t (*scattered)(int exact, const double *p, size_t n, const double *az,
+                        const double *alt, double *d_az, double *d_alt);
+    /* Offsets at every azimuth for every altitude, azimuths together in memory; as above. */
+    size_t (*grid)(int exact, const double *p, size_t columns, const double *az, size_t rows,
+                   const double *alt, double *room, double *d_az, double *d_alt);
+    /* Offsets between a table's nodes; how many places lie beyond it. */
+    size_t (*look_up)(const struct table *t, size_t n, const double *az, const double *zd,
+                      double *d_az, double *d_zd);
+    /* A function of n numbers: 0 sine, 1 cosine, 2 arcsine of x; 3 arctangent of y and x. */
+    void (*elementary)(int which, size_t n, const double *y, const double *x, double *out);
+};
+
+/* Arrays that a grid's azimuths need. */
+#define COLUMN_ROOMS 5
+
+#endif

@@ -1,0 +1,251 @@
+/* The kernel for Python: numbers come and go as contiguous buffers of doubles, and the loops are
+   those of the best instruction set that the processor has. */
+
+#define Py_LIMITED_API 0x030b0000
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include "loops.h"
+
+#ifdef __x86_64__
+extern const struct loops loops_v4, loops_v3, loops_v1;
+static const struct loops *const LEVELS[] = {&loops_v4, &loops_v3, &loops_v1};
+
+static int has(const struct loops *level)
+{
+    __builtin_cpu_init();
+    if (level == &loops_v4)
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
+               && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq")
+               && __builtin_cpu_supports("avx512vl");
+    if (level == &loops_v3)
+        return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+               && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    return 1;
+}
+#else
+extern const struct loops loops_base;
+static const struct loops *const LEVELS[] = {&loops_base};
+
+static int has(const struct loops *level)
+{
+    (void)level;
+    return 1;
+}
+#endif
+
+enum { COUNT = sizeof LEVELS / sizeof *LEVELS };
+static const struct loops *chosen;
+
+/* Buffers of doubles; those from `written` on can be written to. */
+struct numbers {
+    Py_buffer view[8];
+    int count;
+};
+
+static void give_back(struct numbers *of)
+{
+    while (of->count > 0)
+        PyBuffer_Release(&of->view[--of->count]);
+}
+
+static int take(struct numbers *of, PyObject *const *from, int count, int written)
+{
+    of->count = 0;
+    for (int n = 0; n < count; n++)
+    {
+        int flags = PyBUF_FORMAT | PyBUF_C_CONTIGUOUS | (n < written ? 0 : PyBUF_WRITABLE);
+        if (PyObject_GetBuffer(from[n], &of->view[n], flags) < 0)
+        {
+            give_back(of);
+            return 0;
+        }
+        of->count++;
+        if (!of->view[n].format || of->view[n].format[0] != 'd' || of->view[n].format[1])
+        {
+            give_back(of);
+            PyErr_SetString(PyExc_TypeError, "expected arrays of float64");
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static size_t size(const struct numbers *of, int n)
+{
+    return (size_t)of->view[n].len / sizeof(double);
+}
+
+static double *values(const struct numbers *of, int n)
+{
+    return of->view[n].buf;
+}
+
+static PyObject *wrong(struct numbers *of)
+{
+    give_back(of);
+    if (!PyErr_Occurred())
+        PyErr_SetString(PyExc_ValueError, "arrays of other sizes than one another's");
+    return NULL;
+}
+
+static PyObject *answer(struct numbers *of, size_t count)
+{
+    give_back(of);
+    return PyLong_FromSize_t(count);
+}
+
+static PyObject *scattered(PyObject *self, PyObject *args)
+{
+    int exact;
+    PyObject *given[5];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "pOOOOO", &exact, given, given + 1, given + 2, given + 3, given + 4)
+        || !take(&of, given, 5, 3))
+        return NULL;
+    size_t n = size(&of, 1), large;
+    if (size(&of, 0) != PARAMETERS || size(&of, 2) != n || size(&of, 3) != n || size(&of, 4) != n)
+        return wrong(&of);
+    Py_BEGIN_ALLOW_THREADS
+    large = chosen->scattered(exact, values(&of, 0), n, values(&of, 1), values(&of, 2),
+                              values(&of, 3), values(&of, 4));
+    Py_END_ALLOW_THREADS
+    return answer(&of, large);
+}
+
+static PyObject *grid(PyObject *self, PyObject *args)
+{
+    int exact;
+    PyObject *given[5];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "pOOOOO", &exact, given, given + 1, given + 2, given + 3, given + 4)
+        || !take(&of, given, 5, 3))
+        return NULL;
+    size_t columns = size(&of, 1), rows = size(&of, 2), all = columns * rows, large;
+    if (size(&of, 0) != PARAMETERS || size(&of, 3) != all || size(&of, 4) != all)
+        return wrong(&of);
+    double *room = PyMem_Malloc((COLUMN_ROOMS * columns + 1) * sizeof(double));
+    if (!room)
+    {
+        PyErr_NoMemory();
+        return wrong(&of);
+    }
+    Py_BEGIN_ALLOW_THREADS
+    large = chosen->grid(exact, values(&of, 0), columns, values(&of, 1), rows, values(&of, 2), room,
+                         values(&of, 3), values(&of, 4));
+    Py_END_ALLOW_THREADS
+    PyMem_Free(room);
+    return answer(&of, large);
+}
+
+static PyObject *look_up(PyObject *self, PyObject *args)
+{
+    PyObject *given[8];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "OOOOOOOO", given, given + 1, given + 2, given + 3, given + 4,
+                          given + 5, given + 6, given + 7)
+        || !take(&of, given, 8, 6))
+        return NULL;
+    size_t rows = size(&of, 0), row = size(&of, 1), n = size(&of, 4), beyond;
+    if (rows < 2 || row < 2 || rows * row > INT32_MAX || size(&of, 2) != rows * row
+        || size(&of, 3) != rows * row || size(&of, 5) != n || size(&of, 6) != n
+        || size(&of, 7) != n)
+        return wrong(&of);
+    struct table t = {values(&of, 2), values(&of, 3), (ptrdiff_t)rows, (ptrdiff_t)row,
+                      values(&of, 0)[0], values(&of, 0)[rows - 1],
+                      values(&of, 1)[0], values(&of, 1)[row - 1]};
+    Py_BEGIN_ALLOW_THREADS
+    beyond = chosen->look_up(&t, n, values(&of, 4), values(&of, 5), values(&of, 6), values(&of, 7));
+    Py_END_ALLOW_THREADS
+    return answer(&of, beyond);
+}
+
+static PyObject *elementary(PyObject *self, PyObject *args)
+{
+    int which;
+    PyObject *given[3];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "iOOO", &which, given, given + 1, given + 2)
+        || !take(&of, given, 3, 2))
+        return NULL;
+    size_t n = size(&of, 0);
+    if (size(&of, 1) != n || size(&of, 2) != n)
+        return wrong(&of);
+    chosen->elementary(which, n, values(&of, 0), values(&of, 1), values(&of, 2));
+    return answer(&of, n);
+}
+
+static PyObject *levels(PyObject *self, PyObject *unused)
+{
+    PyObject *found = PyList_New(0);
+    (void)self;
+    (void)unused;
+    for (int n = 0; found && n < COUNT; n++)
+    {
+        PyObject *name = has(LEVELS[n]) ? PyUnicode_FromString(LEVELS[n]->name) : NULL;
+        if (name && PyList_Append(found, name) < 0)
+            Py_CLEAR(found);
+        Py_XDECREF(name);
+    }
+    return found;
+}
+
+static PyObject *level(PyObject *self, PyObject *unused)
+{
+    (void)self;
+    (void)unused;
+    return PyUnicode_FromString(chosen->name);
+}
+
+static PyObject *choose(PyObject *self, PyObject *args)
+{
+    const char *name;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "s", &name))
+        return NULL;
+    for (int n = 0; n < COUNT; n++)
+        if (has(LEVELS[n]) && !strcmp(LEVELS[n]->name, name))
+        {
+            chosen = LEVELS[n];
+            Py_RETURN_NONE;
+        }
+    PyErr_Format(PyExc_ValueError, "this processor has no %s", name);
+    return NULL;
+}
+
+static PyMethodDef methods[] = {
+    {"scattered", scattered, METH_VARARGS,
+     "Write offsets at n points; return how many angles are too large for it.\n\n"
+     "(exact, p, az, alt, d_az, d_alt), arrays of n float64, p the parameters of loops.h."},
+    {"grid", grid, METH_VARARGS,
+     "Write offsets at (altitudes, azimuths); return how many angles are too large for it.\n\n"
+     "(exact, p, az, alt, d_az, d_alt), offsets of altitudes times azimuths."},
+    {"look_up", look_up, METH_VARARGS,
+     "Write offsets between a table's nodes; return how many places lie beyond it.\n\n"
+     "(az nodes, zd nodes, az offsets, zd offsets, az, zd, d_az, d_zd)."},
+    {"elementary", elementary, METH_VARARGS,
+     "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
+     "of y and x; y, x, values)."},
+    {"levels", levels, METH_NOARGS, "Return the instruction sets that can be chosen, best first."},
+    {"level", level, METH_NOARGS, "Return the instruction set in use."},
+    {"choose", choose, METH_VARARGS, "Use an instruction set of `levels`."},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, "pyport_kernel",
+    "The loops of pyport.pointing and pyport.steering, compiled.", -1, methods,
+    NULL, NULL, NULL, NULL,
+};
+
+PyMODINIT_FUNC PyInit_pyport_kernel(void)
+{
+    for (int n = COUNT - 1; n >= 0; n--)
+        if (has(LEVELS[n]))
+            chosen = LEVELS[n];
+    return PyModule_Create(&definition);
+}

@@ -1,0 +1,148 @@
+"""The compiled kernel: its functions against fifty digits, its offsets against numpy's."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+import pyport.pointing
+from pyport.angles import DEG
+from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, kernel, recovered
+from pyport.steering import RT32_GRID
+
+SOURCE = Path(pyport.pointing.__file__).parent / "kernel_src"
+#: Units of the last place that each function may be off.
+WITHIN_ULP = 2.5
+
+compiled = kernel.KERNEL
+if compiled is None:
+    pytest.skip("the kernel is not installed: make wheel", allow_module_level=True)
+
+
+@pytest.fixture(params=compiled.levels())
+def level(request):
+    """Use each instruction set that this processor has."""
+    best = compiled.level()
+    compiled.choose(request.param)
+    yield request.param
+    compiled.choose(best)
+
+
+def arguments():
+    """Return numbers for every function: angles large and near quarter turns, shares, sides."""
+    rng = np.random.default_rng(0)
+    quarters = rng.integers(-8, 9, 500) * np.pi / 2 + rng.normal(0, 1e-9, 500)
+    angles = np.concatenate([rng.uniform(-5, 5, 500), rng.uniform(-1e6, 1e6, 500), quarters])
+    sides = rng.normal(0, 1, 1500) * 10 ** rng.uniform(-9, 1, 1500)
+    return {
+        "sine": (0, sides, angles),
+        "cosine": (1, sides, angles),
+        "arcsine": (2, sides, np.concatenate([rng.uniform(-1, 1, 1498), [1.0, -0.5]])),
+        "arctangent": (3, sides, angles),
+    }
+
+
+TRUE = {
+    "sine": lambda _, x: mpmath.sin(x),
+    "cosine": lambda _, x: mpmath.cos(x),
+    "arcsine": lambda _, x: mpmath.asin(x),
+    "arctangent": mpmath.atan2,
+}
+
+
+@pytest.mark.parametrize("name", TRUE)
+def test_functions_against_fifty_digits(level, name):
+    """No function is further off than its promise, in units of the last place."""
+    which, y, x = arguments()[name]
+    found = np.empty(len(x))
+    compiled.elementary(which, y, x, found)
+
+    with mpmath.workdps(50):
+        true = [TRUE[name](mpmath.mpf(a), mpmath.mpf(b)) for a, b in zip(y, x, strict=True)]
+        off = [abs(mpmath.mpf(one) - other) for one, other in zip(found, true, strict=True)]
+    units = np.array(off, float) / np.spacing(np.abs(np.array(true, float)))
+
+    assert units.max() < WITHIN_ULP, level
+
+
+def test_functions_of_what_is_no_number(level):
+    """What is no number gives none; signs of zeros and quarter turns are the C library's."""
+    odd = np.array([0.0, -0.0, 1.0, -1.0, np.nan])
+    y, x = (one.ravel().copy() for one in np.meshgrid(odd, odd))
+    found = np.empty(len(x))
+
+    for which, numpys in enumerate((np.sin, np.cos, np.arcsin)):
+        compiled.elementary(which, y, x, found)
+        np.testing.assert_allclose(found, numpys(x), rtol=1e-15, err_msg=level)
+    compiled.elementary(3, y, x, found)
+    np.testing.assert_allclose(found, np.arctan2(y, x), rtol=1e-15)
+    known = np.isfinite(found)
+    np.testing.assert_array_equal(np.signbit(found[known]), np.signbit(np.arctan2(y, x)[known]))
+
+
+@pytest.mark.parametrize("form", [exact_offsets, approximate_offsets])
+def test_numpys_offsets(level, form, monkeypatch):
+    """All over the sky, in plunge and where none reaches, within 2e-15 rad over the cosine."""
+    rng = np.random.default_rng(1)
+    az, alt = rng.uniform(-270, 270, 20_000) * DEG, rng.uniform(-5, 95, 20_000) * DEG
+    alt[:100] = np.pi / 2 + rng.normal(0, 3e-4, 100)
+    ours = form(az, alt, recovered())
+    monkeypatch.setattr(kernel, "KERNEL", None)
+    numpys = form(az, alt, recovered())
+
+    # where rounding decides whether the step is there
+    near = has_jumped(az, alt - 1e-14) != has_jumped(az, alt + 1e-14)
+    for one, other in zip(ours, numpys, strict=True):
+        off = np.abs(one - other)
+        off = np.minimum(off, 2 * np.pi - off) * np.abs(np.cos(alt))
+        assert off[~near].max() < 2e-15, level
+
+
+def test_the_step_is_where_numpy_has_it(level, monkeypatch):
+    """On the steering table's grid, where some nodes lie on the curve itself."""
+    p = np.zeros(12)
+    p[11] = 1.0
+    az, alt = RT32_GRID.az_deg[:, None] * DEG, (90 - RT32_GRID.zd_deg) * DEG
+    ours = exact_offsets(az, alt, p)[1]
+    monkeypatch.setattr(kernel, "KERNEL", None)
+
+    np.testing.assert_allclose(ours, exact_offsets(az, alt, p)[1], atol=1e-14, err_msg=level)
+
+
+def test_large_angles_are_left_to_numpy(monkeypatch):
+    """Angles that the kernel cannot reduce are numpy's, in an array with others too."""
+    az = np.array([1.0, 3e6, -1e12])
+    ours = exact_offsets(az, 0.5, recovered())
+    monkeypatch.setattr(kernel, "KERNEL", None)
+
+    np.testing.assert_array_equal(ours, exact_offsets(az, 0.5, recovered()))
+
+
+@pytest.mark.parametrize("sizes", [(21, 3, 3, 3, 3), (22, 3, 2, 3, 3), (22, 3, 3, 3, 4)])
+def test_arrays_of_wrong_sizes_are_refused(sizes):
+    """Nothing is read or written beyond an array's end."""
+    with pytest.raises(ValueError, match="sizes"):
+        compiled.scattered(True, *(np.zeros(size) for size in sizes))  # noqa: FBT003 - as C has it
+
+
+def test_arrays_of_other_numbers_are_refused():
+    """Float32 and arrays that cannot be written to are no doubles to write to."""
+    good, single, fixed = np.zeros(22), np.zeros(3, np.float32), np.zeros(3)
+    fixed.flags.writeable = False
+
+    with pytest.raises(TypeError, match="float64"):
+        compiled.scattered(True, good, single, single, single, single)  # noqa: FBT003
+    with pytest.raises((ValueError, BufferError)):
+        compiled.scattered(True, good, fixed, fixed, fixed, fixed)  # noqa: FBT003
+
+
+def test_the_polynomials_are_those_of_their_script():
+    """The coefficients in the C source are what the script computes, and good to half a digit."""
+    script = runpy.run_path(str(SOURCE / "polynomials.py"))
+
+    assert (SOURCE / "polynomials.h").read_text() == script["header"]()
+    assert all(script["coefficients"](name)[1] < 5e-17 for name in script["POLYNOMIALS"])
