@@ -40,7 +40,7 @@ def refine(
     if winner.scope != "all":
         return setup, plain, 1.0, 0.0
     step = effect.is_change and effect.parameter is not None
-    if not step and not (effect.id == "subreflector_jump" and effect.edge is not None):
+    if not step and effect.edge is None:
         return setup, plain, 1.0, 0.0
     view = plain_view(setup, weighed, chosen)
     of_number = np.log(max(len(view.rows), 3))

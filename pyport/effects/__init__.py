@@ -63,6 +63,16 @@ def catalogue(mount: Mount) -> dict[str, Effect]:
     return {one.id: one for one in (on(each, mount) for each in effects)}
 
 
+def register(effect: Effect) -> None:
+    """Add an effect to the catalogue of every mount that has it, as long as the program runs."""
+    from pyport.effects.on_mount import concerns, on
+
+    for mount in KINDS.values():
+        if concerns(effect, mount):
+            added = on(effect, mount)
+            catalogue(mount)[added.id] = added
+
+
 def known(name: str) -> Effect | None:
     """Return the effect of an id, in the words of whichever mount has it; None without one."""
     return next((had[name] for mount in KINDS.values() if name in (had := catalogue(mount))), None)
@@ -78,4 +88,5 @@ __all__ = [
     "Site",
     "catalogue",
     "known",
+    "register",
 ]

@@ -44,6 +44,8 @@ PIER_SIDE, OVER = "pier_side", "west"
 
 #: The driver of effects that go with the time of the day: the Sun, the hour, time itself.
 THE_HOUR = "the hour"
+#: What `Effect.in_arrays` may be.
+ZERO, LASTING, STEP, HELD = "zero", "lasting", "step", "held"
 
 
 class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
@@ -283,6 +285,10 @@ class Effect:
         The models (`Mount.model`) of the mounts that have it; empty for all.
     of
         For an effect in the words of another mount its id on an alt-azimuth mount.
+    in_arrays
+        How the antennas of an array are compared: `ZERO` is free in every session, for encoders
+        are set anew; `LASTING` stays in a mount from day to day; a `STEP` parts the zeros; what is
+        `HELD` these three take up as well. "" for what all share, which is taken out first.
     belongs_to
         The label of what is wrong, such as `source`, where that is not the telescope: it must
         come back with the label from one night to another.
@@ -308,6 +314,7 @@ class Effect:
     pattern: str = ""
     means: Mapping[str, str] = field(default_factory=dict)
     belongs_to: str = ""
+    in_arrays: str = ""
     acts_in: str = ""
     mounts: tuple[str, ...] = ()
     of: str = ""

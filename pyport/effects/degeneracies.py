@@ -292,6 +292,16 @@ ALIKE = (
 #: The observation that distinguishes two effects, by their ids.
 DECIDE_BY: dict[frozenset[str], str] = {frozenset(one.ids): one.decide for one in ALIKE}
 
+#: Terms of a model that elevation alone distinguishes, and what would do it better.
+BY_ELEVATION = {
+    frozenset({"azimuth_zero", "collimation", "skew"}): (
+        "only cos E, 1 and sin E part them: observe from the horizon to the zenith"
+    ),
+    frozenset({"elevation_zero", "sag_cosine", "sag_sine", "elevation_scale", "refraction"}): (
+        "all are smooth in elevation: observe from the horizon to the zenith"
+    ),
+}
+
 
 def decisions(members: Collection[str]) -> list[str]:
     """Return the observations that distinguish the members of a class, each once."""

@@ -134,12 +134,20 @@ def _likeness(other: str, how: Alike) -> str:
 
 def markdown() -> str:
     """Return the document on the physics: the catalogue family by family."""
-    return "\n".join([_PREFACE, *(_section(family) for family in FAMILIES)])
+    families = [(_title(family), family.EFFECTS) for family in FAMILIES]
+    shipped = {effect.id for _, effects in families for effect in effects}
+    added = [effect for name, effect in CATALOGUE.items() if name not in shipped]
+    if added:
+        families.append(("Registered while the program ran", added))
+    return "\n".join([_PREFACE, *(_section(*family) for family in families)])
 
 
-def _section(family: ModuleType) -> str:
-    title = (family.__doc__ or "").strip().splitlines()[0].rstrip(".")
-    return "\n".join([f"## {title}\n", *(_entry(effect) for effect in family.EFFECTS)])
+def _title(family: ModuleType) -> str:
+    return (family.__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+def _section(title: str, effects: Sequence[Effect]) -> str:
+    return "\n".join([f"## {title}\n", *(_entry(effect) for effect in effects)])
 
 
 def _entry(effect: Effect) -> str:

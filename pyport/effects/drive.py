@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, HELD, LASTING, Circumstances, Coefficient, Effect, stack
 from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
@@ -50,6 +50,7 @@ def _timing(variant: str) -> Effect:
         variant=variant,
         profile=_timings,
         acts_in=AXES,
+        in_arrays=HELD,
         pattern="in opposite directions in forward and reverse scans, in proportion to their rate",
         needs=("scan_direction", "scan_rate_arcmin_per_min"),
         formula=("+-v tau cos E in scans along azimuth", "+-v tau in scans along elevation"),
@@ -103,6 +104,7 @@ EFFECTS = (
         (Coefficient("scan_direction_az"), Coefficient("scan_direction_el")),
         scan_direction,
         acts_in=AXES,
+        in_arrays=LASTING,
         pattern="in opposite directions in forward and reverse scans",
         needs=("scan_direction",),
         formula=("+-b in scans along azimuth", "+-b in scans along elevation"),

@@ -13,6 +13,7 @@ from pyport.angles import Array
 from pyport.effects.base import (
     AXES,
     SKY,
+    STEP,
     THE_HOUR,
     Circumstances,
     Coefficient,
@@ -254,6 +255,7 @@ _OFFSET: Effect = Effect(
     variant="constant per session",
     profile=_epoch_offsets,
     acts_in=AXES,
+    in_arrays=STEP,
     pattern="the zeros differ from one time to another",
     needs=("session or time_utc",),
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, LASTING, ZERO, Circumstances, Coefficient, Effect, stack
 
 _FIELD_SYSTEM = "Himwich, Mark IV Field System documentation, Pointing Model (1993)"
 
@@ -40,6 +40,9 @@ def tilt(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (sin_e * sin_a, cos_a), (-sin_e * cos_a, sin_a))
 
 
+#: What differs between nights without saying anything of the telescope: refitted on another one.
+NIGHTLY = ("azimuth_zero", "elevation_zero", "collimation")
+
 EFFECTS = (
     Effect(
         "azimuth_zero",
@@ -48,6 +51,7 @@ EFFECTS = (
         (Coefficient("azimuth_zero"),),
         azimuth_zero,
         acts_in=AXES,
+        in_arrays=ZERO,
         pattern="a constant in azimuth",
         formula=("a cos E", ""),
     ),
@@ -58,6 +62,7 @@ EFFECTS = (
         (Coefficient("elevation_zero"),),
         elevation_zero,
         acts_in=AXES,
+        in_arrays=ZERO,
         pattern="a constant in elevation",
         formula=("", "e"),
     ),
@@ -68,6 +73,7 @@ EFFECTS = (
         (Coefficient("collimation"),),
         collimation,
         acts_in=AXES,
+        in_arrays=LASTING,
         pattern="a constant across the sky, the same at all elevations",
         means={"receiver-boxes": "a box beside its place"},
         formula=("b", ""),
@@ -79,6 +85,7 @@ EFFECTS = (
         (Coefficient("skew"),),
         skew,
         acts_in=AXES,
+        in_arrays=LASTING,
         pattern="in cross-elevation, growing with the sine of elevation",
         formula=("c sin E", ""),
     ),
@@ -89,6 +96,7 @@ EFFECTS = (
         (Coefficient("tilt_north"), Coefficient("tilt_east")),
         tilt,
         acts_in=AXES,
+        in_arrays=LASTING,
         pattern="once per turn of azimuth, in both axes",
         formula=("n sin E sin A - e sin E cos A", "n cos A + e sin A"),
     ),

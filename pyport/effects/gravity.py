@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import LASTING, SKY, Circumstances, Coefficient, Effect, stack
 
 _BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 17 and 19"
 
@@ -29,6 +29,7 @@ EFFECTS = (
         sag_cosine,
         formula=("", "g cos E"),
         acts_in=SKY,
+        in_arrays=LASTING,
         pattern="in elevation, with the cosine of elevation",
     ),
     Effect(

@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.effects.base import SKY, Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import (
+    HELD,
+    SKY,
+    Basis,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
 from pyport.effects.celestial import SIDEREAL, hour_angle_shift
 from pyport.effects.orientation import ut1_minus_utc
 
@@ -53,6 +62,7 @@ def _clock(variant: str) -> Effect:
         variant=variant,
         profile=_clocks,
         acts_in=SKY,
+        in_arrays=HELD,
         pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),
@@ -82,6 +92,7 @@ EFFECTS = (
         site_latitude,
         acts_in=SKY,
         mounts=("altaz", "xy"),
+        in_arrays=HELD,
         pattern="as a lean toward north or south, in both axes",
         formula=("d sin E sin A", "d cos A"),
     ),
@@ -92,6 +103,7 @@ EFFECTS = (
         (Coefficient("longitude_error"),),
         site_longitude,
         acts_in=SKY,
+        in_arrays=HELD,
         pattern="along the hour angle, in both axes",
         needs=("latitude_deg",),
         formula=("d (sin phi cos E - cos phi sin E cos A)", "d cos phi sin A"),

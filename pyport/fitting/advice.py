@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pyport.angles import Array
+from pyport.effects.degeneracies import BY_ELEVATION
 from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.soundness import doubts
 from pyport.fitting.two_axes import UNLIKELY
@@ -17,14 +18,6 @@ WEAK = 2.0
 TIED = 0.95
 #: So many correlated pairs are told.
 MOST_PAIRS = 6
-
-#: Pairs that elevation alone parts, and what would part them better.
-_ACROSS = frozenset({"azimuth_zero", "collimation", "skew"})
-_ALONG = frozenset({"elevation_zero", "sag_cosine", "sag_sine", "elevation_scale", "refraction"})
-_REMEDY = {
-    _ACROSS: "only cos E, 1 and sin E part them: observe from the horizon to the zenith",
-    _ALONG: "all are smooth in elevation: observe from the horizon to the zenith",
-}
 
 
 def named(fit: Fit) -> list[tuple[str, Coefficients, int]]:
@@ -85,7 +78,7 @@ def _tied(fit: Fit, everything: list[tuple[str, Coefficients, int]]) -> Iterator
         pair = everything[column], everything[row]
         yield f"{pair[0][0]} and {pair[1][0]} correlate by {matrix[row, column]:+.3f}"
         ids = {one.term.effect.id for _, one, _ in pair}
-        met |= {remedy for family, remedy in _REMEDY.items() if ids <= family}
+        met |= {remedy for family, remedy in BY_ELEVATION.items() if ids <= family}
     if len(order) > MOST_PAIRS:
         yield f"{len(order) - MOST_PAIRS} more pairs correlate by more than {TIED}"
     yield from sorted(met)

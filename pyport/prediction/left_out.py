@@ -13,14 +13,13 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
+from pyport.effects.geometry import NIGHTLY
 from pyport.prediction.contenders import Contender, Night, Rows, solved
 
 #: Parts that pointings are dealt to, and that elevation and azimuth are cut into.
 DEALT, BANDS, SECTORS = 10, 10, 8
 #: Pointings are dealt so often: what terms are picked hangs on who is left out with whom.
 DEALS = 5
-#: What differs between nights without telling of the telescope: it is refitted on another one.
-ZEROS = ("azimuth_zero", "elevation_zero", "collimation")
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def on_another(contender: Contender, own: Night, other: Night) -> Array:
     """Return what is left of another night's readings, its zero points refitted, shape (m,)."""
     left = contender.residual(np.ones(len(own.stack), bool), other)
     zeros = np.concatenate(
-        [other.stack.columns(CATALOGUE[one], other.recordings.at) for one in ZEROS], axis=1
+        [other.stack.columns(CATALOGUE[one], other.recordings.at) for one in NIGHTLY], axis=1
     )
     everything = np.ones(len(left), bool)
     return np.asarray(left - zeros @ solved(zeros, left, other.stack.is_y, everything)[0])

@@ -1,20 +1,16 @@
 """The diagnosis as a whole: silent where nothing is missing, right where something is."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from diagnosis.made import recordings
 
 from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.enough import SCATTER
 from pyport.diagnosis.summary import summary
 from pyport.formats.models import load
-
-sys.path.insert(0, str(Path(__file__).parent))
-from made import recordings
 
 
 def run(given, model="altaz", **options):

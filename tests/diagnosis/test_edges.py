@@ -1,10 +1,8 @@
 """Edges of any form: the best one, all that are as likely, and the jump averaged over them."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.edge_paths import CLIMB, _good, _log_likely, _path
@@ -12,9 +10,6 @@ from pyport.diagnosis.edges import _path as cheapest
 from pyport.diagnosis.edges import sky_of
 from pyport.effects.structure import FreeEdge
 from pyport.formats.models import load
-
-sys.path.insert(0, str(Path(__file__).parent))
-from made import recordings
 
 DEG = np.pi / 180
 

@@ -1,10 +1,8 @@
 """What no effect explains: fields and boxes stand where the misfit is."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from diagnosis.made import recordings
 
 from pyport.diagnosis.boxes import boxes
 from pyport.diagnosis.case import prepare, weigh
@@ -13,9 +11,6 @@ from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.fields import Ground, region
 from pyport.formats.models import load
-
-sys.path.insert(0, str(Path(__file__).parent))
-from made import recordings
 
 
 def dent(at):

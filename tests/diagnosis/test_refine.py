@@ -1,16 +1,11 @@
 """Refining: a step's moment and an edge's curve are found where they are."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
-
-sys.path.insert(0, str(Path(__file__).parent))
-from made import recordings
 
 
 def test_a_step_is_dated_to_within_two_recordings():

@@ -2,13 +2,12 @@
 
 import csv
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from diagnosis.made import recordings
 
 import pyport
 from pyport.angles import ARCSEC, DEG
@@ -17,9 +16,6 @@ from pyport.effects import Circumstances
 from pyport.formats.models import load
 from pyport.recordings import write
 from pyport.steering import read_table
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
-from made import recordings
 
 PLAIN = ["mod", "ctl", "txt", "xml", "json"]
 

@@ -1,13 +1,12 @@
 """Before the mount is given a model: how far it moves things, where, and what is unsound."""
 
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from diagnosis.made import recordings
 
 import pyport
 from pyport.angles import ARCSEC
@@ -19,9 +18,6 @@ from pyport.errors import BadInput
 from pyport.models.model import Model, Term
 from pyport.models.terms.editing import named
 from pyport.recordings import write
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
-from made import recordings
 
 
 def of(**values):

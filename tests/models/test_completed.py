@@ -1,11 +1,10 @@
 """A completed model leaves what the fit or diagnosis leaves; every table prints one number."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from diagnosis.made import recordings
 from samples import sample
 
 from pyport import api
@@ -26,9 +25,6 @@ from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
-from made import recordings
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
 OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])

@@ -1,11 +1,9 @@
 """From the finding to the mount: diagnose --save, compare, convert, for one cause of each kind."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from diagnosis.made import recordings
 
 from pyport import pipeline as run
 from pyport.angles import ARCSEC, DEG
@@ -16,9 +14,6 @@ from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models import toml
 from pyport.recordings import read, write
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
-from made import recordings
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
 OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])

@@ -1,8 +1,6 @@
 """A model is asked for offsets, for where to drive, and back, in every form of a direction."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,6 +10,7 @@ from astropy.coordinates import AltAz, EarthLocation, SkyCoord
 from astropy.table import QTable
 from astropy.time import Time
 from astropy.utils import iers
+from diagnosis.made import recordings
 
 import pyport
 from pyport.angles import ARCSEC, DEG
@@ -26,9 +25,6 @@ from pyport.formats.models import load
 from pyport.models.model import Model, Term
 from pyport.pointing import exact_offsets, printed
 from pyport.pointing.one import exact_one
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
-from made import recordings
 
 PLACE = EarthLocation.from_geodetic(18.56 * u.deg, 53.1 * u.deg, 130 * u.m)
 WHEN = Time("2026-03-01T12:00:00")

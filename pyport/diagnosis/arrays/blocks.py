@@ -19,15 +19,11 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Setup
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
+from pyport.effects.base import LASTING, STEP, ZERO
+from pyport.effects.epochs import clock
 from pyport.least_squares import robust
 from pyport.noise.covariance import OUTLIER_WEIGHT
 
-#: What is free in every session: encoders are set anew.
-ZEROS = ("azimuth_zero", "elevation_zero")
-#: What lasts in a mount: the classical terms, and the play that scans show.
-LASTING = ("tilt", "sag_cosine", "collimation", "skew", "scan_direction")
-#: Found effects that the shapes, zeros and common parts hold already; others are taken out.
-HELD = {*ZEROS, *LASTING, "scan_timing", "clock", "site_longitude", "site_latitude", "epoch_offset"}
 #: Residuals beyond this many sigmas have no weight.
 REACH = 6.0
 #: Pointings that a block must have beyond its shapes and zeros.
@@ -105,7 +101,11 @@ class Block:
 
 def lasting_shapes(setup: Setup) -> tuple[Shape, ...]:
     """Return the lasting shapes that these recordings show."""
-    return _shown(setup, [CATALOGUE[name] for name in LASTING])
+    return _shown(setup, _that_are(LASTING))
+
+
+def _that_are(kind: str) -> list[Effect]:
+    return [one for one in CATALOGUE.values() if one.in_arrays == kind]
 
 
 def model_shapes(setup: Setup) -> tuple[Shape, ...]:
@@ -117,7 +117,7 @@ def _shown(setup: Setup, effects: Sequence[Effect]) -> tuple[Shape, ...]:
     """Return the coefficients of some effects that move anything here, zeros apart."""
     found = []
     for effect in effects:
-        if effect.id in ZEROS:
+        if effect.in_arrays == ZERO:
             continue
         try:
             columns = setup.stack.columns(effect, setup.recordings.at)
@@ -131,7 +131,7 @@ def shared(setup: Setup, fit: joint.Joint) -> Array:
     """Return what the whole array shares of the effects found, but for clocks and zeros, (m,)."""
     total = np.zeros(len(setup.residual))
     for n, one in enumerate(fit.choices[len(setup.base) :], len(setup.base)):
-        if "antenna" not in one.scope and one.candidate.effect.id not in HELD:
+        if "antenna" not in one.scope and not one.candidate.effect.in_arrays:
             total += joint.contribution(setup, fit, n)
     return total
 
@@ -139,7 +139,7 @@ def shared(setup: Setup, fit: joint.Joint) -> Array:
 def steps(fit: joint.Joint) -> list[float]:
     """Return the moments [s, UTC since 1970] at which the zeros were found to be set anew."""
     effects = [one.candidate.effect for one in fit.choices]
-    return [e.parameter for e in effects if e.id == "epoch_offset" and e.parameter is not None]
+    return [e.parameter for e in effects if e.in_arrays == STEP and e.parameter is not None]
 
 
 def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
@@ -155,7 +155,7 @@ def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bloc
     """
     stack, at = setup.stack, setup.recordings.at
     columns = [stack.columns(one.effect, at)[:, one.coefficient] for one in shapes]
-    zeros = np.concatenate([stack.columns(CATALOGUE[name], at) for name in ZEROS], axis=1)
+    zeros = np.concatenate([stack.columns(one, at) for one in _that_are(ZERO)], axis=1)
     since = _since(setup, steps(fit))
     zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
     value = setup.residual - shared(setup, fit)
@@ -180,10 +180,10 @@ def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bloc
 
 
 def _since(setup: Setup, moments: Sequence[float]) -> Codes:
-    """Return for each reading how many of some moments were past, shape (m,)."""
+    """Return for each reading how many of some moments, or rows, were past, shape (m,)."""
     if not moments:
         return np.zeros(len(setup.stack), np.intp)
-    time = np.asarray(setup.recordings.at.column("time"), float)[setup.stack.row]
+    time = clock(setup.recordings.at)[setup.stack.row]
     return np.searchsorted(np.sort(moments), np.nan_to_num(time), side="right")
 
 
