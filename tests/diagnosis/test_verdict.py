@@ -6,7 +6,7 @@ import pytest
 
 from pyport.diagnosis.finding import Evidence, Finding, Where
 from pyport.diagnosis.honest import judged
-from pyport.diagnosis.resampling import NOTICEABLE, STABLE, Stability
+from pyport.diagnosis.stability import NOTICEABLE, STABLE, Stability
 
 
 def finding(effect="refraction", verdict="named", members=None):
