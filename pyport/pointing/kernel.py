@@ -83,6 +83,26 @@ def look_up(
     return not KERNEL.look_up(*map(np.ascontiguousarray, nodes_and_all), *out)
 
 
+def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:
+    """Return the products of weighted columns with each other, and of columns with a target.
+
+    Parameters
+    ----------
+    columns, weight, target
+        Shapes (k, n), contiguous, (n,) and (n,).
+
+    Returns
+    -------
+    normal, right
+        Shapes (k, k) and (k,).
+    """
+    if KERNEL is None:
+        return columns * weight @ columns.T, columns @ target
+    normal, right = np.empty((len(columns),) * 2), np.empty(len(columns))
+    KERNEL.gram(columns, weight, target, normal, right)
+    return normal, right
+
+
 def _flat(angles: Array) -> Array:
     return np.ascontiguousarray(angles.reshape(-1))
 

@@ -146,3 +146,15 @@ def test_the_polynomials_are_those_of_their_script():
 
     assert (SOURCE / "polynomials.h").read_text() == script["header"]()
     assert all(script["coefficients"](name)[1] < 5e-17 for name in script["POLYNOMIALS"])
+
+
+@pytest.mark.parametrize("rows", [0, 1, 7, 1000])
+def test_products_of_columns(level, rows):
+    """Weighted products of columns, with one another and with a target, are those of matrices."""
+    rng = np.random.default_rng(4)
+    columns, (weight, target) = rng.normal(size=(5, rows)), rng.normal(size=(2, rows))
+
+    normal, right = kernel.gram(columns, weight, target)
+
+    np.testing.assert_allclose(normal, columns * weight @ columns.T, atol=1e-12, err_msg=level)
+    np.testing.assert_allclose(right, columns @ target, atol=1e-12)

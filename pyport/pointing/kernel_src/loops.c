@@ -335,6 +335,38 @@ static size_t look_up(const struct table *t, size_t n, const double *az, const d
     return beyond;
 }
 
+static double product(size_t n, const double *a, const double *b)
+{
+    double sum = 0;
+    _Pragma("omp simd reduction(+ : sum)") for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+static void gram(size_t k, size_t n, const double *columns, const double *weight,
+                 const double *target, double *normal, double *right)
+{
+    double heavy[2 * BLOCK];
+    for (size_t a = 0; a < k * k; a++)
+        normal[a] = 0;
+    for (size_t a = 0; a < k; a++)
+        right[a] = 0;
+    for (size_t low = 0; low < n; low += 2 * BLOCK)
+    {
+        size_t some = n - low < 2 * BLOCK ? n - low : 2 * BLOCK;
+        for (size_t a = 0; a < k; a++)
+        {
+            const double *column = columns + a * n + low;
+            EACH for (size_t i = 0; i < some; i++) heavy[i] = column[i] * weight[low + i];
+            for (size_t b = 0; b <= a; b++)
+                normal[a * k + b] += product(some, heavy, columns + b * n + low);
+            right[a] += product(some, column, target + low);
+        }
+    }
+    for (size_t a = 0; a < k; a++)
+        for (size_t b = 0; b < a; b++)
+            normal[b * k + a] = normal[a * k + b];
+}
+
 static void elementary(int which, size_t n, const double *y, const double *x, double *out)
 {
     double sine, cosine;
@@ -348,4 +380,4 @@ static void elementary(int which, size_t n, const double *y, const double *x, do
         EACH for (size_t i = 0; i < n; i++) out[i] = arctangent(y[i], x[i]);
 }
 
-const struct loops LOOPS = {LEVEL, scattered, grid, look_up, elementary};
+const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, elementary};

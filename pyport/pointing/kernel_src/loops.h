@@ -31,6 +31,9 @@ struct loops {
     /* Offsets between a table's nodes; how many places lie beyond it. */
     size_t (*look_up)(const struct table *t, size_t n, const double *az, const double *zd,
                       double *d_az, double *d_zd);
+    /* Products of k columns of n rows, each row so heavy, and of the columns with a target. */
+    void (*gram)(size_t k, size_t n, const double *columns, const double *weight,
+                 const double *target, double *normal, double *right);
     /* A function of n numbers: 0 sine, 1 cosine, 2 arcsine of x; 3 arctangent of y and x. */
     void (*elementary)(int which, size_t n, const double *y, const double *x, double *out);
 };

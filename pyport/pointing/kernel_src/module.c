@@ -163,6 +163,24 @@ static PyObject *look_up(PyObject *self, PyObject *args)
     return answer(&of, beyond);
 }
 
+static PyObject *gram(PyObject *self, PyObject *args)
+{
+    PyObject *given[5];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "OOOOO", given, given + 1, given + 2, given + 3, given + 4)
+        || !take(&of, given, 5, 3))
+        return NULL;
+    size_t n = size(&of, 1), k = size(&of, 4);
+    if (size(&of, 0) != n * k || size(&of, 2) != n || size(&of, 3) != k * k)
+        return wrong(&of);
+    Py_BEGIN_ALLOW_THREADS
+    chosen->gram(k, n, values(&of, 0), values(&of, 1), values(&of, 2), values(&of, 3),
+                 values(&of, 4));
+    Py_END_ALLOW_THREADS
+    return answer(&of, k);
+}
+
 static PyObject *elementary(PyObject *self, PyObject *args)
 {
     int which;
@@ -227,6 +245,9 @@ static PyMethodDef methods[] = {
     {"look_up", look_up, METH_VARARGS,
      "Write offsets between a table's nodes; return how many places lie beyond it.\n\n"
      "(az nodes, zd nodes, az offsets, zd offsets, az, zd, d_az, d_zd)."},
+    {"gram", gram, METH_VARARGS,
+     "Write the products of k columns of n rows, each row so heavy, and those with a target.\n\n"
+     "(columns of shape (k, n), weights, target, products of shape (k, k), products with it)."},
     {"elementary", elementary, METH_VARARGS,
      "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
      "of y and x; y, x, values)."},

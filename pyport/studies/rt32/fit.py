@@ -17,7 +17,7 @@ from pyport.angles import DEG, Array, Codes
 from pyport.errors import BadInput
 from pyport.fitting.soundness import doubts
 from pyport.least_squares.gram import inverse_of, inverted
-from pyport.pointing import PARAMETERS, Rt32Model
+from pyport.pointing import PARAMETERS, Rt32Model, kernel
 from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, stack
@@ -214,7 +214,8 @@ def fit_rt32(
             recordings.file,
         )
     weight = tuned.weight(residual)
-    inverse, _, condition, known = inverted((columns * (weight * prior)[:, None]).T @ columns)
+    normal, _ = kernel.gram(np.ascontiguousarray(columns.T), weight * prior, residual)
+    inverse, _, condition, known = inverted(normal)
     open_or_not = np.where(known, 1.0, np.nan)
     return Rt32Fit(
         recordings, data, method, level, exact, np.nan if step is None else step,
@@ -257,9 +258,11 @@ def settle(
     solution, residual, slope = np.zeros(columns.shape[1]), value, weight
     for rounds in range(1, most + 1):
         normal, right = np.zeros((len(solution),) * 2), np.zeros(len(solution))
+        heavy, target = slope * times, weight * times * residual
         for rows, which, own in halves:
-            normal[np.ix_(which, which)] += own * (slope * times)[rows] @ own.T
-            right[which] += own @ (weight * times * residual)[rows]
+            products, sums = kernel.gram(own, heavy[rows], target[rows])
+            normal[np.ix_(which, which)] += products
+            right[which] += sums
         solution = solution + inverse_of(normal)[0] @ right
         residual = np.concatenate(
             [value[rows] - solution[which] @ own for rows, which, own in halves]
