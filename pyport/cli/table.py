@@ -82,7 +82,6 @@ def command(
     from pyport import steering
     from pyport.progress import working
     from pyport.steering.grid import span
-    from pyport.steering.published import write_recordings
     from pyport.steering.tabulate import Beside
 
     if not (output or check or against or recordings or refractions):
@@ -96,6 +95,8 @@ def command(
     if refractions:
         lines += _refractions(told)
     if recordings:
+        from pyport.steering.published import write_recordings
+
         write_recordings(recordings)
         told["recordings"] = recordings
         lines.append(f"{recordings}: the published extracts as recordings")
@@ -127,6 +128,8 @@ def command(
 
 def _columns(conditions: tuple[str, ...]) -> dict[str, object]:
     """Return COLUMN=VALUE arguments as columns inside the program."""
+    if not conditions:
+        return {}
     from pyport.models.conditions import columns_of
 
     told: dict[str, object] = {}
@@ -140,10 +143,14 @@ def _columns(conditions: tuple[str, ...]) -> dict[str, object]:
 
 def _twice(model: str, refraction: str) -> list[str]:
     """Return a warning where a model and the table both hold refraction."""
+    from pyport.steering.tabulate import base_of
+
+    if refraction == "none" or base_of(model) == model:
+        return []
     from pyport.formats.models import load
     from pyport.models.model import BUILT_IN
 
-    if refraction == "none" or model in BUILT_IN:
+    if model in BUILT_IN:
         return []
     held = [term for term in load(model).terms if term.effect.id == "refraction"]
     if not any(term.has_values for term in held):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import ModuleType
 
 import numpy as np
@@ -81,6 +81,30 @@ def look_up(
         return False
     nodes_and_all = (*nodes, *of, *at)
     return not KERNEL.look_up(*map(np.ascontiguousarray, nodes_and_all), *out)
+
+
+#: Functions of the C library that the kernel calls for many numbers.
+_LIBRARY: dict[Callable[..., float], int] = {math.sin: 0, math.cos: 1, math.asin: 2, math.atan2: 3}
+
+
+def library(function: Callable[..., float], parts: Sequence[Array]) -> Array | None:
+    """Return a function of `math` for each element, NaN where it has none: the C library's bits.
+
+    None without the kernel, and for functions that it does not know.
+
+    Parameters
+    ----------
+    function
+        Sine, cosine, arcsine or the arctangent of two numbers.
+    parts
+        Its one or two arguments, arrays of one shape.
+    """
+    if KERNEL is None or function not in _LIBRARY:
+        return None
+    first, last = (np.ascontiguousarray(one) for one in (parts[0], parts[-1]))
+    out = np.empty(parts[0].shape)
+    KERNEL.library(_LIBRARY[function], first, last, out)
+    return out
 
 
 def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:

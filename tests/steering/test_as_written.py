@@ -16,6 +16,8 @@ from pyport.pointing import exact_offsets, recovered
 from pyport.pointing.exact import tilted
 from pyport.steering import as_written
 
+pytestmark = pytest.mark.usefixtures("both_paths")
+
 real4 = np.float32
 P4 = (recovered() / DEG).astype(real4)
 

@@ -5,6 +5,8 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
+#include <math.h>
+
 #include "loops.h"
 
 #ifdef __x86_64__
@@ -197,6 +199,31 @@ static PyObject *elementary(PyObject *self, PyObject *args)
     return answer(&of, n);
 }
 
+/* The C library's functions, number by number, as Python's math module calls them. */
+static PyObject *library(PyObject *self, PyObject *args)
+{
+    int which;
+    PyObject *given[3];
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "iOOO", &which, given, given + 1, given + 2)
+        || !take(&of, given, 3, 2))
+        return NULL;
+    size_t n = size(&of, 2);
+    const double *y = values(&of, 0), *x = values(&of, 1);
+    double *out = values(&of, 2);
+    if (size(&of, 0) != n || size(&of, 1) != n)
+        return wrong(&of);
+    Py_BEGIN_ALLOW_THREADS
+    for (size_t i = 0; i < n; i++)
+        out[i] = which == 0   ? sin(x[i])
+                 : which == 1 ? cos(x[i])
+                 : which == 2 ? asin(x[i])
+                              : atan2(y[i], x[i]);
+    Py_END_ALLOW_THREADS
+    return answer(&of, n);
+}
+
 static PyObject *levels(PyObject *self, PyObject *unused)
 {
     PyObject *found = PyList_New(0);
@@ -251,6 +278,8 @@ static PyMethodDef methods[] = {
     {"elementary", elementary, METH_VARARGS,
      "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
      "of y and x; y, x, values)."},
+    {"library", library, METH_VARARGS,
+     "Write the C library's values of the same functions; arguments as for `elementary`."},
     {"levels", levels, METH_NOARGS, "Return the instruction sets that can be chosen, best first."},
     {"level", level, METH_NOARGS, "Return the instruction set in use."},
     {"choose", choose, METH_VARARGS, "Use an instruction set of `levels`."},
