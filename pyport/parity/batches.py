@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.parity.description import Batch, Kind, Routine, Variable
+from pyport.parity.description import Batch, Routine, Variable
+from pyport.parity.kinds import Kind
 
 #: Texts of one value: one for a scalar, a list for an array.
 Spelling = str | list[str]
@@ -67,15 +68,12 @@ def filled(routine: Routine, batch: Batch) -> Batch:
 
 def constant(one: Variable, n: int) -> NDArray:
     """Return the values of what does not vary: the fixed value, or NaN and the like of outputs."""
-    dtype = one.type.dtype()
     value: Any = one.fixed
     if value is None:
         value = {"real": np.nan, "integer": -1, "logical": False, "character": "?" * one.type.size}[
             one.type.base
         ]
-    if dtype.kind == "S":
-        value = value.ljust(one.type.size).encode("ascii")
-    return np.array(np.broadcast_to(np.asarray(value, dtype), (n, *one.shape)))
+    return np.array(np.broadcast_to(one.type.value(value), (n, *one.shape)))
 
 
 def hexadecimal(value: float) -> str:

@@ -71,12 +71,12 @@ def special(one: Variable) -> list[Any]:
     """Return the values of a variable that a test must not miss, the most usual one first."""
     dtype = one.type.dtype()
     if one.values:
-        return [_value(one, value) for value in one.values]
+        return [one.type.value(value)[()] for value in one.values]
     base = one.type.base
     if base == "logical":
         return list(np.array([False, True]))
     if base == "character":
-        return [_value(one, text) for text in ("", "A", "z" * one.type.size, "0")]
+        return [one.type.value(text)[()] for text in ("", "A", "z" * one.type.size, "0")]
     middle = (one.low + one.high) / 2 if base == "real" else (int(one.low) + int(one.high)) // 2
     if one.logarithmic:
         middle = math.sqrt(one.low * one.high)
@@ -91,12 +91,6 @@ def special(one: Variable) -> list[Any]:
     for threshold in one.thresholds:
         found += around(threshold, dtype)
     return list({np.asarray(v).tobytes(): v for v in found}.values())
-
-
-def _value(one: Variable, value: Any) -> Any:  # noqa: ANN401 - of any kind
-    if one.type.base == "character":
-        return np.asarray(str(value).ljust(one.type.size).encode("ascii"), one.type.dtype())[()]
-    return one.type.dtype().type(value)
 
 
 def edges(routine: Routine) -> Batch:
@@ -137,7 +131,7 @@ def _drawn(one: Variable, n: int, rng: np.random.Generator) -> NDArray:
     dtype = one.type.dtype()
     base = one.type.base
     if one.values:
-        return np.array([_value(one, v) for v in one.values], dtype)[
+        return np.array([one.type.value(v)[()] for v in one.values], dtype)[
             rng.integers(0, len(one.values), shape)
         ]
     if base == "logical":

@@ -15,11 +15,11 @@ from pyport.parity.description import (
     Build,
     Description,
     Group,
-    Kind,
     Port,
     Routine,
     Variable,
 )
+from pyport.parity.kinds import Kind
 from pyport.parity.tables import NUMBERS, Lines, Table
 
 #: What gfortran needs to take an old text, and to complain where it would cut a line.

@@ -12,7 +12,7 @@ from pyport.parity.batches import inputs_of
 from pyport.parity.description import Batch, Description, Port, Routine, Variable
 from pyport.parity.inputs import around, special
 from pyport.parity.promise import Asker
-from pyport.parity.shrink import Minimal, constant_value, failing, minimal_of
+from pyport.parity.shrink import Minimal, failing, minimal_of
 
 if TYPE_CHECKING:
     from hypothesis.strategies import SearchStrategy
@@ -36,7 +36,7 @@ def _scalar(one: Variable) -> SearchStrategy[Any]:
 
     base = one.type.base
     if one.values:
-        return st.sampled_from([constant_value(one, value) for value in one.values])
+        return st.sampled_from([one.type.value(value)[()] for value in one.values])
     if base == "logical":
         return st.booleans()
     if base == "character":

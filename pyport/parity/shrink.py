@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.parity.batches import Spelling, constant, joined, spell, spelled, unspell
+from pyport.parity.batches import Spelling, joined, part, size, spell, spelled, unspell
 from pyport.parity.compare import Pair, one_text
 from pyport.parity.description import Batch, Description, Port, Routine, Variable
 from pyport.parity.functions import Function, ask_port
@@ -60,18 +60,13 @@ def failing(
     expected = ask("reference", routine, batch)
     actual = ask_port(description, port, routine, batch, function)
     span = spread(port, routine, batch, expected, ask) if port.promise == "spread" else None
-    n = len(next(iter(batch.values())))
     broken = []
-    for i in range(n):
-        one = {k: v[i : i + 1] for k, v in batch.items()}
-        pair = Pair(
-            routine,
-            one,
-            {k: v[i : i + 1] for k, v in expected.items()},
-            {k: v[i : i + 1] for k, v in actual.items()},
-            {0: actual.raised[i]} if i in actual.raised else {},
-        )
-        here = span and {k: (a[i : i + 1], b[i : i + 1]) for k, (a, b) in span.items()}
+    for i in range(size(batch)):
+        at = slice(i, i + 1)
+        raised = {0: actual.raised[i]} if i in actual.raised else {}
+        one, theirs, ours = (part(each, at) for each in (batch, expected, actual))
+        pair = Pair(routine, one, theirs, ours, raised)
+        here = span and {k: (low[at], high[at]) for k, (low, high) in span.items()}
         held = hold(description, port, pair, here)
         both = zip(held.beyond, routine.outputs, strict=True)
         broken.append(next((v.key for c, v in both if c.most > bound(port, v)), ""))
@@ -150,7 +145,7 @@ def _simpler(one: Variable, value: Any) -> Iterator[Any]:  # noqa: ANN401 - of a
     """Yield the simpler values of a variable, simplest first, none beyond its range."""
     dtype, base = one.type.dtype(), one.type.base
     if one.values:
-        texts = [constant_value(one, v) for v in one.values]
+        texts = [one.type.value(v)[()] for v in one.values]
         yield from texts[: texts.index(value) if value in texts else None]
     elif base == "logical":
         yield from np.array([False])[: int(value)]
@@ -167,13 +162,6 @@ def _simpler(one: Variable, value: Any) -> Iterator[Any]:  # noqa: ANN401 - of a
             inside = limits[0] <= number <= limits[1] or not limits[0] <= value <= limits[1]
             if inside and _cost(number) < _cost(value):
                 yield number
-
-
-def constant_value(one: Variable, value: Any) -> Any:  # noqa: ANN401 - of any kind
-    """Return a value of a description as the variable's kind holds it."""
-    from dataclasses import replace
-
-    return constant(replace(one, fixed=value, shape=()), 1)[0]
 
 
 def _numbers(base: str, value: float) -> Iterator[float]:

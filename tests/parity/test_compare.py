@@ -7,7 +7,7 @@ from rt32_inputs import MODEL3_DEG, points
 
 from pyport.parity.batches import hexadecimal, spell, unspell
 from pyport.parity.compare import Comparison, Pair
-from pyport.parity.description import Kind
+from pyport.parity.kinds import Kind
 from pyport.parity.ulp import UNLIKE
 
 AT = points([0.25, 0.5, 0.75], [0.5, 0.5, 0.5], MODEL3_DEG)
