@@ -17,7 +17,20 @@ from pyport.page.picture import Picture
 from pyport.page.story import Story
 
 #: The program of the page, in the order in which its parts need each other.
-SCRIPTS = ("unpack", "svg", "pointer", "scales", "against", "sky", "spread", "main")
+SCRIPTS = (
+    "unpack",
+    "svg",
+    "pointer",
+    "scales",
+    "against",
+    "sky",
+    "spread",
+    "rings",
+    "gram",
+    "refit",
+    "downloads",
+    "main",
+)
 
 
 def write(picture: Picture, story: Story, path: Path) -> Path:
@@ -33,7 +46,8 @@ def html(picture: Picture, story: Story) -> str:
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     # Nothing is fetched, and no script runs but this one, whatever a label holds.
     policy = f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'"
-    numbers = json.dumps(payload(picture), separators=(",", ":"), ensure_ascii=True)
+    told = payload(picture) | {"file": story.source.file, "model": story.model_file}
+    numbers = json.dumps(told, separators=(",", ":"), ensure_ascii=True)
     head = tag(
         "head",
         Markup('<meta charset="utf-8">'),
@@ -42,10 +56,12 @@ def html(picture: Picture, story: Story) -> str:
         tag("title", f"{story.source.file}: {story.headline}"),
         Markup(f"<style>{_text('page.css')}</style>"),
     )
+    parts = _main(picture, story)
     body = tag(
         "body",
         sections.head(story),
-        tag("main", *_main(picture, story)),
+        sections.contents(parts),
+        tag("main", *parts),
         sections.foot(story, __version__),
         Markup(f'<script type="application/json" id="data">{_inert(numbers)}</script>'),
         Markup(f"<script>{script}</script>"),
@@ -92,11 +108,12 @@ def _main(picture: Picture, story: Story) -> list[Markup | None]:
             "The dashed curve is what noise alone would give."
             if any(side.floor for _, side in picture.sides())
             else "",
-            tag("div", class_="panels two", id="spread-panels"),
+            tag("div", class_="panels", id="spread-panels"),
             sections.unseen(story),
             *groups.by_label(picture),
         ),
         tables.parameters(story),
+        sections.refit() if picture.linear is not None and len(picture) <= MOST_DRAWN else None,
         tables.candidates(story),
         sections.sight(story),
         sections.rows_aside(story),

@@ -27,7 +27,7 @@ def framed(picture: Picture, story: Story) -> str:
             tag(
                 "iframe",
                 srcdoc=html(picture, story),
-                sandbox="allow-scripts",
+                sandbox="allow-scripts allow-downloads",
                 style=f"width:100%;height:{HEIGHT}px;border:1px solid #8884;border-radius:8px",
                 title=story.headline,
             ),

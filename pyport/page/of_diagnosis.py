@@ -13,8 +13,10 @@ from pyport.diagnosis.soundness import nothing
 from pyport.diagnosis.steps import Step
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS
+from pyport.models.model import Model
 from pyport.page.against import columns
 from pyport.page.layers import layers, visible
+from pyport.page.linear import Linear, as_file, linear
 from pyport.page.markup import chance
 from pyport.page.notes import notes
 from pyport.page.picture import Layer, Picture, Side, sides
@@ -42,8 +44,10 @@ def of_diagnosis(diagnosis: Diagnosis) -> tuple[Picture, Story]:
         diagnosis.share,
         (noise[False], noise[True]),
     )
-    picture = picture_of(setup.recordings, tuple(found), x, y)
-    return picture, _story(diagnosis, picture, of_finding)
+    whole = completed(diagnosis)
+    again = linear(whole, setup.recordings)
+    picture = picture_of(setup.recordings, tuple(found), x, y, again=again)
+    return picture, _story(diagnosis, picture, of_finding, whole)
 
 
 def picture_of(
@@ -53,6 +57,7 @@ def picture_of(
     y: Side,
     names: tuple[str, str] = ("before", "after"),
     show: str = "both",
+    again: Linear | None = None,
 ) -> Picture:
     """Return the picture of residuals on both axes of recordings."""
     at = recordings.at
@@ -67,6 +72,7 @@ def picture_of(
         names=names,
         show=show,
         axes=at.mount.names,
+        linear=again,
     )
 
 
@@ -77,7 +83,7 @@ def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
     return float(np.median(floors)) if floors else None
 
 
-def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Story:
+def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int], whole: Model) -> Story:
     setup = diagnosis.setup
     names, matrix = record.correlation(diagnosis)
     headline, lead = _verdict(diagnosis)
@@ -88,7 +94,7 @@ def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Sto
         headline=headline,
         lead=lead,
         good=not diagnosis.mismatch,
-        facts=_facts(diagnosis, picture),
+        facts=_facts(diagnosis, picture, whole),
         cards=tuple(
             _card(finding, layer)
             for finding, layer in zip(diagnosis.findings, of_finding, strict=True)
@@ -96,9 +102,10 @@ def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int]) -> Sto
         warnings=_warnings(diagnosis),
         bars=_bars(diagnosis),
         bars_how=diagnosis.heldout.scheme,
-        rows=rows_of(completed(diagnosis)),
+        rows=rows_of(whole),
         correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
         condition=diagnosis.after.solution.condition,
+        model_file=as_file(whole),
         turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
         limits=tuple(
             sorted(
@@ -151,7 +158,9 @@ def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
     return headline, f"{what}. The chance that noise alone looks like this: {noise}."
 
 
-def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str], ...]:
+def _facts(
+    diagnosis: Diagnosis, picture: Picture, whole: Model
+) -> tuple[tuple[str, str, str], ...]:
     """Return the key figures: name, value, and what it stands beside."""
     recordings = diagnosis.setup.recordings
     facts = []
@@ -165,7 +174,7 @@ def _facts(diagnosis: Diagnosis, picture: Picture) -> tuple[tuple[str, str, str]
     if not picture.layers:
         value = f"{held.before / ARCSEC:.3g}"
     facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
-    facts += sky_rms(completed(diagnosis))
+    facts += sky_rms(whole)
     aside = len(recordings.set_aside)
     facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"))
     return tuple(facts)

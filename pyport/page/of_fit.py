@@ -12,9 +12,11 @@ from pyport.fitting.combinations import of_fit as combined
 from pyport.fitting.completed import completed
 from pyport.fitting.fit import Fit
 from pyport.fitting.table import MOST_COMBINATIONS
+from pyport.models.model import Model
+from pyport.page.linear import as_file, linear
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
-from pyport.page.story import Bar, Row, Story, rows_of, sky_rms
+from pyport.page.story import Bar, Story, rows_of, sky_rms
 
 #: A heat map of more coefficients than this cannot be read.
 MOST_NAMES = 40
@@ -27,8 +29,11 @@ def of_fit(fit: Fit) -> tuple[Picture, Story]:
     counted = (fit.noise.used).astype(float)
     x, y = sides(fit.recordings, fit.stack, before, curves, counted)
     layers = tuple(Layer(name.replace("_", " ")) for name in names)
-    picture = picture_of(fit.recordings, layers, x, y, ("before the fit", "after the fit"), "after")
-    return picture, _story(fit, picture)
+    names_of = ("before the fit", "after the fit")
+    whole = completed(fit)
+    again = linear(whole, fit.recordings)
+    picture = picture_of(fit.recordings, layers, x, y, names_of, "after", again)
+    return picture, _story(fit, picture, whole)
 
 
 def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
@@ -47,7 +52,7 @@ def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
     return list(found), list(found.values())
 
 
-def _story(fit: Fit, picture: Picture) -> Story:
+def _story(fit: Fit, picture: Picture, whole: Model) -> Story:
     recordings = fit.recordings
     names, matrix = _correlation(fit)
     together = combined(fit)[:MOST_COMBINATIONS]
@@ -66,7 +71,7 @@ def _story(fit: Fit, picture: Picture) -> Story:
     condition = "not bounded" if not math.isfinite(fit.condition) else f"{fit.condition:.3g}"
     aside = len(recordings.set_aside)
     facts += [
-        *sky_rms(completed(fit)),
+        *sky_rms(whole),
         ("condition number", condition, "columns of unit length"),
         ("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"),
     ]
@@ -85,15 +90,12 @@ def _story(fit: Fit, picture: Picture) -> Story:
             Bar(name, side.rms(side.before) / ARCSEC, side.rms(side.after) / ARCSEC)
             for name, side in picture.sides()
         ),
-        rows=_rows(fit),
+        rows=rows_of(whole),
         correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
         condition=fit.condition,
         outliers=_outliers(fit),
+        model_file=as_file(whole),
     )
-
-
-def _rows(fit: Fit) -> tuple[Row, ...]:
-    return rows_of(completed(fit))
 
 
 def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:

@@ -12,6 +12,8 @@ from pyport.page.picture import Column, Picture, Side
 
 #: More recordings than this are not drawn, but a random choice of as many.
 MOST_DRAWN = 3000
+#: Numbers that are computed with get four bytes.
+EXACT = 1e-12
 #: Residuals beyond this quantile of their size lie outside the panels' frame.
 FRAME = 0.985
 
@@ -41,6 +43,29 @@ def payload(picture: Picture) -> dict[str, object]:
             {"name": name, "letter": "x" if side is picture.x else "y", **_side(side, rows, scale)}
             for name, side in picture.sides()
         ],
+        "linear": _linear(picture) if len(rows) == len(picture) else None,
+    }
+
+
+def _linear(picture: Picture) -> dict[str, object] | None:
+    """Return what one unit of each coefficient adds, and what is left, to ten digits."""
+    own, scale = picture.linear, picture.unit[0]
+    if own is None:
+        return None
+    sides = {"x": (picture.x, own.x), "y": (picture.y, own.y)}
+    return {
+        "names": own.names,
+        "labels": own.labels,
+        "units": own.units,
+        "values": own.values,
+        "free": own.free,
+        "left": {
+            name: pack.numbers(side.after / scale, EXACT) for name, (side, _) in sides.items()
+        },
+        "columns": {
+            name: [pack.numbers(one / scale, EXACT) if one.any() else None for one in columns]
+            for name, (_, columns) in sides.items()
+        },
     }
 
 

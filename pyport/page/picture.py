@@ -12,6 +12,7 @@ from pyport.angles import ARCMIN, ARCSEC, Array
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
 from pyport.mounts import ALTAZ
+from pyport.page.linear import Linear
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
 
@@ -94,7 +95,8 @@ class Picture:
     `time` in seconds of UTC since 1970 or None; `columns` with azimuth and
     elevation first and the hour angle next, then the others, the one with the most
     structure first; `labels` distinguish recordings when one is pointed at; `show`
-    is what is drawn first: before, after or both; `axes` are what the mount calls x and y.
+    is what is drawn first: before, after or both; `axes` are what the mount calls x and y;
+    `linear` is what can be fitted again.
     """
 
     time: Array | None
@@ -107,6 +109,7 @@ class Picture:
     names: tuple[str, str] = ("before", "after")
     show: str = "both"
     axes: tuple[str, str] = ALTAZ.names
+    linear: Linear | None = None
 
     def __len__(self) -> int:
         """Return n."""

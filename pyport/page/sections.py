@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
+from html import unescape
 
 from pyport.page.markup import Markup, join, table, tag
 from pyport.page.story import Bar, Card, Story
@@ -21,8 +23,8 @@ def head(story: Story) -> Markup:
         tag("div", tag("dt", name), tag("dd", value, tag("small", beside)))
         for name, value, beside in story.facts
     ]
-    return tag(
-        "header",
+    words = tag(
+        "div",
         tag(
             "p",
             tag("b", "pyport"),
@@ -37,6 +39,25 @@ def head(story: Story) -> Markup:
         if story.warnings
         else None,
         tag("dl", *facts, class_="facts"),
+    )
+    return tag("header", words, tag("div", id="first-sky"))
+
+
+def contents(parts: Sequence[Markup | None]) -> Markup:
+    """Return links to the sections, and to what can be taken from the page."""
+    found = re.findall(r'<section id="([^"]+)"><h2>([^<]+)</h2>', join(parts))
+    links = [tag("a", unescape(title), href=f"#{name}") for name, title in found]
+    return tag("nav", *links, tag("span", id="downloads"), aria_label="contents")
+
+
+def refit() -> Markup:
+    """Return the place where the page fits the model's terms again."""
+    return section(
+        "refit",
+        "Fit again",
+        "Hold terms or leave them out, mask recordings that a dragged box has chosen: the page "
+        "fits the rest by least squares, all readings alike, and every panel follows.",
+        tag("div", class_="plain", id="refit-table"),
     )
 
 

@@ -140,3 +140,4 @@ class Story:
     outliers: tuple[tuple[int, str], ...] = ()
     noise: tuple[str, ...] = ()
     dropped: tuple[tuple[str, str], ...] = ()
+    model_file: str | None = None

@@ -38,18 +38,26 @@ function lay() {
     }
   }
   const against_ = document.getElementById("against-panels");
-  const first = columns.filter((one) => ["az", "el", "hour_angle"].includes(one.name));
+  const always = columns.filter((one) => ["az", "el", "hour_angle"].includes(one.name));
   const time = columns.find((one) => one.name === "time");
-  const others = columns.filter((one) => !first.includes(one) && one !== time);
+  const others = columns.filter((one) => !always.includes(one) && one !== time);
   // Whole lines of three panels, at most two.
-  const rest = Math.min(others.length, 6 - first.length);
-  const shown = [...first, ...others.slice(0, rest - (first.length + rest) % 3)];
+  const rest = Math.min(others.length, 6 - always.length);
+  const shown = [...always, ...others.slice(0, rest - (always.length + rest) % 3)];
   for (const column of shown) add(against_, "panel", "", (host) => against(host, column));
   if (time) add(against_, "panel full", "", (host) => against(host, time));
   const more = others.filter((one) => !shown.includes(one));
   if (more.length) addChoice(against_, more);
   const spreads = document.getElementById("spread-panels");
+  if (across && along) add(spreads, "panel", "both axes", bullseye);
+  add(spreads, "panel", "how many within", cumulative);
   for (const axis of axes) add(spreads, "panel", "", (host) => spread(host, axis));
+  for (const column of [moved("moved_az", "azimuth moved since the recording before", rows.az, true),
+    moved("moved_el", "elevation moved since the recording before", rows.el, false)]) {
+    add(spreads, "panel", "hysteresis", (host) => against(host, column));
+  }
+  const first = document.getElementById("first-sky");
+  add(first, "panel", `${NAMES.after}, over the sky`, (host) => sky(host, "after", true));
 }
 
 // The columns that show least share one panel.
@@ -168,21 +176,31 @@ lay();
 toolbar();
 switches();
 listChosen();
+if (again) refitTable(document.getElementById("refit-table"));
+downloads(document.getElementById("downloads"));
 built.forEach(render);
-// On paper every panel is drawn for the width of the paper; what is folded is opened.
+// On paper every panel is drawn for the width of the paper; what is folded stays so.
 addEventListener("beforeprint", () => {
   document.documentElement.classList.add("paper");
-  for (const details of document.querySelectorAll("details")) details.open = true;
   built.forEach(render);
 });
 addEventListener("afterprint", () => {
   document.documentElement.classList.remove("paper");
   built.forEach(render);
 });
-listeners.push((what) => built.forEach((one) => {
-  const skipped = what === "stretch" && !one.host.closest("#sky-panels");
-  if (one.drawn && !skipped) one.drawn(what);
-}));
+// While a box is dragged only what is on the screen follows; the rest does when it is let go.
+const onScreen = (one) => {
+  const box = one.host.getBoundingClientRect();
+  return box.bottom > 0 && box.top < innerHeight;
+};
+listeners.push((what) => {
+  if (what === "all") return; // every panel has just been drawn
+  const shown = state.dragging ? built.filter(onScreen) : built;
+  for (const one of shown) {
+    const skipped = what === "stretch" && !one.host.closest("#sky-panels, #first-sky");
+    if (one.drawn && !skipped) one.drawn(what);
+  }
+});
 changed("all");
 new ResizeObserver(() => requestAnimationFrame(() => {
   built.forEach(render);

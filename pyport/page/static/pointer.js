@@ -37,7 +37,7 @@ function quiet() {
 
 // `places` yields [row, x, y] of everything drawn; `box` tells where a drag may begin.
 function listen(svg, places, box) {
-  let from = null, rubber = null;
+  let from = null, rubber = null, drawn = [];
   const nearest = (event) => {
     const [x, y] = inside(svg, event);
     let best = -1, least = NEAR * NEAR;
@@ -64,7 +64,8 @@ function listen(svg, places, box) {
       for (const [key, value] of Object.entries({ x: left, y: top, width: wide, height: tall })) {
         rubber.setAttribute(key, value);
       }
-      if (wide + tall > 6) choose(places(), left, top, left + wide, top + tall);
+      state.dragging = true;
+      if (wide + tall > 6) choose(drawn, left, top, left + wide, top + tall);
       return;
     }
     point(event);
@@ -77,6 +78,7 @@ function listen(svg, places, box) {
     if (event.pointerType === "touch") return point(event);
     if (event.button !== 0 || !box) return;
     from = inside(svg, event);
+    drawn = places();
     quiet();
     rubber = el("rect", { class: "rubber" }, svg);
     svg.setPointerCapture(event.pointerId);
@@ -85,7 +87,9 @@ function listen(svg, places, box) {
   const end = (event) => {
     if (!from) return;
     const [x, y] = inside(svg, event);
+    state.dragging = false;
     if (Math.abs(x - from[0]) + Math.abs(y - from[1]) <= 6) forget();
+    else changed("chosen");
     rubber.remove();
     from = null;
   };

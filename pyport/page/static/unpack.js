@@ -19,7 +19,7 @@ function words(packed) {
 }
 
 const rows = {
-  line: numbers(data.line),
+  line: numbers(data.line).map(Math.round),
   az: numbers(data.columns[0].numbers),
   el: numbers(data.columns[1].numbers),
   seconds: data.time && numbers(data.time.seconds),
@@ -45,6 +45,7 @@ const axes = data.axes.map((axis) => ({
   before: numbers(axis.before),
   after: new Float64Array(count),
   layers: axis.layers.map(numbers),
+  counted: numbers(axis.share),
   share: numbers(axis.share),
 }));
 
@@ -55,6 +56,8 @@ const state = {
   chosen: null,
   at: -1,
   stretch: 1,
+  fit: null,
+  dragging: false,
 };
 const listeners = [];
 
@@ -65,6 +68,12 @@ function changed(what) {
 
 function takeOff() {
   for (const axis of axes) {
+    if (state.fit) {
+      axis.after.set(state.fit.left[axis.letter]);
+      for (let i = 0; i < count; i++) axis.share[i] = state.fit.masked[i] ? 0 : 1;
+      continue;
+    }
+    axis.share.set(axis.counted);
     axis.after.set(axis.before);
     axis.layers.forEach((layer, n) => {
       if (state.on[n]) for (let i = 0; i < count; i++) axis.after[i] -= layer[i];
