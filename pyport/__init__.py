@@ -9,19 +9,20 @@ if TYPE_CHECKING:
     from pyport.api import fit as fit
     from pyport.api import load_model as load_model
     from pyport.api import look as look
+    from pyport.watch import Watch as Watch
 
 __version__ = "0.1.0"
 
-_LAZY = frozenset({"diagnose", "fit", "load_model", "look"})
+_LAZY = dict.fromkeys(("diagnose", "fit", "load_model", "look"), "api") | {"Watch": "watch"}
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever the name stands for
     """Import what is asked for when it is asked for: `import pyport` itself stays light."""
     if name not in _LAZY:
         raise AttributeError(f"module 'pyport' has no attribute {name!r}")
-    from pyport import api
+    import importlib
 
-    return getattr(api, name)
+    return getattr(importlib.import_module(f"pyport.{_LAZY[name]}"), name)
 
 
 def __dir__() -> list[str]:

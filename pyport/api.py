@@ -289,10 +289,11 @@ def diagnose(
     BadInput
         The table, the model or `refit` cannot be used; the message says why.
     """
+    from pyport.correction.use import model_of
     from pyport.diagnosis.diagnose import diagnose
     from pyport.pipeline import ids_of
 
-    known = _model(model)
+    known = model_of(model)
     names = refit if isinstance(refit, str) else ",".join(refit) or "none"
     held = ids_of(known, names)
     return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=seed))
@@ -330,6 +331,7 @@ def fit(
     BadInput
         The table, the model or a name cannot be used, or there are too few recordings.
     """
+    from pyport.correction.use import model_of
     from pyport.fitting.fit import WEIGHTS, fit
     from pyport.models.terms.editing import edited
 
@@ -338,7 +340,7 @@ def fit(
     told = [_fixed(name, one) for name, one in fix.items()] if isinstance(fix, Mapping) else fix
     labels = (per,) if isinstance(per, str) else per
     names = [(one,) if isinstance(one, str) else one for one in (add, drop)]
-    chosen = edited(_model(model), fix=told, add=names[0], drop=names[1], per=labels)
+    chosen = edited(model_of(model), fix=told, add=names[0], drop=names[1], per=labels)
     return Fit(fit(from_table(table, header), chosen, weights=weights))
 
 
@@ -373,9 +375,10 @@ def look(
     BadInput
         The table or the model cannot be used.
     """
+    from pyport.correction.use import model_of
     from pyport.planning import look
 
-    return Look(look(from_table(table, header), _model(model), **options))
+    return Look(look(from_table(table, header), model_of(model), **options))
 
 
 def load_model(model: str | Path | Model) -> PointingModel:
@@ -392,16 +395,6 @@ def load_model(model: str | Path | Model) -> PointingModel:
     BadInput
         There is no such model, or it has no coefficients.
     """
-    from pyport.correction.use import PointingModel
+    from pyport.correction.use import PointingModel, model_of
 
-    return PointingModel(_model(model))
-
-
-def _model(model: str | Path | Model | PointingModel) -> Model:
-    from pyport.correction.use import PointingModel
-    from pyport.formats.models import load
-    from pyport.models.model import Model
-
-    if isinstance(model, PointingModel):
-        return model.model
-    return model if isinstance(model, Model) else load(str(model))
+    return PointingModel(model_of(model))

@@ -31,6 +31,7 @@ COMMANDS = {
     "predict": "Compare models by how they predict recordings that they were not fitted to.",
     "study": "Repeat the analyses of the two documents that the program began with.",
     "table": "Write the steering table of a pointing model.",
+    "watch": "Watch recordings come in all night; raise alarms with a stated false-alarm rate.",
 }
 
 #: Names of version 0.1, which work for one version more.

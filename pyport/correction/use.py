@@ -332,3 +332,18 @@ def _missing(effect: Effect, site: Site | None) -> list[str]:
         else:
             break
     return found
+
+
+def model_of(model: str | Path | Model | PointingModel) -> Model:
+    """Return a model by the name of a built-in one, from a file, or as it is.
+
+    Raises
+    ------
+    BadInput
+        There is no such model or file.
+    """
+    from pyport.formats.models import load
+
+    if isinstance(model, PointingModel):
+        return model.model
+    return model if isinstance(model, Model) else load(str(model))

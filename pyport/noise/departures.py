@@ -8,15 +8,16 @@ hundred speaks for itself (Searle, Casella & McCulloch 1992, Variance Components
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
 from pyport.effects.astrometry import parallactic
-from pyport.effects.base import MissingColumn
+from pyport.effects.base import Circumstances, MissingColumn
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
@@ -50,32 +51,41 @@ def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
     return tuple(one for one in found if one.columns.any())
 
 
+def terms_of_sessions(at: Circumstances) -> dict[str, tuple[Array, Array]]:
+    """Return what sessions may depart in: term -> both axes for departures of one, (n, k) each."""
+    none, one = np.zeros((len(at), 1)), np.ones((len(at), 1))
+    across, along = at.mount.names
+    return {
+        f"zero in {across}": (one, none),
+        f"zero in {along}": (none, one),
+        f"tilt of the {at.mount.fixed}": CATALOGUE["tilt"].columns(at),
+        "sag": CATALOGUE["sag_cosine"].columns(at),
+    }
+
+
+def terms_of_sources(at: Circumstances) -> dict[str, tuple[Array, Array]]:
+    """Return what sources may depart in: term -> both axes for departures of one, (n, k) each.
+
+    In place, or, where the sky's turn is not known, in both offsets.
+    """
+    with contextlib.suppress(MissingColumn):
+        turned = [np.stack(at.along_axes(*one), axis=0) for one in parallactic(at)]
+        if np.isfinite(np.stack(turned)).all():
+            x, y = np.stack(turned, axis=-1)
+            return {"place in the catalogue": (x, y)}
+    none, one = np.zeros((len(at), 1)), np.ones((len(at), 1))
+    across, along = at.mount.names
+    return {f"offset in {across}": (one, none), f"offset in {along}": (none, one)}
+
+
 def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
     session, names = group(recordings, ("session",))
     if len(names) < FEWEST_LABELS:
         return []
     labels = tuple(name for (name,) in names)
     inside = session[data.row][:, None] == np.arange(len(names))
-    ones = np.ones(len(data))
-    mount = recordings.at.mount
-    across, along = mount.names
-    tilts = data.columns(CATALOGUE["tilt"], recordings.at)
-    shapes: list[tuple[str, tuple[Array, ...]]] = [
-        (f"zero in {across}", (ones * ~data.is_y,)),
-        (f"zero in {along}", (ones * data.is_y,)),
-        (f"tilt of the {mount.fixed}", tuple(tilts.T)),
-        ("sag", tuple(data.columns(CATALOGUE["sag_cosine"], recordings.at).T)),
-    ]
-    return [
-        Departures(
-            term,
-            "session",
-            antenna,
-            labels * len(columns),
-            np.concatenate([inside * column[:, None] for column in columns], axis=1),
-        )
-        for term, columns in shapes
-    ]
+    terms = terms_of_sessions(recordings.at)
+    return [_departures(one, "session", antenna, labels, inside, data, terms) for one in terms]
 
 
 def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
@@ -90,26 +100,28 @@ def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Depar
         return []
     inside = source[data.row][:, None] == again
     labels = tuple(names[one][0] for one in again)
-    ones = np.ones(len(data))
-    shapes = [
-        (f"offset in {name}", [ones * here])
-        for name, here in zip(recordings.at.mount.names, (~data.is_y, data.is_y), strict=True)
-    ]
-    with contextlib.suppress(MissingColumn):
-        east, north = parallactic(recordings.at)
-        turned = [data.spread(*recordings.at.along_axes(*one)) for one in (east, north)]
-        if np.isfinite(np.stack(turned)).all():
-            shapes = [("place in the catalogue", turned)]
-    return [
-        Departures(
-            term,
-            "source",
-            antenna,
-            labels * len(columns),
-            np.concatenate([inside * column[:, None] for column in columns], axis=1),
-        )
-        for term, columns in shapes
-    ]
+    terms = terms_of_sources(recordings.at)
+    return [_departures(one, "source", antenna, labels, inside, data, terms) for one in terms]
+
+
+def _departures(
+    term: str,
+    of: str,
+    antenna: str,
+    labels: tuple[str, ...],
+    inside: NDArray[np.bool_],
+    data: Stack,
+    terms: Mapping[str, tuple[Array, Array]],
+) -> Departures:
+    """Return the departures of some labels in a term; `inside` (m, labels) says whose is whose."""
+    columns = data.spread(*terms[term]).T
+    return Departures(
+        term,
+        of,
+        antenna,
+        labels * len(columns),
+        np.concatenate([inside * column[:, None] for column in columns], axis=1),
+    )
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ def _nights(time: Array) -> Array:
     order = np.argsort(time, kind="stable")
     night = np.concatenate([[0], np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)])
     first = time[order][np.unique(night, return_index=True)[1]]
-    dates = [str(np.datetime64(int(one), "s").astype("datetime64[D]")) for one in first]
+    dates = [night_of(one) for one in first]
     names = [
         date if dates.count(date) == 1 else f"{date}.{dates[:n].count(date) + 1}"
         for n, date in enumerate(dates)
@@ -68,3 +68,8 @@ def _nights(time: Array) -> Array:
     found = np.empty(len(time), dtype=f"<U{max(map(len, names))}")
     found[order] = np.array(names)[night]
     return found
+
+
+def night_of(time: float) -> str:
+    """Return the date of a moment [s since 1970]."""
+    return str(np.datetime64(int(time), "s").astype("datetime64[D]"))

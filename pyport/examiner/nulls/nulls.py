@@ -108,7 +108,7 @@ def draw(case: Case) -> World:
     moved = not kind.centred or memory_s > LONG_MEMORY * np.ptp(at.time_s)
     said = None if case.kind != noises.SIGMA_GIVEN or drawn.sigma is None else drawn.sigma * sigma
     return World(
-        _table(at, offset, said),
+        table(at, offset, said),
         {
             "latitude_deg": math.degrees(at.latitude),
             "longitude_deg": math.degrees(at.longitude),
@@ -121,7 +121,8 @@ def draw(case: Case) -> World:
     )
 
 
-def _table(at: schedule.Pointings, offset: Array, said: Array | None) -> dict[str, Any]:
+def table(at: schedule.Pointings, offset: Array, said: Array | None) -> dict[str, Any]:
+    """Return recordings as columns; `offset` and, where they are recorded, errors (n, 2) [arcsec]."""
     stamp = schedule.START + np.round(at.time_s * 1000).astype("timedelta64[ms]")
     table: dict[str, Any] = {
         "time_utc": stamp,

@@ -1,0 +1,124 @@
+"""`pyport watch`: alarms while the telescope observes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pyport.cli.about import about_file
+from pyport.cli.manners import models
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from pyport.recordings.given import Given
+    from pyport.watch.watch import Seen
+
+#: Exit status of --exit-on-alarm.
+ALARMED = 3
+
+
+@click.command(
+    "watch",
+    epilog="Example: pyport watch tonight.csv --history past.csv --model altaz --out watch",
+)
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
+@click.option(
+    "--history",
+    metavar="RECORDINGS",
+    help="Past recordings to compare with; without, the first ones of LOG.",
+)
+@click.option(
+    "--burn-in",
+    type=click.IntRange(min=1),
+    default=60,
+    show_default=True,
+    metavar="POINTINGS",
+    help="So many at the beginning of LOG stand for the past.",
+)
+@click.option(
+    "--false-alarm-every",
+    "rarity",
+    type=click.FloatRange(min=1, min_open=True),
+    default=10_000,
+    show_default=True,
+    metavar="POINTINGS",
+    help="At most one false alarm in so many, on average.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("watch"),
+    show_default=True,
+    help="Folder of the state, events.jsonl, status.json and metrics.prom.",
+)
+@click.option(
+    "--every",
+    "every_s",
+    type=click.FloatRange(min=0.05),
+    default=2.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="Look at LOG so often.",
+)
+@click.option("--once", is_flag=True, help="Stop at the end of LOG instead of waiting for more.")
+@click.option(
+    "--on-alarm",
+    "command_line",
+    default="",
+    metavar="COMMAND",
+    help="Run for whatever happens to an alarm; gets it as JSON on standard input.",
+)
+@click.option("--exit-on-alarm", is_flag=True, help="Stop at the first alarm, with exit status 3.")
+@about_file
+def command(
+    log: Path,
+    model: str,
+    history: str | None,
+    burn_in: int,
+    rarity: float,
+    out: Path,
+    every_s: float,
+    command_line: str,
+    given: Given,
+    *,
+    once: bool,
+    exit_on_alarm: bool,
+) -> None:
+    """Watch LOG, a file of recordings that grows or a folder of them, and raise alarms.
+
+    Each new pointing is compared with what the model and the noise of the past let expect. An
+    alarm says what changed, since when, how large, how sure and what to do next; events are
+    printed as JSON lines. Called again after a kill, it goes on where it was.
+    """
+    from pyport.watch.run import Options, Process, alone, forever
+
+    options = Options(log, model, out, given, history, burn_in, rarity, command_line)
+    with alone(out):
+        process = Process(options, click.echo, lambda text: click.echo(text, err=True))
+        seen = process.step() if once else forever(process, every_s)
+        alarmed = _through(seen, stop=exit_on_alarm)
+        if once and process.watch is None:
+            wrong = f"{log}: fewer than {burn_in} recordings to begin with: give --history"
+            click.echo(wrong, err=True)
+    if alarmed and exit_on_alarm:
+        click.get_current_context().exit(ALARMED)
+
+
+def _through(seen: Iterator[Seen], *, stop: bool) -> bool:
+    """Go through what comes; tell whether an alarm was raised, at once if `stop`."""
+    alarmed = False
+    for one in seen:
+        alarmed |= any(event.event == "raised" for event in one.events)
+        if alarmed and stop:
+            break
+    return alarmed

@@ -1,0 +1,175 @@
+"""What is watched for: a change of any effect of the catalogue, from some moment on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.identify import ALIKE
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+
+#: Rms of a change before it is seen, over the scatter of a reading: the middle of the changes
+#: that matter. One that is three times larger or smaller is seen about one pointing later.
+EXPECTED = 3.0
+#: Share of the alarms' budget for changes of the mount from one state to another (zeros, tilt,
+#: sag), and for scatter and outliers; the other effects of the catalogue share what is left.
+MOUNT_SHARE, SPREAD_SHARE = 0.4, 0.2
+#: A change of more coefficients is not learnt within a night: each part of it is watched for.
+MOST_COEFFICIENTS = 6
+#: Effects of which one draws this share of the other are one.
+SAME = 1 - 1e-6
+#: Directions of an effect's coefficients that move readings by less than this share of the
+#: strongest are left to the prior.
+WEAK = 1e-6
+
+
+@dataclass(frozen=True)
+class Change:
+    """An effect whose coefficients may change.
+
+    Attributes
+    ----------
+    effect
+        It, or the member of its family, as if it had always been there.
+    alike
+        Ids of all effects that the past recordings cannot distinguish from it, itself first.
+    share
+        Of the alarms' budget.
+    prior
+        Covariance of the change of its coefficients, internal units, shape (k, k).
+    """
+
+    effect: Effect
+    alike: tuple[str, ...]
+    share: float
+    prior: Array
+
+    @property
+    def names(self) -> list[str]:
+        """Return the names of its coefficients, without the moment that they would hold from."""
+        return [one.name.partition("[")[0] for one in self.effect.coefficients]
+
+
+def columns(effects: Sequence[Effect], at: Circumstances) -> tuple[Array, Array]:
+    """Return the columns of some effects side by side, (n, C) in each axis.
+
+    Zero where the rows lack what an effect needs: they say nothing of it.
+    """
+    blocks: list[tuple[Array, Array]] = [(np.zeros((len(at), 0)),) * 2]
+    for effect in effects:
+        try:
+            blocks.append(effect.columns(at))
+        except MissingColumn:
+            blocks.append((np.zeros((len(at), len(effect.coefficients))),) * 2)
+    return np.concatenate([x for x, _ in blocks], 1), np.concatenate([y for _, y in blocks], 1)
+
+
+def members(at: Circumstances) -> list[Effect]:
+    """Return the effects that recordings like these could show a change of.
+
+    Changes from one epoch to another count as if they held from the beginning: when they began
+    is what the watch asks. Slow polynomials in time are left out: they are drift.
+    """
+    found: list[Effect] = []
+    for effect in sorted(CATALOGUE.values(), key=lambda one: not one.is_change):
+        if not effect.physical or effect.changes_with == "time":
+            continue
+        try:
+            found += [_always(effect)] if effect.is_change else effect.variants(at)
+        except MissingColumn:
+            continue
+    return found
+
+
+def _always(effect: Effect) -> Effect:
+    if effect.make is None:
+        raise ValueError(f"{effect.id} is a change, and nothing makes its members")
+    return effect.make(since_s=0.0)
+
+
+def possible(
+    at: Circumstances, variance: Array, departing: Collection[str] = ()
+) -> tuple[Change, ...]:
+    """Return the changes to watch for.
+
+    Parameters
+    ----------
+    at
+        The past pointings.
+    variance
+        Of a reading of either axis there [rad^2], shape (n, 2); infinite where none was taken.
+    departing
+        Labels whose departures are noise: what belongs to them is none of the telescope's.
+    """
+    kept: list[_Kept] = []
+    scale = 1 / np.sqrt(variance)
+    for effect in members(at):
+        if len(effect.coefficients) > MOST_COEFFICIENTS or effect.belongs_to in departing:
+            continue
+        x, y = columns([effect], at)
+        white = np.concatenate([x * scale[:, :1], y * scale[:, 1:]])
+        if not np.isfinite(white).all() or not white.any():
+            continue
+        frame = _frame(white)
+        same = next((one for one in kept if one.draws(frame) >= ALIKE), None)
+        if same is None:
+            kept.append(_Kept(effect, frame, [effect.id], mount=effect.is_change))
+        elif same.mount and same.draws(frame) > SAME and same.effect.is_change:
+            # a tilt from some moment on is a tilt: the plain effect gives the name
+            same.effect, same.names[0] = effect, effect.id
+        elif effect.id not in same.names:
+            same.names.append(effect.id)
+    count = Counter(one.effect.id for one in kept)
+    mount = sum(one.mount for one in kept)
+    others = len({one.effect.id for one in kept if not one.mount})
+    found = []
+    for one in kept:
+        share = MOUNT_SHARE / mount if one.mount else _rest(mount) / others
+        prior = _prior(*columns([one.effect], at), variance)
+        found.append(Change(one.effect, tuple(one.names), share / count[one.effect.id], prior))
+    return tuple(found)
+
+
+@dataclass
+class _Kept:
+    """An effect that is watched for: its directions, and the ids of those that look like it."""
+
+    effect: Effect
+    frame: Array
+    names: list[str]
+    mount: bool
+
+    def draws(self, frame: Array) -> float:
+        """Return which share of another's directions it draws; none of more or fewer."""
+        if frame.shape != self.frame.shape:
+            return 0.0
+        return float(((frame.T @ self.frame) ** 2).sum()) / frame.shape[1]
+
+
+def _rest(mount: int) -> float:
+    return 1 - SPREAD_SHARE - (MOUNT_SHARE if mount else 0.0)
+
+
+def _frame(white: Array) -> Array:
+    """Return orthonormal directions of some columns, those of no length left out."""
+    length = np.linalg.norm(white, axis=0)
+    left, size, _ = np.linalg.svd(white[:, length > 0] / length[length > 0], full_matrices=False)
+    return np.asarray(left[:, size > np.sqrt(WEAK) * size[0]])
+
+
+def _prior(x: Array, y: Array, variance: Array) -> Array:
+    """Return the covariance of a change that moves the readings it acts on by `EXPECTED` sigma."""
+    products = (x / variance[:, :1]).T @ x + (y / variance[:, 1:]).T @ y
+    length = np.sqrt(np.diag(products))
+    length[length == 0] = 1.0
+    power, vectors = np.linalg.eigh(products / np.outer(length, length))
+    power = np.maximum(power, WEAK * power.max())
+    moved = ((x != 0).any(axis=1)[:, None] & np.isfinite(variance[:, :1])).sum() + (
+        (y != 0).any(axis=1)[:, None] & np.isfinite(variance[:, 1:])
+    ).sum()
+    inverse = (vectors / power) @ vectors.T / np.outer(length, length)
+    return np.asarray(EXPECTED**2 * moved / len(products) * inverse)

@@ -1,0 +1,306 @@
+"""The detector: a mixture of sequential likelihood ratios over what, when and how large.
+
+For a change that began at pointing k the ratio of the predictive density of each new reading
+after the change to that without it is multiplied up: its expectation is one as long as nothing
+changes. The sum over all k grows by one a pointing in expectation, so that it passes A within n
+pointings with a probability of at most n / A, and in A pointings or more on average, however long
+one watches (Roberts 1966, Technometrics 8, 411; Shin, Ramdas & Rinaldo 2024, "E-detectors",
+New England J. Stat. Data Sci. 2, 229). A mixture over what may change keeps the promise.
+
+How large a change is, is learnt as it goes: the density after the change is that of the filter
+with the coefficients as further states, first of them those readings that came since k. What the
+filter makes of the change meanwhile is followed exactly (Willsky & Jones 1976, IEEE Trans. Autom.
+Control 21, 108), whatever it is: the null is filtered once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import log, log1p
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from pyport.angles import Array
+from pyport.watch.changes import SPREAD_SHARE, Change
+from pyport.watch.null import (
+    OUTLIER,
+    Innovation,
+    Null,
+    learnt,
+    log_density,
+    log_gross,
+    log_usual,
+    outlying,
+)
+
+#: Moments at which a change may have begun: the last ones all, earlier ones ever further apart.
+STARTS, NEWEST = 24, 4
+#: The scatter after a change is learnt from this many deviations of the old one on.
+SPREAD_DOF = 2.0
+#: Outliers and readings that the share of outliers after a change is learnt from.
+MORE_OUTLIERS, OF_READINGS = 0.5, 4.0
+#: What is watched for beside the catalogue.
+SPREADS = ("scatter_xel", "scatter_el", "outliers")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the coefficients of all changes stand.
+
+    Attributes
+    ----------
+    place
+        Column of each coefficient of each change, (M, p); the last column, which is zero, where a
+        change has fewer.
+    prior
+        Covariance of each change before any reading, (M, p, p).
+    log_share
+        Of the budget: changes first, then `SPREADS`, (M + 3,).
+    columns
+        C.
+    """
+
+    place: NDArray[np.intp]
+    prior: Array
+    log_share: Array
+    columns: int
+
+    @property
+    def members(self) -> int:
+        """Return M."""
+        return len(self.place)
+
+
+def layout(changes: tuple[Change, ...]) -> Layout:
+    """Return the layout of some changes."""
+    sizes = [len(one.prior) for one in changes]
+    widest, total = max(sizes, default=1), sum(sizes)
+    place = np.full((len(sizes), widest), total, np.intp)
+    prior = np.zeros((len(sizes), widest, widest))
+    start = 0
+    for n, one in enumerate(changes):
+        size = len(one.prior)
+        place[n, :size] = np.arange(start, start + size)
+        prior[n, :size, :size] = one.prior
+        start += size
+    spread = SPREAD_SHARE / len(SPREADS)
+    share = np.array([*(one.share for one in changes), *([spread] * len(SPREADS))])
+    return Layout(place, prior, np.log(share / share.sum()), total)
+
+
+@dataclass
+class Detector:
+    """The state of the mixture.
+
+    Attributes
+    ----------
+    log_mass
+        Logarithm of the likelihood ratio of each start and change, and of `SPREADS`, the sum of
+        those merged into it: (S, M + 3).
+    bias
+        What one of each coefficient made of the filter's states since each start, (S, C + 1, D).
+    mean, covariance
+        Of the coefficients, (S, M, p) and (S, M, p, p).
+    spread, spread_dof
+        Variance after a change of the scatter of either axis, over that before, and from how many
+        deviations, (S, 2).
+    outliers, readings
+        Since each start, (S,).
+    before
+        Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
+    row, clock
+        When each start was, (S,).
+    open
+        Whether new starts are taken: not while an alarm is being named.
+    """
+
+    log_mass: Array
+    bias: Array
+    mean: Array
+    covariance: Array
+    spread: Array
+    spread_dof: Array
+    outliers: Array
+    readings: Array
+    before: Array
+    row: Array
+    clock: Array
+    open: bool = True
+    _names: tuple[str, ...] = field(
+        default=(
+            "log_mass",
+            "bias",
+            "mean",
+            "covariance",
+            "spread",
+            "spread_dof",
+            "outliers",
+            "readings",
+            "before",
+            "row",
+            "clock",
+        ),
+        repr=False,
+    )
+
+    def arrays(self) -> dict[str, Array]:
+        """Return everything that one start holds, an array for each."""
+        return {name: getattr(self, name) for name in self._names}
+
+    def keep(self, index: NDArray[np.intp]) -> None:
+        """Keep some of the starts."""
+        for name in self._names:
+            setattr(self, name, getattr(self, name)[index])
+
+
+def fresh(known: Layout, states: int) -> Detector:
+    """Return a detector without any start."""
+    members, widest = known.place.shape
+    return Detector(
+        np.zeros((0, members + len(SPREADS))),
+        np.zeros((0, known.columns + 1, states)),
+        np.zeros((0, members, widest)),
+        np.zeros((0, members, widest, widest)),
+        np.zeros((0, 2)),
+        np.zeros((0, 2)),
+        np.zeros(0),
+        np.zeros(0),
+        np.zeros((0, 4)),
+        np.zeros(0),
+        np.zeros(0),
+    )
+
+
+def start(detector: Detector, known: Layout, null: Null, row: int, clock: float) -> None:
+    """Let a change begin at this pointing; where there are too many, merge two."""
+    if len(detector.row) == STARTS:
+        _merge(detector, known, row)
+    new = {
+        "log_mass": np.zeros(detector.log_mass.shape[1:]),
+        "bias": np.zeros((known.columns + 1, len(null.mean))),
+        "mean": np.zeros(detector.mean.shape[1:]),
+        "covariance": known.prior,
+        "spread": np.ones(2),
+        "spread_dof": np.full(2, SPREAD_DOF),
+        "outliers": np.array(MORE_OUTLIERS),
+        "readings": np.array(OF_READINGS),
+        "before": np.array([*null.scale, null.outliers, null.readings]),
+        "row": np.array(float(row)),
+        "clock": np.array(clock),
+    }
+    for name, values in detector.arrays().items():
+        setattr(detector, name, np.concatenate([values, new[name][None]]))
+
+
+def _merge(detector: Detector, known: Layout, row: int) -> None:
+    """Give the mass of one start to its neighbour, where both are nearly equally long ago.
+
+    The promise holds whichever two are merged: the sum of their masses goes on as one.
+    """
+    age = row - detector.row
+    older = np.arange(len(age) - NEWEST)
+    closeness = (age[older] + 1) / (age[older + 1] + 1)
+    first = int(np.argmin(closeness))
+    pair = [first, first + 1]
+    total = logsumexp(detector.log_mass[pair] + known.log_share, axis=1)
+    kept = pair[int(np.argmax(total))]
+    detector.log_mass[kept] = np.logaddexp(*detector.log_mass[pair])
+    gone = pair[0] + pair[1] - kept
+    detector.keep(np.delete(np.arange(len(age)), gone))
+
+
+def forget(detector: Detector, kept: Array) -> None:
+    """Let the biases go on to another row with the states that they are of."""
+    if len(detector.row) and (kept < 1).any():
+        detector.bias *= kept
+
+
+def update(
+    detector: Detector,
+    known: Layout,
+    one: Innovation,
+    nuisance: Array,
+    change: Array,
+    before: tuple[float, float, float, float],
+) -> None:
+    """Take in an innovation.
+
+    Parameters
+    ----------
+    nuisance, change
+        The reading's columns of states (D,) and of coefficients (C,).
+    before
+        Scale, degrees of freedom, share of gross errors and tail that the innovation was predicted
+        with, the null having taken it in since.
+    """
+    if not len(detector.row):
+        return
+    scale, degrees, share, tail = before
+    value = one.value
+    wide = log_gross(value * value, scale, share)
+    usual = float(log_density(value * value, scale, degrees, share, wide))
+    seen = -(detector.bias @ nuisance)
+    seen[:, :-1] += change
+    members = known.members
+    response = seen[:, known.place] / one.sigma
+    along = np.einsum("smpq,smq->smp", detector.covariance, response)
+    predicted = np.einsum("smp,smp->sm", response, detector.mean)
+    doubt = np.einsum("smp,smp->sm", response, along)
+    missed = value - predicted
+    total = scale + doubt
+    density = log_density(missed**2, total, degrees, share, wide)
+    detector.log_mass[:, :members] += density - usual
+    weight = np.exp(log1p(-share) + log_usual(missed**2, total, degrees) - density)
+    weight *= (degrees + 1) / (degrees + missed**2 / total)
+    gain = along / (doubt + scale / np.maximum(weight, 1e-6))[:, :, None]
+    detector.mean += gain * missed[:, :, None]
+    detector.covariance -= gain[..., :, None] * along[..., None, :]
+    detector.bias += seen[:, :, None] * one.gain
+    _spread(detector, members, one, scale, degrees, share, wide, usual, tail)
+    _outlying(detector, members, share, outlier=outlying(value * value / scale, degrees))
+
+
+def _spread(
+    detector: Detector,
+    members: int,
+    one: Innovation,
+    scale: float,
+    degrees: float,
+    share: float,
+    wide: float,
+    usual: float,
+    tail: float,
+) -> None:
+    """Take an innovation for one of another scatter on its axis."""
+    axis, square = one.axis, one.value**2
+    variance = scale * detector.spread[:, axis]
+    dof = detector.spread_dof[:, axis]
+    wider = 1 / (1 / degrees + 1 / dof)
+    place = members + axis
+    density = log_density(square, variance, wider, share, wide)
+    detector.log_mass[:, place] += density - usual
+    # a gross error is none of the scatter's
+    capped = min(square / scale, OUTLIER**2 * float(detector.spread[:, axis].max()))
+    detector.spread[:, axis] = learnt(detector.spread[:, axis], dof, capped, 1.0, tail)
+    detector.spread_dof[:, axis] += 1
+
+
+def _outlying(detector: Detector, members: int, before: float, *, outlier: bool) -> None:
+    """Count an outlier, or none, against the shares before and after a change for the worse."""
+    after = np.maximum(detector.outliers / detector.readings, before)
+    place = members + len(SPREADS) - 1
+    if outlier:
+        detector.log_mass[:, place] += np.log(after) - log(before)
+    else:
+        detector.log_mass[:, place] += np.log1p(-after) - log1p(-before)
+    detector.outliers = detector.outliers + outlier
+    detector.readings = detector.readings + 1
+
+
+def evidence(detector: Detector, known: Layout) -> float:
+    """Return the logarithm of the mixture; minus infinity before any start."""
+    if not len(detector.row):
+        return -np.inf
+    return float(logsumexp(detector.log_mass + known.log_share))

@@ -1,0 +1,307 @@
+"""A log that grows, read line by line: half-written lines, rotation, truncation, restarts.
+
+Text with one row a line is read as it grows. Files of other formats are read anew when they change,
+and the rows that were there before are left out. Of a folder the files are read one after the
+other in the order of their names; the last one grows.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pyport.errors import BadInput
+from pyport.recordings.files import read_raw
+from pyport.recordings.formats import katpoint_csv, tables
+from pyport.recordings.given import Given
+from pyport.recordings.interpret import interpret
+from pyport.recordings.schema import Recordings, SetAside
+
+#: Rows that are taken in together: after them the state is kept.
+BATCH = 100
+#: So many bytes before where reading stopped tell whether the file is still the same.
+FINGERPRINT = 256
+#: No more than this is read of a log at once [bytes].
+BLOCK = 2**20
+
+
+@dataclass(frozen=True)
+class Cursor:
+    """How far a log was read.
+
+    Attributes
+    ----------
+    file
+        Name of the file, of a folder that of the last one begun.
+    inode, offset, fingerprint
+        Which file it is, the byte that comes next, and a hash of those before it.
+    lines
+        Lines read so far, or rows of a file that is read as a whole.
+    header
+        The lines above the rows.
+    changed
+        Time of the last change of a file that is read as a whole.
+    """
+
+    file: str = ""
+    inode: int = 0
+    offset: int = 0
+    fingerprint: str = ""
+    lines: int = 0
+    header: str = ""
+    changed: float = 0.0
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON holds it."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What was read: recordings, rows that cannot be used, and how far the log was read."""
+
+    recordings: Recordings | None
+    skipped: tuple[SetAside, ...]
+    cursor: Cursor
+    lines: tuple[str, ...] = field(default=(), repr=False)
+
+
+def new(path: Path, given: Given, cursor: Cursor, size: int = BATCH) -> Iterator[Batch]:
+    """Yield what a log has that was not read before; nothing where it has not grown.
+
+    Parameters
+    ----------
+    path
+        A file, or a folder of files of one format.
+    given
+        What the files themselves do not say.
+    cursor
+        How far they were read.
+    size
+        So many rows at once.
+
+    Raises
+    ------
+    BadInput
+        There is no such log, or it is not of the format that its name says.
+    """
+    if not path.is_dir():
+        yield from _file(path, given, cursor, size)
+        return
+    for one in _files(path, cursor.file):
+        if one.name != cursor.file:
+            cursor = Cursor(one.name)
+        for batch in _file(one, given, cursor, size):
+            cursor = batch.cursor
+            yield batch
+
+
+def _files(folder: Path, last: str) -> list[Path]:
+    """Return the files of a folder from the one on that was read last, by name."""
+    some = (one for one in folder.iterdir() if one.is_file() and not one.name.startswith("."))
+    return sorted(one for one in some if one.name >= last)
+
+
+def _file(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+    cursor = replace(cursor, file=path.name)
+    if _by_line(path, given):
+        yield from _lines(path, given, cursor, size)
+    else:
+        yield from _whole(path, given, cursor, size)
+
+
+def _by_line(path: Path, given: Given) -> bool:
+    """Tell whether a file is text with a line of names at most above its rows."""
+    if given.format:
+        return given.format == "csv"
+    known = tables.BY_SUFFIX.get(path.suffix.lower())
+    if known is None:
+        return bool(given.mapping or given.columns)
+    return known.name == "csv" and not (path.is_file() and katpoint_csv.looks_like(path))
+
+
+def _whole(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+    """Read a file that cannot be read by the line; a file with fewer rows is another one."""
+    try:
+        changed = path.stat().st_mtime
+    except FileNotFoundError:
+        return
+    if changed == cursor.changed:
+        return
+    try:
+        recordings = interpret(read_raw(path, given))
+    except (BadInput, OSError):
+        if cursor.lines:
+            return  # it is being written
+        raise
+    total = len(recordings)
+    done = cursor.lines if total >= cursor.lines else 0
+    for first in range(done, total, size):
+        last = min(first + size, total)
+        at = changed if last == total else cursor.changed
+        part = recordings.take(np.arange(first, last))
+        aside = recordings.set_aside if first == 0 else ()
+        yield Batch(part, aside, replace(cursor, lines=last, changed=at))
+
+
+def _lines(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+    """Read the whole lines that a file has beyond where it was read."""
+    if cursor.inode:
+        try:
+            there = path.stat()
+        except FileNotFoundError:
+            there = None
+        if there is None or there.st_ino != cursor.inode:
+            former = _renamed(path, cursor.inode)
+            if former is not None:
+                for batch in _beyond(former, given, cursor, size):
+                    cursor = batch.cursor
+                    yield batch
+            if there is None:
+                return
+            cursor = Cursor(path.name)
+        elif not _same(path, cursor):
+            cursor = Cursor(path.name)
+    if path.is_file():
+        yield from _beyond(path, given, cursor, size)
+
+
+def _renamed(path: Path, inode: int) -> Path | None:
+    """Return what a log that was rotated is called now, None where it is gone."""
+    for one in path.parent.iterdir():
+        if one != path and one.is_file() and one.stat().st_ino == inode:
+            return one
+    return None
+
+
+def _same(path: Path, cursor: Cursor) -> bool:
+    """Tell whether a file still begins as it did when it was read."""
+    with path.open("rb") as file:
+        return _fingerprint(file, cursor.offset) == cursor.fingerprint
+
+
+def _fingerprint(file: Any, offset: int) -> str:  # noqa: ANN401 - a file of bytes
+    """Return a hash of what stands before a byte; of a shorter file another one."""
+    file.seek(max(0, offset - FINGERPRINT))
+    before = file.read(min(FINGERPRINT, offset))
+    if len(before) < min(FINGERPRINT, offset):
+        return "shorter"
+    return hashlib.sha256(before).hexdigest()[:16]
+
+
+def _beyond(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+    """Yield the whole lines of a file from the cursor on."""
+    with path.open("rb") as file:
+        inode = os.fstat(file.fileno()).st_ino
+        while True:
+            file.seek(cursor.offset)
+            block = file.read(BLOCK)
+            whole = block[: block.rfind(b"\n") + 1]
+            if not whole:
+                if len(block) == BLOCK:
+                    wrong = f"a line of more than {BLOCK // 2**20} MB, expected one a recording"
+                    raise BadInput(wrong, path, cursor.lines + 1)
+                return
+            pieces = whole.splitlines(keepends=True)
+            for first in range(0, len(pieces), size):
+                some = pieces[first : first + size]
+                offset = cursor.offset + sum(map(len, some))
+                text = [one.decode("utf-8-sig", errors="replace") for one in some]
+                header, rows = _split(cursor, text, given)
+                recordings, skipped = _read(path, given, header, rows, cursor.lines, len(text))
+                cursor = Cursor(
+                    cursor.file,
+                    inode,
+                    offset,
+                    _fingerprint(file, offset),
+                    cursor.lines + len(text),
+                    header,
+                )
+                if recordings is not None or skipped or cursor.header:
+                    yield Batch(recordings, skipped, cursor, tuple(rows))
+
+
+def _split(cursor: Cursor, text: list[str], given: Given) -> tuple[str, list[str]]:
+    """Return the header, completed by lines that belong to it, and the lines of rows."""
+    header, rows = cursor.header, list(text)
+    complete = any(not one.startswith("#") for one in header.splitlines())
+    while rows and not complete:
+        line = rows[0]
+        if line.startswith("#") or not line.strip():
+            header += line
+            rows.pop(0)
+            continue
+        named = not given.columns and not _has_number(line)
+        if named:
+            header += line
+            rows.pop(0)
+        break
+    return header, rows
+
+
+def _has_number(line: str) -> bool:
+    """Tell whether a line of cells is a row of numbers and no line of names."""
+    for cell in line.replace(",", " ").replace(";", " ").split():
+        try:
+            float(cell)
+        except ValueError:
+            continue
+        return True
+    return False
+
+
+def _read(
+    path: Path, given: Given, header: str, rows: list[str], lines: int, count: int
+) -> tuple[Recordings | None, tuple[SetAside, ...]]:
+    """Return the recordings in some lines; where they cannot be read together, one by one."""
+    first = lines + count - len(rows) + 1
+    if not any(one.strip() and not one.startswith("#") for one in rows):
+        return None, ()
+    try:
+        found = _interpreted(path, given, header, rows)
+    except BadInput as error:
+        if len(rows) == 1:
+            return None, (SetAside(first, error.message),)
+        parts = [
+            _read(path, given, header, [one], lines + n, count - len(rows) + 1)
+            for n, one in enumerate(rows)
+        ]
+        good = [one for one, _ in parts if one is not None]
+        return (joined(good) if good else None), tuple(s for _, some in parts for s in some)
+    above = header.count("\n")
+    aside = tuple(replace(one, line=one.line - above - 1 + first) for one in found.set_aside)
+    if not len(found):
+        return None, aside
+    return replace(found, line=found.line - above - 1 + first, set_aside=()), aside
+
+
+def _interpreted(path: Path, given: Given, header: str, rows: list[str]) -> Recordings:
+    """Read lines as a file of their own would be read, and call it by the log's name."""
+    with tempfile.TemporaryDirectory(prefix="pyport-") as folder:
+        part = Path(folder) / path.name
+        part.write_text(header + "".join(rows), encoding="utf-8", newline="")
+        return replace(interpret(read_raw(part, given)), file=path)
+
+
+def joined(some: list[Recordings]) -> Recordings:
+    """Return recordings with the same columns as one."""
+    first = some[0]
+    at = first.at
+    columns = {name: np.concatenate([one.at.columns[name] for one in some]) for name in at.columns}
+    az, el = (np.concatenate([getattr(one.at, name) for one in some]) for name in ("az", "el"))
+    return replace(
+        first,
+        at=replace(at, az=az, el=el, columns=columns),
+        x=np.concatenate([one.x for one in some]),
+        y=np.concatenate([one.y for one in some]),
+        sigma_x=np.concatenate([one.sigma_x for one in some]),
+        sigma_y=np.concatenate([one.sigma_y for one in some]),
+        line=np.concatenate([one.line for one in some]),
+    )

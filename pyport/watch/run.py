@@ -1,0 +1,189 @@
+"""The watch as a process: a log followed, the state kept, others told; killed, it goes on."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pyport.errors import BadInput
+from pyport.recordings import read
+from pyport.recordings import write as write_recordings
+from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.schema import Recordings
+from pyport.watch import follow, state
+from pyport.watch.follow import Batch, Cursor
+from pyport.watch.outputs import Outputs
+from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Seen, Watch
+
+STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
+#: Pointings at the beginning of a log that stand for the past where no past is given.
+BURN_IN = 60
+
+
+@dataclass(frozen=True)
+class Options:
+    """What to watch, and how.
+
+    Attributes
+    ----------
+    log
+        A file that grows, or a folder of files.
+    model
+        A name or a file.
+    out
+        Folder of the state and of what is told.
+    given
+        What the log itself does not say.
+    history
+        Past recordings; None for the first ones of the log, `burn_in` of them.
+    command
+        Run for each event.
+    """
+
+    log: Path
+    model: str
+    out: Path
+    given: Given = NOTHING
+    history: str | None = None
+    burn_in: int = BURN_IN
+    pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM
+    command: str = ""
+
+
+@dataclass
+class Process:
+    """A watch that follows a log.
+
+    `complain` is given what cannot be used, `ready` is called with the watch when it begins.
+    """
+
+    options: Options
+    say: Callable[[str], None]
+    complain: Callable[[str], None]
+    watch: Watch | None = None
+    cursor: Cursor = field(default_factory=Cursor)
+    outputs: Outputs = field(init=False)
+    _early: list[Recordings] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Take up the state that an earlier process left."""
+        out = self.options.out
+        out.mkdir(parents=True, exist_ok=True)
+        if not self.options.log.exists():
+            raise BadInput(
+                "no such log, expected a file or a folder of recordings", self.options.log
+            )
+        self.outputs = Outputs(out, self.options.command, self.say)
+        if (out / STATE).is_file():
+            past = self.options.history or str(out / HISTORY)
+            self._begin(past)
+            assert self.watch is not None  # noqa: S101 - begun above
+            self.cursor = Cursor(**state.load(self.watch, out / STATE))
+            self._tell()
+        else:
+            self.outputs.begin()
+            if self.options.history is not None:
+                self._begin(self.options.history)
+
+    def _begin(self, past: str) -> None:
+        given = self.options.given if self.options.history is not None else NOTHING
+        self.watch = Watch(
+            read(past, given),
+            self.options.model,
+            pointings_per_false_alarm=self.options.pointings_per_false_alarm,
+        )
+
+    def step(self) -> Iterator[Seen]:
+        """Take in what the log has by now; yield each recording when it is kept."""
+        if self.watch is None and not self._burnt_in():
+            return
+        assert self.watch is not None  # noqa: S101 - begun above
+        for batch in follow.new(self.options.log, self.options.given, self.cursor):
+            seen = self._taken(self.watch, batch)
+            self.cursor = batch.cursor
+            self._keep()
+            yield from seen
+
+    def _burnt_in(self) -> bool:
+        """Collect the past from the log; tell whether there is enough of it, and begin."""
+        needed = self.options.burn_in - sum(map(len, self._early))
+        for batch in follow.new(self.options.log, self.options.given, self.cursor, size=1):
+            self._complain(batch)
+            self.cursor = batch.cursor
+            if batch.recordings is not None:
+                self._early.append(batch.recordings)
+                needed -= len(batch.recordings)
+            if needed <= 0:
+                break
+        if needed > 0:
+            return False
+        path = self.options.out / HISTORY
+        write_recordings(follow.joined(self._early), path)
+        self._early = []
+        self._begin(str(path))
+        self._keep()
+        return True
+
+    def _taken(self, watch: Watch, batch: Batch) -> list[Seen]:
+        """Take in a batch, rows that cannot be used one by one left out."""
+        self._complain(batch)
+        if batch.recordings is None:
+            return []
+        try:
+            return list(watch.replay(batch.recordings))
+        except BadInput:
+            seen = []
+            for n in range(len(batch.recordings)):
+                try:
+                    seen += list(watch.replay(batch.recordings.take(slice(n, n + 1))))
+                except BadInput as error:
+                    self.complain(str(error))
+            return seen
+
+    def _complain(self, batch: Batch) -> None:
+        for one in batch.skipped:
+            self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
+
+    def _keep(self) -> None:
+        assert self.watch is not None  # noqa: S101 - kept only once begun
+        state.save(self.watch, self.options.out / STATE, self.cursor.as_json())
+        self._tell()
+
+    def _tell(self) -> None:
+        assert self.watch is not None  # noqa: S101 - told only once begun
+        for wrong in self.outputs.tell(self.watch):
+            self.complain(wrong)
+
+
+@contextlib.contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep other processes from watching with the same folder.
+
+    Raises
+    ------
+    BadInput
+        One does.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        import fcntl
+    except ImportError:  # no such locks on this system
+        yield
+        return
+    with (folder / LOCK).open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            wrong = "another process watches with this folder, expected one of its own"
+            raise BadInput(wrong, folder) from None
+        yield
+
+
+def forever(process: Process, every_s: float) -> Iterator[Seen]:
+    """Yield what comes, looking at the log every so many seconds."""
+    while True:
+        yield from process.step()
+        time.sleep(every_s)

@@ -1,0 +1,118 @@
+"""The state of a watch, kept whole after every pointing, and taken up again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.checkpoint import key_of
+from pyport.errors import BadInput
+from pyport.files import write_whole
+from pyport.watch.alarms import Alarm
+from pyport.watch.antenna import Antenna, Slot
+from pyport.watch.watch import Event, Seen, Watch
+
+_TOLD, _KEY = "told", "key"
+_OF_WATCH = ("row", "raised", "happened", "last", "session")
+_OF_NULL = ("tail", "outliers", "readings", "night_dof", "learning", "clock", "labels", "pointing")
+_ARRAYS_OF_NULL = ("mean", "covariance", "scale", "dof")
+
+
+def key(watch: Watch) -> str:
+    """Return the hash of the program, the past and the model: of what a state belongs to."""
+    past = hashlib.sha256()
+    history = watch.history
+    for one in (history.at.az, history.at.el, history.x, history.y, history.line):
+        past.update(np.ascontiguousarray(one).tobytes())
+    for name in sorted(history.at.columns):
+        past.update(repr((name, history.at.columns[name].tolist())).encode())
+    model = [
+        (term.effect.id, term.effect.variant, term.per, term.values, sorted(term.by.items()))
+        for term in watch.model.terms
+    ]
+    return key_of(past.hexdigest(), watch.model.name, repr(model), watch.pointings_per_false_alarm)
+
+
+def save(watch: Watch, path: Path, beside: object = None) -> None:
+    """Write the state of a watch, whole or not at all.
+
+    Parameters
+    ----------
+    beside
+        Whatever else must be of the same moment, as JSON holds it: how far a log was read.
+    """
+    told: dict[str, Any] = {name: getattr(watch, name) for name in _OF_WATCH}
+    told["beside"] = beside
+    told["alarms"] = [asdict(one) for one in watch.alarms.values()]
+    told["events"] = [asdict(one) for one in watch.events]
+    told["recent"] = [_seen(one) for one in watch.recent]
+    told["antennas"] = {}
+    arrays: dict[str, NDArray[Any]] = {}
+    for n, (name, own) in enumerate(watch.antennas.items()):
+        told["antennas"][name] = {
+            "null": {one: getattr(own.null, one) for one in _OF_NULL},
+            "open": own.detector.open,
+            "pending": own.pending,
+            "rows": own.rows,
+            "slots": [asdict(one) for one in own.slots],
+        }
+        arrays |= {f"{n}/null/{one}": getattr(own.null, one) for one in _ARRAYS_OF_NULL}
+        arrays |= {f"{n}/{one}": values for one, values in own.detector.arrays().items()}
+    texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
+    with write_whole(path, "wb") as file:
+        np.savez(file, **(texts | arrays))
+
+
+def _seen(one: Seen) -> list[Any]:
+    return [getattr(one, each.name) for each in fields(Seen) if each.name != "events"]
+
+
+def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept beside it
+    """Take up a state; return what was kept beside it.
+
+    Raises
+    ------
+    BadInput
+        It is of another program, past or model, or no state at all.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as kept:
+            if str(kept[_KEY]) != key(watch):
+                wrong = "the state of a watch with another past, model or program"
+                raise BadInput(f"{wrong}: move the folder away to begin anew", path)
+            told = json.loads(str(kept[_TOLD]))
+            arrays = {name: kept[name] for name in kept.files}
+    except (OSError, ValueError, KeyError, EOFError) as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(f"no state of a watch: {error}", path) from None
+    for name in _OF_WATCH:
+        setattr(watch, name, told[name])
+    watch.alarms = {one["number"]: _alarm(one) for one in told["alarms"]}
+    watch.events = [Event(**one) for one in told["events"]]
+    watch.recent = [Seen(*one) for one in told["recent"]]
+    for n, (name, own) in enumerate(watch.antennas.items()):
+        _restore(own, told["antennas"][name], arrays, n)
+    return told["beside"]
+
+
+def _alarm(one: dict[str, Any]) -> Alarm:
+    members = [(tuple(alike), chance) for alike, chance in one["members"]]
+    return Alarm(**(one | {"members": members}))
+
+
+def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:
+    for name, value in told["null"].items():
+        setattr(own.null, name, tuple(value) if name == "pointing" else value)
+    for name in _ARRAYS_OF_NULL:
+        setattr(own.null, name, arrays[f"{n}/null/{name}"])
+    for name in own.detector.arrays():
+        setattr(own.detector, name, arrays[f"{n}/{name}"])
+    own.detector.open, own.pending, own.rows = told["open"], told["pending"], told["rows"]
+    own.slots = [Slot(**one) for one in told["slots"]]

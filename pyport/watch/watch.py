@@ -1,0 +1,278 @@
+"""The watch: recordings in, one by one, alarms out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG
+from pyport.correction.use import PointingModel, model_of
+from pyport.errors import BadInput
+from pyport.models.model import Model
+from pyport.recordings.from_table import Header, Table, from_table, raw_table
+from pyport.recordings.interpret import interpret
+from pyport.recordings.nights import NIGHT_GAP_S, night_of, with_nights
+from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
+from pyport.watch import antenna as one_antenna
+from pyport.watch.alarms import Alarm, moment
+from pyport.watch.antenna import Antenna
+from pyport.watch.baseline import past
+from pyport.watch.calibrate import calibrated
+from pyport.watch.prepare import prepare
+
+#: One false alarm in so many pointings or more, on average, unless another number is asked for.
+POINTINGS_PER_FALSE_ALARM = 10_000
+#: Alarms that no longer stand, and events, of which so many are remembered.
+REMEMBERED = 100
+#: Pointings of tonight that a page or a picture is drawn from.
+SHOWN = 500
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened to an alarm.
+
+    Attributes
+    ----------
+    number
+        Of the event, from 1, without gaps.
+    event
+        `raised`, `renamed`, `confirmed`, `withdrawn` or `over`.
+    row
+        The recording that brought it, from 1.
+    alarm
+        As it then was.
+    """
+
+    number: int
+    event: str
+    row: int
+    alarm: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A recording as the watch saw it.
+
+    `time` is in seconds since 1970, or the recording's number; `xel_arcsec` and `el_arcsec` are
+    what was left of it, NaN where an axis was not measured, and the sigmas what was expected.
+    """
+
+    row: int
+    time: float
+    antenna: str
+    az_deg: float
+    el_deg: float
+    xel_arcsec: float
+    el_arcsec: float
+    sigma_xel_arcsec: float
+    sigma_el_arcsec: float
+    evidence: float
+    events: tuple[Event, ...] = ()
+
+
+class Watch:
+    """A watch over pointings that come one after the other.
+
+    >>> import pyport
+    >>> watch = pyport.Watch("past.csv", "altaz")
+    >>> seen = watch.update({"az_deg": 41.2, "el_deg": 33.0, "d_el_arcsec": 4.0, ...})
+    >>> [alarm.sentence for alarm in watch.standing]
+
+    Parameters
+    ----------
+    history
+        Recordings, as `pyport.diagnose` takes them: later ones are compared with their model and
+        noise.
+    model
+        A name, a file or a model; its terms that are not fixed are fitted to the history.
+    pointings_per_false_alarm
+        How many pointings there are on average, or more, before an alarm that nothing caused, all
+        antennas taken together. In n pointings there is one with a probability of n over this
+        number, or less.
+    header
+        What holds for all rows of the history and of what comes: `latitude_deg`, ...
+
+    Raises
+    ------
+    BadInput
+        There are too few past recordings, or the model lacks something.
+    """
+
+    @one_thread
+    def __init__(
+        self,
+        history: Table,
+        model: str | Path | Model | PointingModel = "altaz",
+        *,
+        pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM,
+        header: Header | None = None,
+    ):
+        if not pointings_per_false_alarm > 1:
+            wrong = f"{pointings_per_false_alarm:g} pointings per false alarm"
+            raise BadInput(f"{wrong}, expected more than 1")
+        history = with_nights(from_table(history, header))
+        self.history, self.model = history, model_of(model)
+        self.pointings_per_false_alarm = float(pointings_per_false_alarm)
+        names = np.unique(history.label("antenna").astype(str))
+        self.antennas: dict[str, Antenna] = {}
+        for name in names:
+            of_it = past(history, self.model, str(name) if len(names) > 1 else None)
+            null, known = calibrated(of_it)
+            each = pointings_per_false_alarm * len(names)
+            self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, each)
+        time = np.asarray(history.at.columns.get("time", np.full(len(history), np.nan)), float)
+        self.timed = bool(np.isfinite(time).all())
+        self.last = float(time.max()) if self.timed else np.nan
+        sessions = history.label("session").astype(str)
+        self.session = str(sessions[-1]) if len(sessions) else ""
+        self.first_row = len(history)
+        self.row = 0
+        self.alarms: dict[int, Alarm] = {}
+        self.raised = 0
+        self.events: list[Event] = []
+        self.happened = 0
+        self.recent: list[Seen] = []
+
+    @property
+    def standing(self) -> list[Alarm]:
+        """Return the alarms that are neither withdrawn nor over."""
+        return [one for one in self.alarms.values() if one.stands]
+
+    def update(self, row: Mapping[str, Any]) -> Seen:
+        """Take in one recording; its keys are the columns of a file of recordings.
+
+        Raises
+        ------
+        BadInput
+            The row lacks something or tells no offset; the watch is as it was.
+        """
+        raw = raw_table({name: [value] for name, value in row.items()}, self.history.meta)
+        recordings = interpret(raw)
+        if not len(recordings):
+            raise BadInput(recordings.set_aside[0].reason)
+        return next(self.replay(recordings))
+
+    def replay(self, table: Table) -> Iterator[Seen]:
+        """Take in recordings in the order of time, and yield each as it was seen.
+
+        Raises
+        ------
+        BadInput
+            They are of an antenna without a past, or have no times where the past has.
+        """
+        recordings = self._ordered(from_table(table, self.history.meta))
+        who = recordings.label("antenna").astype(str)
+        if unknown := sorted(set(who) - set(self.antennas)):
+            known = ", ".join(self.antennas)
+            wrong = f"antenna {unknown[0]!r} has no past recordings; there are those of {known!r}"
+            raise BadInput(wrong, recordings.file, int(recordings.line[0]))
+        places = {name: np.flatnonzero(who == name) for name in dict.fromkeys(who)}
+        rows = {
+            name: prepare(self.antennas[name].baseline, recordings.take(own))
+            for name, own in places.items()
+        }
+        turn = dict.fromkeys(rows, 0)
+        for name in who:
+            own, n = self.antennas[name], turn[name]
+            turn[name] += 1
+            yield self._taken(own, rows[name], n)
+
+    def _taken(self, own: Antenna, rows: Any, n: int) -> Seen:  # noqa: ANN401 - prepared rows
+        self.row += 1
+        happened = one_antenna.take(own, rows, n, self.alarms, self.raised + 1)
+        if happened and happened[0].startswith("raised"):
+            self.raised += 1
+        left = own.residual / ARCSEC
+        seen = Seen(
+            self.row,
+            float(rows.clock[n]),
+            own.baseline.antenna,
+            float(rows.az[n] / DEG) % 360,
+            float(rows.el[n] / DEG),
+            float(left[0, 0]),
+            float(left[1, 0]),
+            float(left[0, 1]),
+            float(left[1, 1]),
+            own.evidence,
+            tuple(self._event(one) for one in happened),
+        )
+        self.recent = [*self.recent, seen][-SHOWN:]
+        return seen
+
+    def _event(self, what: str) -> Event:
+        kind, number = what.split()
+        self.happened += 1
+        alarm = self.alarms[int(number)].as_json(timed=self.timed)
+        event = Event(self.happened, kind, self.row, alarm)
+        self.events = [*self.events, event][-REMEMBERED:]
+        ended = [one.number for one in self.alarms.values() if not one.stands]
+        for old in ended[:-REMEMBERED]:
+            del self.alarms[old]
+        return event
+
+    def _ordered(self, recordings: Recordings) -> Recordings:
+        """Return recordings in the order of time, with sessions, numbered on from the past."""
+        at = recordings.at
+        time = np.asarray(at.columns.get("time", np.full(len(at), np.nan)), float)
+        if self.timed and not np.isfinite(time).all():
+            row = int(np.argmax(~np.isfinite(time)))
+            wrong = "no time, expected one as in the past recordings"
+            raise BadInput(wrong, recordings.file, int(recordings.line[row]))
+        if self.timed:
+            recordings = recordings.take(np.argsort(time, kind="stable"))
+        at, columns = recordings.at, dict(recordings.at.columns)
+        if "session" not in at and self.timed:
+            columns["session"] = self._nights(np.asarray(at.column("time"), float))
+        numbers = self.first_row + self.row + 1 + np.arange(len(at))
+        return replace(recordings, at=replace(at, columns=columns), line=numbers)
+
+    def _nights(self, time: Sequence[float] | Any) -> Any:  # noqa: ANN401 - an array of text
+        """Return the night of each row: another one begins after a long gap."""
+        found = []
+        for one in time:
+            if one - self.last > NIGHT_GAP_S:
+                self.session = night_of(float(one))
+            self.last = max(self.last, float(one))
+            found.append(self.session)
+        return np.array(found, np.str_)
+
+    def status(self) -> dict[str, Any]:
+        """Return what there is to know at a glance, as JSON holds it."""
+        last = self.recent[-1] if self.recent else None
+        return {
+            "schema": "pyport.watch/1",
+            "model": self.model.name,
+            "history": str(Path(self.history.file)),
+            "pointings_per_false_alarm": self.pointings_per_false_alarm,
+            "rows": self.row,
+            "last": None if last is None else moment(last.time, timed=self.timed),
+            "alarms_raised": self.raised,
+            "events": self.happened,
+            "standing": [one.as_json(timed=self.timed) for one in self.standing],
+            "antennas": {
+                name: {
+                    "pointings": own.rows,
+                    "log10_evidence": _finite(own.evidence / np.log(10)),
+                    "log10_threshold": own.threshold / float(np.log(10)),
+                    "scatter_xel_arcsec": _scatter(own, 0),
+                    "scatter_el_arcsec": _scatter(own, 1),
+                    "outliers": own.null.share,
+                }
+                for name, own in self.antennas.items()
+            },
+        }
+
+
+def _scatter(own: Antenna, axis: int) -> float:
+    """Return the white scatter of an axis as it is now [arcsec]."""
+    return float(np.sqrt(own.baseline.white[axis] * own.null.scale[axis])) / ARCSEC
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
