@@ -19,7 +19,8 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.recordings.files import read_raw
-from pyport.recordings.formats import katpoint_csv, tables
+from pyport.recordings.formats import katpoint_csv
+from pyport.recordings.formats import registry as tables
 from pyport.recordings.given import Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.schema import Recordings, SetAside

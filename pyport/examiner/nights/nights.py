@@ -59,15 +59,6 @@ class Step:
     truth: dict[str, float]
 
 
-#: The steps: the ids that a watch may call each by, and its columns, (n, 2, k).
-STEPS = {
-    "elevation zero": ("elevation_zero", lambda at: terms.altaz(at.az, at.el)[:, :, 1:2]),
-    "both zeros": ("epoch_offset", lambda at: _both_zeros(len(at))),
-    "tilt": ("tilt", _tilt),
-    "sag": ("sag_cosine", _sag),
-}
-
-
 def _both_zeros(n: int) -> Array:
     return np.repeat(np.eye(2)[None], n, axis=0)
 
@@ -81,6 +72,15 @@ def _tilt(at: schedule.Pointings) -> Array:
 
 def _sag(at: schedule.Pointings) -> Array:
     return terms.both(0.0, np.cos(at.el), len(at))[:, :, None]
+
+
+#: The steps: the ids that a watch may call each by, and its columns, (n, 2, k).
+STEPS = {
+    "elevation zero": ("elevation_zero", lambda at: terms.altaz(at.az, at.el)[:, :, 1:2]),
+    "both zeros": ("epoch_offset", lambda at: _both_zeros(len(at))),
+    "tilt": ("tilt", _tilt),
+    "sag": ("sag_cosine", _sag),
+}
 
 
 @dataclass(frozen=True)

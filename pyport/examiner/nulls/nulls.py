@@ -122,7 +122,7 @@ def draw(case: Case) -> World:
 
 
 def table(at: schedule.Pointings, offset: Array, said: Array | None) -> dict[str, Any]:
-    """Return recordings as columns; `offset` and, where they are recorded, errors (n, 2) [arcsec]."""
+    """Return recordings as columns; offsets and, where recorded, errors are (n, 2) [arcsec]."""
     stamp = schedule.START + np.round(at.time_s * 1000).astype("timedelta64[ms]")
     table: dict[str, Any] = {
         "time_utc": stamp,
