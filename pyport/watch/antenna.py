@@ -20,6 +20,8 @@ from pyport.watch.prepare import Rows
 NAMING = 20
 #: Where it has none by now, the likeliest is taken for it.
 LONGEST_NAMING = 60
+#: Another name is reported when it is likelier than all others together.
+HALF = 0.5
 #: A name with this much of the probability is preferred if it has already been given to a
 #: standing alarm: what comes back is the same thing.
 STANDING = 0.02
@@ -157,7 +159,8 @@ def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: 
         watch.null.learning = False
         return [f"raised {number}"]
     alarm = every[watch.pending]
-    if evidence < 0:
+    # no likelier than none, whenever it may have begun
+    if evidence < log(watch.detector.begun):
         alarm.state, alarm.ended = WITHDRAWN, float(rows.clock[n])
         _afresh(watch)
         return [f"withdrawn {alarm.number}"]
@@ -166,7 +169,8 @@ def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: 
     age = watch.rows - alarm.raised_row
     if age >= LONGEST_NAMING or (age >= NAMING and len(alarm.members) == 1):
         return _confirm(watch, alarm, best, every)
-    return [] if was == (alarm.effect, alarm.named) else [f"renamed {alarm.number}"]
+    known = (alarm.effect, alarm.named)
+    return [f"renamed {alarm.number}"] if known != was and alarm.members[0][1] > HALF else []
 
 
 def _afresh(watch: Antenna) -> None:

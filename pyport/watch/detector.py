@@ -112,6 +112,8 @@ class Detector:
         Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
     row, clock
         When each start was, (S,).
+    begun
+        How many starts there were, those merged into others counted.
     open
         Whether new starts are taken: not while an alarm is being named.
     """
@@ -127,6 +129,7 @@ class Detector:
     before: Array
     row: Array
     clock: Array
+    begun: int = 0
     open: bool = True
     _names: tuple[str, ...] = field(
         default=(
@@ -175,6 +178,7 @@ def fresh(known: Layout, states: int) -> Detector:
 
 def start(detector: Detector, known: Layout, null: Null, row: int, clock: float) -> None:
     """Let a change begin at this pointing; where there are too many, merge two."""
+    detector.begun += 1
     if len(detector.row) == STARTS:
         _merge(detector, known, row)
     new = {

@@ -58,6 +58,7 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
         told["antennas"][name] = {
             "null": {one: getattr(own.null, one) for one in _OF_NULL},
             "open": own.detector.open,
+            "begun": own.detector.begun,
             "pending": own.pending,
             "rows": own.rows,
             "slots": [asdict(one) for one in own.slots],
@@ -114,5 +115,6 @@ def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]]
         setattr(own.null, name, arrays[f"{n}/null/{name}"])
     for name in own.detector.arrays():
         setattr(own.detector, name, arrays[f"{n}/{name}"])
+    own.detector.begun = told["begun"]
     own.detector.open, own.pending, own.rows = told["open"], told["pending"], told["rows"]
     own.slots = [Slot(**one) for one in told["slots"]]

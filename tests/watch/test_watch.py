@@ -1,0 +1,158 @@
+"""A watch from the outside: what it raises, names, confirms and withdraws."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_nights import world
+
+import pyport
+from pyport.errors import BadInput
+from pyport.recordings.from_table import from_table
+from pyport.watch import state
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Return nights in which a tilt of three sigmas comes."""
+    return world()
+
+
+@pytest.fixture(scope="module")
+def seen(drawn):
+    """Return a watch that went through a night with a tilt, and what it saw."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    return watch, list(watch.replay(drawn.watched))
+
+
+def test_a_tilt_is_raised_named_dated_and_measured(drawn, seen):
+    """Three sigmas are seen within five pointings, and called by their name."""
+    watch, rows = seen
+    (alarm,) = watch.standing
+    first = next(one.row for one in rows if one.events)
+
+    assert 0 < first - drawn.step.first <= 5
+    assert alarm.effect == "tilt"
+    assert alarm.named
+    assert abs(alarm.since_row - 1 - drawn.step.first) <= 1
+    for one, true in zip(alarm.parameters, drawn.step.truth.values(), strict=True):
+        assert abs(one["value"] - true) < 4 * one["sigma"]
+    assert "the azimuth axis leans" in alarm.sentence
+
+
+def test_events_come_in_order_without_gaps(seen):
+    """Raised comes first, confirmed later, each event has its number."""
+    watch, _ = seen
+    names = [one.event for one in watch.events]
+
+    assert [one.number for one in watch.events] == list(range(1, len(names) + 1))
+    assert names[0] == "raised"
+    assert names[-1] == "confirmed"
+
+
+def test_rows_one_by_one_are_the_same_as_together(drawn, seen):
+    """`update` gives what `replay` gives."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    table = drawn.watched
+    for n in range(25):
+        one = watch.update({name: cells[n] for name, cells in table.items()})
+        assert one.evidence == pytest.approx(seen[1][n].evidence, abs=1e-6)
+        assert [e.event for e in one.events] == [e.event for e in seen[1][n].events]
+
+
+def test_a_step_back_is_the_same_alarm_over(drawn):
+    """What comes back ends both: the telescope is as it was."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    recordings = from_table(drawn.watched, drawn.header)
+    back = np.arange(len(recordings)) >= drawn.step.first + 60
+    arcsec = np.pi / 648000
+    recordings = replace(
+        recordings,
+        x=recordings.x - back * drawn.step.offset[:, 0] * arcsec,
+        y=recordings.y - back * drawn.step.offset[:, 1] * arcsec,
+    )
+    list(watch.replay(recordings))
+
+    assert watch.raised == 2
+    assert watch.standing == []
+
+
+def test_an_alarm_that_the_data_withdraw_is_withdrawn():
+    """Four outlying pointings alike raise an alarm; thirty good ones take it back."""
+    drawn = world(step=False)
+    recordings = from_table(drawn.watched, drawn.header)
+    arcsec = np.pi / 648000
+    odd = (np.arange(len(recordings)) >= 10) & (np.arange(len(recordings)) < 14)
+    recordings = replace(recordings, y=recordings.y + odd * 4 * drawn.sigma * arcsec)
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    rows = list(watch.replay(recordings))
+    events = [event.event for one in rows for event in one.events]
+
+    assert events[0] == "raised"
+    assert events[-1] == "withdrawn"
+    assert watch.standing == []
+
+
+def test_a_night_without_change_raises_nothing():
+    """Ten nights of white noise pass in silence."""
+    drawn = world(step=False)
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    list(watch.replay(drawn.watched))
+
+    assert watch.raised == 0
+
+
+def test_more_scatter_is_an_alarm_of_scatter():
+    """Readings that scatter three times as far are called that."""
+    quiet = world(step=False)
+    recordings = from_table(quiet.watched, quiet.header)
+    rng = np.random.default_rng(1)
+    later = np.arange(len(recordings)) >= 20
+    more = 2.8 * quiet.sigma * np.pi / 648000 * rng.standard_normal(len(recordings))
+    watch = pyport.Watch(quiet.past, header=quiet.header)
+    list(watch.replay(replace(recordings, y=recordings.y + later * more)))
+
+    (alarm,) = watch.standing
+    assert alarm.effect == "scatter_el"
+    assert 2 < alarm.parameters[0]["value"] < 4.5
+
+
+def test_the_state_is_kept_and_taken_up(drawn, seen, tmp_path):
+    """Stopped anywhere, a watch goes on as if it had not been."""
+    recordings = from_table(drawn.watched, drawn.header)
+    for stop in (5, 18, 30, 60):
+        watch = pyport.Watch(drawn.past, header=drawn.header)
+        list(watch.replay(recordings.take(slice(0, stop))))
+        state.save(watch, tmp_path / "state.npz", {"at": stop})
+        again = pyport.Watch(drawn.past, header=drawn.header)
+        assert state.load(again, tmp_path / "state.npz") == {"at": stop}
+        rest = list(again.replay(recordings.take(slice(stop, None))))
+        assert [one.evidence for one in rest] == [one.evidence for one in seen[1][stop:]]
+        assert [vars(one) for one in again.events] == [vars(one) for one in seen[0].events]
+        assert again.status() == seen[0].status()
+
+
+def test_another_past_s_state_is_refused(drawn, seen, tmp_path):
+    """A state belongs to the past and the model it was made with."""
+    state.save(seen[0], tmp_path / "state.npz")
+    other = pyport.Watch(drawn.past, header=drawn.header, pointings_per_false_alarm=100)
+
+    with pytest.raises(BadInput, match="another past, model or program"):
+        state.load(other, tmp_path / "state.npz")
+
+
+def test_too_short_a_past_is_refused(drawn):
+    """Twenty pointings are no past."""
+    short = {name: cells[:20] for name, cells in drawn.past.items()}
+
+    with pytest.raises(BadInput, match="past pointings, expected 30 or more"):
+        pyport.Watch(short, header=drawn.header)
+
+
+def test_a_row_without_offset_leaves_the_watch_as_it_was(drawn):
+    """Bad input is refused and changes nothing."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    with pytest.raises(BadInput, match="no offset"):
+        watch.update({"time_utc": "2024-03-28T12:00:00", "az_deg": 10.0, "el_deg": 50.0})
+
+    assert watch.row == 0
