@@ -13,7 +13,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.finding import Parameter
 from pyport.diagnosis.identify import decide_by
 from pyport.diagnosis.words import number
-from pyport.watch.changes import EXPECTED, Change
+from pyport.watch.changes import Change
 from pyport.watch.detector import SPREADS
 
 #: An effect is named when it has this probability among all that could have changed; until then
@@ -136,11 +136,10 @@ def parameters(change: Change, mean: Array, covariance: Array) -> list[dict[str,
 def moves(change: Change, mean: Array, sigma: float) -> float:
     """Return the rms that a change adds to the past pointings that it acts on [arcsec].
 
-    The prior is `EXPECTED` standard deviations in each of k directions: a change of that length
-    moves readings by `EXPECTED` of `sigma` [rad].
+    The prior moves readings by `expected` times `sigma` [rad], k directions together.
     """
     size = float(mean @ np.linalg.solve(change.prior, mean))
-    return EXPECTED * math.sqrt(max(size, 0.0) / len(mean)) * sigma / ARCSEC
+    return change.expected * math.sqrt(max(size, 0.0) / len(mean)) * sigma / ARCSEC
 
 
 def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple[str, ...], float]]:

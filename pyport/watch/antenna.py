@@ -105,8 +105,9 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
     every
         Alarms by number, to which a new one is added, as `number`.
     """
+    night = rows.labels["session"][n] != watch.null.labels.get("session")
     kept, new = null.advance(watch.null, watch.states, rows, n)
-    detector.forget(watch.detector, kept)
+    detector.forget(watch.detector, kept, watch.null, night=night)
     if new:
         watch.rows += 1
         if watch.detector.open:
@@ -188,7 +189,7 @@ def _name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, i
     some = watch.baseline.changes
     names: list[tuple[str, ...]] = [*(one.alike for one in some), *((one,) for one in SPREADS)]
     alarm.members = alarms.members(names, chance.sum(axis=0))
-    change = int(np.argmax(chance.sum(axis=0)))
+    change = int(np.argmax(chance.sum(axis=0)))  # of one effect's sizes the likelier one
     likely = {one for alike, _ in alarm.members for one in alike}
     for slot in watch.slots:
         if every[slot.alarm].effect in likely and chance[:, slot.change].sum() > STANDING:

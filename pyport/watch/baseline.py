@@ -195,7 +195,7 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     usual = made.variance(history) + np.where(within > 0, white, 0.0)
     usual[~np.isfinite(np.stack([history.x, history.y], axis=1))] = np.inf
     departing = {one.of for one in nuisances}
-    watched = changes.possible(history.at, usual, departing)
+    watched = changes.possible(history.at, usual, [term.effect for term in terms], departing)
     weights = np.ones((len(history), 2))
     weights[fitted.stack.row, fitted.stack.is_y.astype(int)] = fitted.weight
     return Past(replace(made, changes=watched), history, weights)

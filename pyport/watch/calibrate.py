@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.noise.scatter import tails
-from pyport.watch.baseline import Past
+from pyport.watch.baseline import LEAST_DOF, Past
 from pyport.watch.null import (
     LEAST_GROSS,
     NIGHT_DOF,
@@ -83,7 +83,8 @@ def _night_dof(value: Array, names: list[str]) -> float:
     """Return from how many deviations the scatter of another night is known by the past ones.
 
     Scales of nights that differ by more than their few readings explain make it small: the
-    variance of a log-variance known from d deviations is 2 / d.
+    variance of a log-variance known from d deviations is 2 / d. From so few nights it is known
+    badly itself, and counts for more, as the variance of departures does.
     """
     sessions, number, count = np.unique(names, return_inverse=True, return_counts=True)
     usual = np.minimum(value**2, OUTLIER**2)
@@ -93,4 +94,6 @@ def _night_dof(value: Array, names: list[str]) -> float:
         return NIGHT_DOF
     expected = float(np.mean(usual**2) / np.mean(usual) ** 2 - 1) * float(np.mean(1 / count[many]))
     excess = float(np.var(np.log(mean[many]), ddof=1)) - expected
+    nights = max(float(many.sum()) - 1, LEAST_DOF)
+    excess *= nights / (nights - 2)
     return float(np.clip(2 / max(excess, 1e-6), NIGHT_DOF_LEAST, NIGHT_DOF_MOST))

@@ -15,11 +15,13 @@ from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 #: Rms of a change before it is seen, over the scatter of a reading: the middle of the changes
 #: that matter. One that is three times larger or smaller is seen about one pointing later.
 EXPECTED = 3.0
+#: What is done to a mount may be far larger: taken apart and put together again.
+WORKED_ON = 30.0
 #: Share of the alarms' budget for changes of the mount from one state to another (zeros, tilt,
 #: sag), and for scatter and outliers; the other effects of the catalogue share what is left.
 MOUNT_SHARE, SPREAD_SHARE = 0.4, 0.2
 #: A change of more coefficients is not learnt within a night: each part of it is watched for.
-MOST_COEFFICIENTS = 6
+MOST_TOGETHER = 8
 #: Effects of which one draws this share of the other are one.
 SAME = 1 - 1e-6
 #: Directions of an effect's coefficients that move readings by less than this share of the
@@ -39,6 +41,8 @@ class Change:
         Ids of all effects that the past recordings cannot distinguish from it, itself first.
     share
         Of the alarms' budget.
+    expected
+        Rms that the prior gives to readings that it moves, over their scatter.
     prior
         Covariance of the change of its coefficients, internal units, shape (k, k).
     """
@@ -46,6 +50,7 @@ class Change:
     effect: Effect
     alike: tuple[str, ...]
     share: float
+    expected: float
     prior: Array
 
     @property
@@ -85,6 +90,22 @@ def members(at: Circumstances) -> list[Effect]:
     return found
 
 
+def together(some: Sequence[Effect]) -> Effect:
+    """Return the change of several effects at once: the mount was worked on."""
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        return columns(some, at)
+
+    return Effect(
+        "several_terms",
+        f"several terms changed at once: {', '.join(one.id for one in some)}",
+        "",
+        tuple(one for effect in some for one in effect.coefficients),
+        basis,
+        pattern="all over the sky",
+    )
+
+
 def _always(effect: Effect) -> Effect:
     if effect.make is None:
         raise ValueError(f"{effect.id} is a change, and nothing makes its members")
@@ -92,7 +113,10 @@ def _always(effect: Effect) -> Effect:
 
 
 def possible(
-    at: Circumstances, variance: Array, departing: Collection[str] = ()
+    at: Circumstances,
+    variance: Array,
+    terms: Sequence[Effect] = (),
+    departing: Collection[str] = (),
 ) -> tuple[Change, ...]:
     """Return the changes to watch for.
 
@@ -102,13 +126,16 @@ def possible(
         The past pointings.
     variance
         Of a reading of either axis there [rad^2], shape (n, 2); infinite where none was taken.
+    terms
+        The model's, which may also change all at once.
     departing
         Labels whose departures are noise: what belongs to them is none of the telescope's.
     """
     kept: list[_Kept] = []
     scale = 1 / np.sqrt(variance)
-    for effect in members(at):
-        if len(effect.coefficients) > MOST_COEFFICIENTS or effect.belongs_to in departing:
+    several = [together(terms)] if 1 < len(terms) and _size(terms) <= MOST_TOGETHER else []
+    for effect in [*several, *members(at)]:
+        if _size([effect]) > MOST_TOGETHER or effect.belongs_to in departing:
             continue
         x, y = columns([effect], at)
         white = np.concatenate([x * scale[:, :1], y * scale[:, 1:]])
@@ -117,7 +144,8 @@ def possible(
         frame = _frame(white)
         same = next((one for one in kept if one.draws(frame) >= ALIKE), None)
         if same is None:
-            kept.append(_Kept(effect, frame, [effect.id], mount=effect.is_change))
+            mount = effect.is_change or effect in several
+            kept.append(_Kept(effect, frame, [effect.id], mount))
         elif same.mount and same.draws(frame) > SAME and same.effect.is_change:
             # a tilt from some moment on is a tilt: the plain effect gives the name
             same.effect, same.names[0] = effect, effect.id
@@ -129,8 +157,12 @@ def possible(
     found = []
     for one in kept:
         share = MOUNT_SHARE / mount if one.mount else _rest(mount) / others
-        prior = _prior(*columns([one.effect], at), variance)
-        found.append(Change(one.effect, tuple(one.names), share / count[one.effect.id], prior))
+        unit = _unit(*columns([one.effect], at), variance)
+        sizes = (EXPECTED, WORKED_ON) if one.mount else (EXPECTED,)
+        share /= count[one.effect.id] * len(sizes)
+        found += [
+            Change(one.effect, tuple(one.names), share, size, size**2 * unit) for size in sizes
+        ]
     return tuple(found)
 
 
@@ -150,6 +182,10 @@ class _Kept:
         return float(((frame.T @ self.frame) ** 2).sum()) / frame.shape[1]
 
 
+def _size(some: Sequence[Effect]) -> int:
+    return sum(len(one.coefficients) for one in some)
+
+
 def _rest(mount: int) -> float:
     return 1 - SPREAD_SHARE - (MOUNT_SHARE if mount else 0.0)
 
@@ -161,8 +197,8 @@ def _frame(white: Array) -> Array:
     return np.asarray(left[:, size > np.sqrt(WEAK) * size[0]])
 
 
-def _prior(x: Array, y: Array, variance: Array) -> Array:
-    """Return the covariance of a change that moves the readings it acts on by `EXPECTED` sigma."""
+def _unit(x: Array, y: Array, variance: Array) -> Array:
+    """Return the covariance of a change that moves the readings it acts on by one sigma."""
     products = (x / variance[:, :1]).T @ x + (y / variance[:, 1:]).T @ y
     length = np.sqrt(np.diag(products))
     length[length == 0] = 1.0
@@ -172,4 +208,4 @@ def _prior(x: Array, y: Array, variance: Array) -> Array:
         (y != 0).any(axis=1)[:, None] & np.isfinite(variance[:, 1:])
     ).sum()
     inverse = (vectors / power) @ vectors.T / np.outer(length, length)
-    return np.asarray(EXPECTED**2 * moved / len(products) * inverse)
+    return np.asarray(moved / len(products) * inverse)

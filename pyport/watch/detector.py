@@ -215,10 +215,15 @@ def _merge(detector: Detector, known: Layout, row: int) -> None:
     detector.keep(np.delete(np.arange(len(age)), gone))
 
 
-def forget(detector: Detector, kept: Array) -> None:
-    """Let the biases go on to another row with the states that they are of."""
+def forget(detector: Detector, kept: Array, null: Null, *, night: bool) -> None:
+    """Let the biases go on to another row with the states that they are of.
+
+    In another night the scatter is another one, changed or not.
+    """
     if len(detector.row) and (kept < 1).any():
         detector.bias *= kept
+    if night:
+        detector.spread_dof = np.minimum(detector.spread_dof, null.night_dof)
 
 
 def update(

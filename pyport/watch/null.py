@@ -23,11 +23,11 @@ from pyport.watch.prepare import Rows
 Number = Any
 #: Readings that the scale of the scatter remembers: a wandering one is followed, a change that is
 #: quicker is an alarm.
-SCALE_MEMORY = 200.0
+SCALE_MEMORY = 100.0
 #: Deviations that a new night's scatter is known from, where fewer than three nights tell.
 NIGHT_DOF = 30.0
 #: The least and the largest number, where nights do tell.
-NIGHT_DOF_LEAST, NIGHT_DOF_MOST = 2.0, 200.0
+NIGHT_DOF_LEAST, NIGHT_DOF_MOST = 2.0, 30.0
 #: An innovation as rare as so many sigmas of a normal is an outlier; gross errors scatter by
 #: `GROSS` sigmas.
 OUTLIER, GROSS = 4.0, 10.0
