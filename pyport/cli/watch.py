@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import models
+from pyport.cli.manners import in_json, models
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pyport.recordings.given import Given
-    from pyport.watch.watch import Seen
+    from pyport.watch.watch import Event, Seen
 
 #: Exit status of --exit-on-alarm.
 ALARMED = 3
@@ -80,6 +80,7 @@ ALARMED = 3
 )
 @click.option("--exit-on-alarm", is_flag=True, help="Stop at the first alarm, with exit status 3.")
 @about_file
+@in_json
 def command(
     log: Path,
     model: str,
@@ -91,6 +92,7 @@ def command(
     command_line: str,
     given: Given,
     *,
+    as_json: bool,
     once: bool,
     exit_on_alarm: bool,
 ) -> None:
@@ -98,13 +100,17 @@ def command(
 
     Each new pointing is compared with what the model and the noise of the past let expect. An
     alarm says what changed, since when, how large, how sure and what to do next; events are
-    printed as JSON lines. Called again after a kill, it goes on where it was.
+    printed, with --json as JSON lines. Called again after a kill, it goes on where it was.
     """
+    from pyport.watch.outputs import line, words
     from pyport.watch.run import Options, Process, alone, forever
+
+    def say(event: Event) -> None:
+        click.echo(line(event) if as_json else words(event))
 
     options = Options(log, model, out, given, history, burn_in, rarity, command_line)
     with alone(out):
-        process = Process(options, click.echo, lambda text: click.echo(text, err=True))
+        process = Process(options, say, lambda text: click.echo(text, err=True))
         seen = process.step() if once else forever(process, every_s)
         alarmed = _through(seen, stop=exit_on_alarm)
         if once and process.watch is None:

@@ -133,7 +133,7 @@ def possible(
     """
     kept: list[_Kept] = []
     scale = 1 / np.sqrt(variance)
-    several = [together(terms)] if 1 < len(terms) and _size(terms) <= MOST_TOGETHER else []
+    several = [together(terms)] if len(terms) > 1 and _size(terms) <= MOST_TOGETHER else []
     for effect in [*several, *members(at)]:
         if _size([effect]) > MOST_TOGETHER or effect.belongs_to in departing:
             continue
@@ -152,11 +152,11 @@ def possible(
         elif effect.id not in same.names:
             same.names.append(effect.id)
     count = Counter(one.effect.id for one in kept)
-    mount = sum(one.mount for one in kept)
+    mounts = sum(one.mount for one in kept)
     others = len({one.effect.id for one in kept if not one.mount})
     found = []
     for one in kept:
-        share = MOUNT_SHARE / mount if one.mount else _rest(mount) / others
+        share = MOUNT_SHARE / mounts if one.mount else _rest(mounts) / others
         unit = _unit(*columns([one.effect], at), variance)
         sizes = (EXPECTED, WORKED_ON) if one.mount else (EXPECTED,)
         share /= count[one.effect.id] * len(sizes)

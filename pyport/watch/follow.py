@@ -162,7 +162,7 @@ def _lines(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batc
         if there is None or there.st_ino != cursor.inode:
             former = _renamed(path, cursor.inode)
             if former is not None:
-                for batch in _beyond(former, given, cursor, size):
+                for batch in _beyond(former, path, given, cursor, size):
                     cursor = batch.cursor
                     yield batch
             if there is None:
@@ -171,7 +171,7 @@ def _lines(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batc
         elif not _same(path, cursor):
             cursor = Cursor(path.name)
     if path.is_file():
-        yield from _beyond(path, given, cursor, size)
+        yield from _beyond(path, path, given, cursor, size)
 
 
 def _renamed(path: Path, inode: int) -> Path | None:
@@ -197,8 +197,8 @@ def _fingerprint(file: Any, offset: int) -> str:  # noqa: ANN401 - a file of byt
     return hashlib.sha256(before).hexdigest()[:16]
 
 
-def _beyond(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
-    """Yield the whole lines of a file from the cursor on."""
+def _beyond(path: Path, log: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+    """Yield the whole lines of a file from the cursor on; `log` is what it was called first."""
     with path.open("rb") as file:
         inode = os.fstat(file.fileno()).st_ino
         while True:
@@ -216,7 +216,7 @@ def _beyond(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Bat
                 offset = cursor.offset + sum(map(len, some))
                 text = [one.decode("utf-8-sig", errors="replace") for one in some]
                 header, rows = _split(cursor, text, given)
-                recordings, skipped = _read(path, given, header, rows, cursor.lines, len(text))
+                recordings, skipped = _read(log, given, header, rows, cursor.lines, len(text))
                 cursor = Cursor(
                     cursor.file,
                     inode,

@@ -32,10 +32,10 @@ class Outputs:
     command
         What is run for each event, its JSON on standard input; "" for nothing.
     say
-        Prints a line of JSON.
+        Prints an event.
     """
 
-    def __init__(self, folder: Path, command: str, say: Callable[[str], None]):
+    def __init__(self, folder: Path, command: str, say: Callable[[Event], None]):
         self.folder, self.command, self.say = folder, shlex.split(command), say
         self.told = _last(folder / EVENTS)
         self.acted = self.told
@@ -54,12 +54,12 @@ class Outputs:
         if new:
             with (self.folder / EVENTS).open("a", encoding="utf-8") as file:
                 for one in new:
-                    file.write(_line(one) + "\n")
+                    file.write(line(one) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
             self.told = new[-1].number
             for one in new:
-                self.say(_line(one))
+                self.say(one)
         wrong = list(self._act(watch)) if self.command else []
         with write_whole(self.folder / STATUS) as file:
             file.write(json.dumps(watch.status(), indent=1) + "\n")
@@ -79,7 +79,7 @@ class Outputs:
             try:
                 done = subprocess.run(  # noqa: S603 - the user's own command
                     self.command,
-                    input=_line(one),
+                    input=line(one),
                     text=True,
                     env=told,
                     timeout=PATIENCE_S,
@@ -94,8 +94,21 @@ class Outputs:
                 file.write(str(one.number))
 
 
-def _line(one: Event) -> str:
+def line(one: Event) -> str:
+    """Return an event as a line of JSON."""
     return json.dumps(asdict(one))
+
+
+def words(one: Event) -> str:
+    """Return an event as an observer reads it."""
+    alarm = one.alarm
+    whose = f" of {alarm['antenna']}" if alarm["antenna"] else ""
+    when = {"withdrawn": "", "over": ""}.get(one.event, f", since {alarm['since']}")
+    said = f"alarm {alarm['number']}{whose} {one.event}{when}: {alarm['sentence']}"
+    rarity = f"{10 ** min(alarm['log10_likelihood_ratio'], 99):.2g}"
+    if one.event in ("withdrawn", "over"):
+        return said
+    return f"{said}; {rarity} times likelier than no change; next: {alarm['next']}"
 
 
 def _last(path: Path) -> int:

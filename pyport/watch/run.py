@@ -16,7 +16,7 @@ from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
 from pyport.watch.follow import Batch, Cursor
 from pyport.watch.outputs import Outputs
-from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Seen, Watch
+from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch
 
 STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: Pointings at the beginning of a log that stand for the past where no past is given.
@@ -61,7 +61,7 @@ class Process:
     """
 
     options: Options
-    say: Callable[[str], None]
+    say: Callable[[Event], None]
     complain: Callable[[str], None]
     watch: Watch | None = None
     cursor: Cursor = field(default_factory=Cursor)

@@ -1,0 +1,142 @@
+"""A log that grows is read once, whole, whatever is done to it."""
+
+import numpy as np
+import pytest
+from drawn_nights import text, world
+
+from pyport.errors import BadInput
+from pyport.recordings import read, write
+from pyport.recordings.given import NOTHING, Given
+from pyport.watch import follow
+from pyport.watch.follow import Cursor
+
+
+@pytest.fixture(scope="module")
+def lines():
+    """Return the header's lines and 40 rows."""
+    drawn = world()
+    above, rows = text(drawn.watched, drawn.header)
+    return above, rows[:40]
+
+
+class Log:
+    """A log and how far it was read."""
+
+    def __init__(self, path, given=NOTHING):
+        self.path, self.given, self.cursor = path, given, Cursor()
+        self.times, self.skipped, self.lines = [], [], []
+
+    def read(self):
+        """Read on; return how many recordings came."""
+        before = len(self.times)
+        for batch in follow.new(self.path, self.given, self.cursor):
+            self.cursor = Cursor(**batch.cursor.as_json())
+            self.skipped += batch.skipped
+            if batch.recordings is not None:
+                self.times += batch.recordings.at.column("time").tolist()
+                self.lines += batch.recordings.line.tolist()
+        return len(self.times) - before
+
+
+def append(path, some):
+    """Write lines at the end of a file."""
+    with path.open("a") as file:
+        file.writelines(some)
+
+
+def test_rows_come_as_the_log_grows_and_half_lines_wait(tmp_path, lines):
+    """Half a header, half a row, several rows: each row is read once, when it is whole."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    whole = "".join(above + rows)
+    rng = np.random.default_rng(3)
+    cuts = sorted(rng.choice(len(whole), 60, replace=False))
+    for first, last in zip([0, *cuts], [*cuts, len(whole)], strict=True):
+        append(log.path, [whole[first:last]])
+        log.read()
+
+    reference = tmp_path / "whole.csv"
+    reference.write_text(whole)
+    assert log.times == read(reference).at.column("time").tolist()
+    assert log.lines == [len(above) + n for n in range(1, 41)]
+
+
+def test_a_log_that_is_rotated_goes_on_in_the_new_one(tmp_path, lines):
+    """What was written before it was renamed is read under its new name."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    append(log.path, above + rows[:10])
+    assert log.read() == 10
+    append(log.path, rows[10:15])
+    log.path.rename(tmp_path / "log.csv.1")
+    append(log.path, above + rows[15:20])
+    assert log.read() == 10
+    assert len(set(log.times)) == 20
+
+
+def test_a_log_that_is_truncated_begins_anew(tmp_path, lines):
+    """Shorter or as long as before, another beginning is another log."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    append(log.path, above + rows[:10])
+    log.read()
+    log.path.write_text("".join(above + rows[10:13]))
+    assert log.read() == 3
+    log.path.write_text("".join(above + rows[20:34]))
+    assert log.read() == 14
+    assert len(set(log.times)) == 27
+
+
+def test_rows_that_cannot_be_used_are_reported_with_their_lines(tmp_path, lines):
+    """A row of rubbish costs itself alone."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    append(
+        log.path, [*above, *rows[:3], "rubbish\n", *rows[3:6], rows[6].replace(",", ";"), rows[7]]
+    )
+    assert log.read() == 7
+    assert [one.line for one in log.skipped] == [len(above) + 4, len(above) + 8]
+
+
+def test_a_folder_is_read_file_by_file(tmp_path, lines):
+    """The next night is the next file, with a header of its own."""
+    above, rows = lines
+    log = Log(tmp_path)
+    append(tmp_path / "night-1.csv", above + rows[:10])
+    assert log.read() == 10
+    append(tmp_path / "night-1.csv", rows[10:12])
+    append(tmp_path / "night-2.csv", above + rows[12:20])
+    assert log.read() == 10
+    assert log.read() == 0
+
+
+def test_other_formats_are_read_again_when_they_change(tmp_path, lines):
+    """Parquet grows by being written anew."""
+    above, rows = lines
+    table = tmp_path / "log.csv"
+    log = Log(tmp_path / "log.parquet")
+    for count in (10, 17):
+        table.write_text("".join(above + rows[:count]))
+        write(read(table), log.path)
+        log.read()
+        assert len(log.times) == count
+
+
+def test_columns_by_other_names(tmp_path, lines):
+    """A map of columns holds for a log as for a file."""
+    above, rows = lines
+    renamed = [one.replace("az_deg,el_deg", "A,E") for one in above]
+    same = ("time_utc", "d_xel_arcsec", "d_el_arcsec")
+    told = {"az_deg": "A", "el_deg": "E"} | {one: one for one in same}
+    log = Log(tmp_path / "log.txt", Given(mapping=told))
+    append(log.path, renamed + rows[:5])
+
+    assert log.read() == 5
+
+
+def test_a_log_of_another_kind_is_refused(tmp_path):
+    """Bytes without lines are no log."""
+    (tmp_path / "log.csv").write_bytes(b"x" * (follow.BLOCK + 1))
+
+    with pytest.raises(BadInput, match="a line of more than 1 MB"):
+        list(follow.new(tmp_path / "log.csv", NOTHING, Cursor()))

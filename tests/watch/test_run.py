@@ -1,0 +1,190 @@
+"""The watch as a process: killed at any moment and started again, it tells everything once."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from drawn_nights import text, world, write
+
+from pyport.cli import pyport as program
+from pyport.watch.outputs import EVENTS
+
+#: Kills of the test; `make watch-kills` makes 200.
+KILLS = int(os.environ.get("PYPORT_WATCH_KILLS", "6"))
+
+
+@pytest.fixture(scope="module")
+def night(tmp_path_factory):
+    """Return a past, a night with a tilt, and what an undisturbed watch tells of it."""
+    folder = tmp_path_factory.mktemp("night")
+    drawn = world()
+    write(folder / "past.csv", drawn.past, drawn.header)
+    write(folder / "night.csv", drawn.watched, drawn.header)
+    done = CliRunner().invoke(program, arguments(folder, folder / "undisturbed"))
+    assert done.exit_code == 0, done.output
+    return folder, drawn, done
+
+
+def arguments(folder, out, *more):
+    """Return the words of a watch over the night."""
+    past = str(folder / "past.csv")
+    return [
+        "watch",
+        str(folder / "night.csv"),
+        "--history",
+        past,
+        "--out",
+        str(out),
+        "--once",
+        *more,
+    ]
+
+
+def state(out):
+    """Return everything that a watch keeps, as it can be compared."""
+    with np.load(out / "state.npz") as kept:
+        told = json.loads(str(kept["told"]))
+        told["beside"].pop("inode")
+        return told, {name: kept[name].tobytes() for name in kept.files if name != "told"}
+
+
+def test_it_prints_what_happened_and_leaves_its_files(night):
+    """An observer reads a sentence; programs read events, status and metrics."""
+    folder, _, done = night
+    out = folder / "undisturbed"
+    status = json.loads((out / "status.json").read_text())
+
+    assert "alarm 1 raised, since 2024-" in done.output
+    assert "the azimuth axis leans" in done.output
+    assert [one["effect"] for one in status["standing"]] == ["tilt"]
+    assert (out / "metrics.prom").read_text().endswith("# EOF\n")
+    assert "pyport_watch_standing 1\n" in (out / "metrics.prom").read_text()
+
+
+def test_once_more_tells_nothing_new(night):
+    """A log that has not grown has nothing to tell."""
+    folder, _, _ = night
+    before = (folder / "undisturbed" / EVENTS).read_text()
+    done = CliRunner().invoke(program, arguments(folder, folder / "undisturbed"))
+
+    assert (done.exit_code, done.output) == (0, "")
+    assert (folder / "undisturbed" / EVENTS).read_text() == before
+
+
+def test_killed_at_any_moment_it_goes_on_as_if_it_had_not_been(night, tmp_path):
+    """The same state to the last bit, the same events, none lost, none twice."""
+    folder, drawn, _ = night
+    above, rows = text(drawn.watched, drawn.header)
+    (tmp_path / "past.csv").write_bytes((folder / "past.csv").read_bytes())
+    log, out = tmp_path / "night.csv", tmp_path / "out"
+    log.write_text("".join(above))
+    words = [sys.executable, "-m", "pyport", *arguments(tmp_path, out), "--every", "0.05"]
+    words.remove("--once")
+    rng = np.random.default_rng(5)
+    kills, written = 0, 0
+    process = None
+    while kills < KILLS:
+        process = process or subprocess.Popen(words, stdout=subprocess.DEVNULL)
+        begun = (out / "state.npz").exists()
+        # while it writes most of the time, now and then while it starts
+        time.sleep(float(rng.uniform(0, 0.4) if begun else rng.uniform(0.5, 2.5)))
+        count = min(len(rows) - written, int(rng.integers(1, 4)))
+        with log.open("a") as file:
+            for row in rows[written : written + count]:
+                half = int(rng.integers(len(row)))
+                file.write(row[:half])
+                file.flush()
+                file.write(row[half:])
+        written += count
+        if rng.uniform() < 0.5:
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            process, kills = None, kills + 1
+    if process is not None:
+        process.kill()
+        process.wait()
+    with log.open("a") as file:
+        file.writelines(rows[written:])
+    done = CliRunner().invoke(program, arguments(tmp_path, out))
+    assert done.exit_code == 0, done.output
+
+    undisturbed = folder / "undisturbed"
+    assert (out / EVENTS).read_text() == (undisturbed / EVENTS).read_text()
+    assert state(out) == state(undisturbed)
+
+
+def test_a_line_of_events_that_was_cut_short_is_written_again(night, tmp_path):
+    """Killed while it tells, it tells the rest; a command that was not run yet is run."""
+    folder, _, _ = night
+    for name in (EVENTS, "state.npz"):
+        (tmp_path / name).write_bytes((folder / "undisturbed" / name).read_bytes())
+    whole = (tmp_path / EVENTS).read_text()
+    (tmp_path / EVENTS).write_text(whole[: len(whole) // 2])
+    (tmp_path / "acted").write_text("1")
+    noted = tmp_path / "noted"
+    hook = tmp_path / "hook"
+    hook.write_text(f"#!/bin/sh\necho $PYPORT_EVENT $PYPORT_ALARM >> {noted}\ncat > /dev/null\n")
+    hook.chmod(0o755)
+    done = CliRunner().invoke(program, arguments(folder, tmp_path, "--on-alarm", str(hook)))
+    assert done.exit_code == 0, done.output
+
+    assert (tmp_path / EVENTS).read_text() == whole
+    events = [json.loads(one)["event"] for one in whole.splitlines()]
+    assert noted.read_text().splitlines() == [f"{one} 1" for one in events[1:]]
+
+
+def test_the_first_pointings_stand_for_the_past(night, tmp_path):
+    """Without a past the watch begins when there are enough, and keeps them."""
+    folder, _, _ = night
+    words = ["watch", str(folder / "past.csv"), "--out", str(tmp_path), "--once"]
+    done = CliRunner().invoke(program, [*words, "--burn-in", "70"])
+    assert done.exit_code == 0, done.output
+    rows = sum(1 for one in (folder / "past.csv").read_text().splitlines() if one[:1].isdigit())
+
+    assert json.loads((tmp_path / "status.json").read_text())["rows"] == rows - 70
+    few = CliRunner().invoke(
+        program, [*words[:-2], str(tmp_path / "few"), "--once", "--burn-in", "999"]
+    )
+    assert "fewer than 999 recordings" in few.output
+
+
+def test_it_stops_at_an_alarm_with_a_status_of_its_own(night, tmp_path):
+    """For those who start it from a script."""
+    folder, _, _ = night
+    done = CliRunner().invoke(program, arguments(folder, tmp_path, "--exit-on-alarm", "--json"))
+
+    assert done.exit_code == 3
+    assert json.loads(done.output.splitlines()[0])["event"] == "raised"
+
+
+def test_two_watches_with_one_folder_are_refused(night, tmp_path):
+    """The second one would write what the first one reads."""
+    from pyport.watch.run import alone
+
+    folder, _, _ = night
+    with alone(tmp_path):
+        done = CliRunner().invoke(program, arguments(folder, tmp_path))
+    assert done.exit_code != 0
+    assert "another process watches with this folder" in str(done.exception)
+
+
+def test_a_command_that_fails_is_reported(night, tmp_path):
+    """The watch goes on without it."""
+    folder, _, _ = night
+    done = CliRunner().invoke(program, arguments(folder, tmp_path, "--on-alarm", "false"))
+    assert done.exit_code == 0
+    assert "false: exit status 1 at event 1" in done.stderr
+
+
+def test_no_such_log_is_one_line(tmp_path):
+    """As with every command."""
+    done = CliRunner().invoke(
+        program, ["watch", str(tmp_path / "none.csv"), "--out", str(tmp_path)]
+    )
+    assert "no such log" in str(done.exception)
