@@ -5,15 +5,16 @@
 Columns by the contract's names, angles in any unit; numbers, text in quotes
 and times such as "2026-03-01T02:00"; `<` `<=` `>` `>=` `==` `!=` `in`, `and`
 `or` `not`, parentheses. A comparison with something unknown is not true.
+Python's parser reads it; of what that knows nothing else is let through.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+import ast
+from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,28 +31,14 @@ LONGEST, DEEPEST = 2000, 20
 #: Numbers that differ by less than this share are equal.
 SAME = 1e-12
 
-_TOKEN = re.compile(
-    r"""\s*(?:(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
-    |(?P<text>"[^"]*"|'[^']*')
-    |(?P<name>[A-Za-z_]\w*)
-    |(?P<sign><=|>=|==|!=|<|>|\(|\)|,))""",
-    re.VERBOSE,
-)
-_COMPARE: dict[str, Callable[[Any, Any], Any]] = {
-    "<": np.less,
-    "<=": np.less_equal,
-    ">": np.greater,
-    ">=": np.greater_equal,
-    "==": np.equal,
-    "!=": np.not_equal,
+_COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Lt: np.less,
+    ast.LtE: np.less_equal,
+    ast.Gt: np.greater,
+    ast.GtE: np.greater_equal,
+    ast.Eq: np.equal,
+    ast.NotEq: np.not_equal,
 }
-_WORDS = frozenset({"and", "or", "not", "in"})
-
-
-class _Token(NamedTuple):
-    kind: str
-    text: str
-    place: int
 
 
 def where(recordings: Recordings, expression: str) -> Recordings:
@@ -77,120 +64,80 @@ def parse(expression: str) -> Test:
     """
     if len(expression) > LONGEST:
         raise BadInput(f"where: {len(expression)} characters, expected at most {LONGEST}")
-    tokens = _Tokens(expression, list(_tokens(expression)))
-    test = _either(tokens, 0)
-    if (rest := tokens.next()) is not None:
-        raise tokens.error("expected `and`, `or` or the end", rest)
-    return test
+    if not expression.strip():
+        raise BadInput("where: nothing, expected a comparison such as `el_deg > 30`")
+    try:
+        tree = ast.parse(f"({expression}\n)", mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        reason = error.msg if isinstance(error, SyntaxError) else "it nests too deep"
+        raise BadInput(
+            f"where: cannot read {expression[:60]!r}: {reason.partition('.')[0]}"
+        ) from None
+    return _Reader(f"({expression}\n)").test(tree.body, 0)
 
 
-def _tokens(expression: str) -> Iterator[_Token]:
-    place = 0
-    while expression[place:].strip():
-        match = _TOKEN.match(expression, place)
-        if match is None or match.lastgroup is None:
-            rest = expression[place:].strip()
-            raise BadInput(f"where: cannot read {rest[:20]!r} at character {place + 1}")
-        yield _Token(match.lastgroup, match[match.lastgroup], match.start(match.lastgroup))
-        place = match.end()
+class _Reader:
+    """Makes tests of the parts of an expression; `text` is what they were parsed from."""
 
+    def __init__(self, text: str) -> None:
+        self.text = text
 
-@dataclass
-class _Tokens:
-    """The tokens of an expression, and which comes next."""
-
-    expression: str
-    tokens: list[_Token]
-    at: int = 0
-
-    def next(self) -> _Token | None:
-        """Return the next token without taking it."""
-        return self.tokens[self.at] if self.at < len(self.tokens) else None
-
-    def take(self, *texts: str) -> bool:
-        """Take the next token if it is one of these."""
-        token = self.next()
-        if token is None or token.kind == "text" or token.text not in texts:
-            return False
-        self.at += 1
-        return True
-
-    def error(self, wanted: str, token: _Token | None) -> BadInput:
+    def wrong(self, node: ast.AST, wanted: str) -> BadInput:
         """Return an error that says what stands where, and what was expected."""
-        if token is None:
-            return BadInput(f"where: the expression ends, {wanted}")
-        return BadInput(f"where: {token.text[:20]!r} at character {token.place + 1}, {wanted}")
+        there = ast.get_source_segment(self.text, node) or ""
+        place = getattr(node, "col_offset", 1)
+        return BadInput(f"where: {there[:20]!r} at character {place}, expected {wanted}")
+
+    def test(self, node: ast.expr, depth: int) -> Test:
+        """Return the test of a comparison, or of several between words."""
+        if depth > DEEPEST:
+            raise self.wrong(node, f"at most {DEEPEST} levels")
+        if isinstance(node, ast.BoolOp):
+            join = np.all if isinstance(node.op, ast.And) else np.any
+            tests = [self.test(one, depth + 1) for one in node.values]
+            return lambda recordings: join([test(recordings) for test in tests], axis=0)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            inner = self.test(node.operand, depth + 1)
+            return lambda recordings: ~inner(recordings)
+        if isinstance(node, ast.Compare):
+            return self.comparison(node)
+        raise self.wrong(node, "a comparison such as `el_deg > 30`")
+
+    def comparison(self, node: ast.Compare) -> Test:
+        """Return the test of `NAME sign VALUE` or `NAME in (VALUE, ...)`."""
+        if not isinstance(node.left, ast.Name):
+            raise self.wrong(node.left, "the name of a column")
+        if len(node.ops) > 1:
+            raise self.wrong(node, "one comparison, and `and` before the next")
+        name, sign, right = node.left.id, node.ops[0], node.comparators[0]
+        if isinstance(sign, ast.In | ast.NotIn):
+            listed = right.elts if isinstance(right, ast.Tuple) else [right]
+            values = [self.value(one) for one in listed]
+            negated = isinstance(sign, ast.NotIn)
+            return lambda recordings: (
+                negated ^ np.any([_compared(recordings, name, ast.Eq, v) for v in values], axis=0)
+            )
+        if type(sign) not in _COMPARE:
+            raise self.wrong(node, "`<`, `<=`, `>`, `>=`, `==`, `!=` or `in`")
+        value = self.value(right)
+        return lambda recordings: _compared(recordings, name, type(sign), value)
+
+    def value(self, node: ast.expr) -> float | str:
+        """Return a number or a text."""
+        inner, sign = node, 1
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
+            inner, sign = node.operand, -1 if isinstance(node.op, ast.USub) else 1
+        if isinstance(inner, ast.Constant):
+            if type(inner.value) in (int, float):
+                return sign * float(inner.value)
+            if isinstance(inner.value, str) and inner is node:
+                return inner.value
+        raise self.wrong(node, "a number or text in quotes")
 
 
-def _either(tokens: _Tokens, depth: int) -> Test:
-    tests = [_both(tokens, depth)]
-    while tokens.take("or"):
-        tests.append(_both(tokens, depth))
-    return lambda recordings: np.any([test(recordings) for test in tests], axis=0)
-
-
-def _both(tokens: _Tokens, depth: int) -> Test:
-    tests = [_one(tokens, depth)]
-    while tokens.take("and"):
-        tests.append(_one(tokens, depth))
-    return lambda recordings: np.all([test(recordings) for test in tests], axis=0)
-
-
-def _one(tokens: _Tokens, depth: int) -> Test:
-    if depth > DEEPEST:
-        raise tokens.error(f"expected at most {DEEPEST} levels", tokens.next())
-    if tokens.take("not"):
-        inner = _one(tokens, depth + 1)
-        return lambda recordings: ~inner(recordings)
-    if tokens.take("("):
-        inside = _either(tokens, depth + 1)
-        if not tokens.take(")"):
-            raise tokens.error("expected `)`", tokens.next())
-        return inside
-    return _comparison(tokens)
-
-
-def _comparison(tokens: _Tokens) -> Test:
-    """Return the test of `NAME sign VALUE` or `NAME in (VALUE, ...)`."""
-    name = tokens.next()
-    if name is None or name.kind != "name" or name.text in _WORDS:
-        raise tokens.error("expected the name of a column", name)
-    tokens.at += 1
-    negated = tokens.take("not")
-    if tokens.take("in"):
-        values = _values(tokens)
-        return lambda recordings: (
-            negated
-            ^ np.any([_compared(recordings, name.text, "==", value) for value in values], axis=0)
-        )
-    sign = tokens.next()
-    if negated or sign is None or sign.text not in _COMPARE:
-        raise tokens.error("expected `<`, `<=`, `>`, `>=`, `==`, `!=` or `in`", sign)
-    tokens.at += 1
-    value = _value(tokens)
-    return lambda recordings: _compared(recordings, name.text, sign.text, value)
-
-
-def _values(tokens: _Tokens) -> list[float | str]:
-    if not tokens.take("("):
-        raise tokens.error("expected `(`", tokens.next())
-    values = [_value(tokens)]
-    while tokens.take(","):
-        values.append(_value(tokens))
-    if not tokens.take(")"):
-        raise tokens.error("expected `,` or `)`", tokens.next())
-    return values
-
-
-def _value(tokens: _Tokens) -> float | str:
-    token = tokens.next()
-    if token is None or token.kind not in {"number", "text"}:
-        raise tokens.error("expected a number or text in quotes", token)
-    tokens.at += 1
-    return float(token.text) if token.kind == "number" else token.text[1:-1]
-
-
-def _compared(recordings: Recordings, name: str, sign: str, value: float | str) -> Truth:
+def _compared(
+    recordings: Recordings, name: str, sign: type[ast.cmpop], value: float | str
+) -> Truth:
     """Return where a column compares so with a value; unknown is neither."""
     cells = column(recordings, name)
     if cells is None:
@@ -203,10 +150,10 @@ def _compared(recordings: Recordings, name: str, sign: str, value: float | str) 
     if isinstance(value, str):
         value = _moment(name, value)
     same = np.isclose(cells, value, rtol=SAME, atol=0)  # 60 deg are no round number of radians
-    if sign in {"==", "!="}:
-        return np.asarray((same == (sign == "==")) & np.isfinite(cells))
+    if sign in (ast.Eq, ast.NotEq):
+        return np.asarray((same == (sign is ast.Eq)) & np.isfinite(cells))
     beyond = _COMPARE[sign](cells, value)
-    return np.asarray(np.where(same, "=" in sign, beyond) & np.isfinite(cells))
+    return np.asarray(np.where(same, sign in (ast.LtE, ast.GtE), beyond) & np.isfinite(cells))
 
 
 def _moment(name: str, text: str) -> float:
