@@ -131,7 +131,7 @@ def command(
             kept.unlink(missing_ok=True)
     if not as_json and model == "gmrt-paper":
         from pyport.studies.gmrt import comparison
-        from pyport.studies.gmrt.beside import beside_table_18
+        from pyport.studies.gmrt.refits import beside_table_18
 
         if days := beside_table_18(done):
             click.echo("\n" + comparison.text(days))

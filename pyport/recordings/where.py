@@ -128,7 +128,7 @@ class _Reader:
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
             inner, sign = node.operand, -1 if isinstance(node.op, ast.USub) else 1
         if isinstance(inner, ast.Constant):
-            if type(inner.value) in (int, float):
+            if isinstance(inner.value, int | float) and not isinstance(inner.value, bool):
                 return sign * float(inner.value)
             if isinstance(inner.value, str) and inner is node:
                 return inner.value

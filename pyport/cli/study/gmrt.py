@@ -32,7 +32,7 @@ def command(seeds: int, out: Path | None, *, as_json: bool) -> None:
     """
     from pyport.progress import working
     from pyport.recordings import read
-    from pyport.studies.gmrt.hour_angle import write_figures
+    from pyport.studies.gmrt.figures import write_figures
 
     with working("repeating the paper's analysis"):
         june, sections = _analysis(seeds)
@@ -55,13 +55,11 @@ def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
     from pyport.angles import DEG
     from pyport.recordings import read
     from pyport.studies.gmrt import summary
-    from pyport.studies.gmrt.arms import mirrors
     from pyport.studies.gmrt.curves import curves
     from pyport.studies.gmrt.recovery import recovery
-    from pyport.studies.gmrt.repeats import repeatability
+    from pyport.studies.gmrt.repetition import jumps_at_transit, mirrors, repeatability
     from pyport.studies.gmrt.sessions import LATITUDE_DEG, SESSIONS, apparent_place
     from pyport.studies.gmrt.tracks import tracks
-    from pyport.studies.gmrt.transit import jumps_at_transit
 
     june = tracks(read("gmrt-cyg-a"))
     plain, times_cos_el = curves(june), curves(june, times_cos_el=True)

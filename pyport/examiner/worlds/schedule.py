@@ -13,8 +13,8 @@ from pyport.angles import ARCMIN, DEG, Array
 from pyport.errors import BadInput
 from pyport.examiner.worlds import sky
 from pyport.examiner.worlds.earth import Site, julian_date
+from pyport.examiner.worlds.mount import direction
 from pyport.examiner.worlds.sources import sources
-from pyport.examiner.worlds.vectors import direction
 from pyport.examiner.worlds.weather import weather
 
 #: Planets that campaigns visit, with ERFA's numbers for them.

@@ -7,10 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.angles import ARCMIN, DEG, HOUR
-from pyport.studies.gmrt.beside import RMS_RATIO, SIGMAS, Beside, Day
-from pyport.studies.gmrt.cosine import condition
-from pyport.studies.gmrt.reasons import SHOWN, reasons
-from pyport.studies.gmrt.sigmas import printed_sigma_factors
+from pyport.studies.gmrt.curves import condition
+from pyport.studies.gmrt.refits import (
+    RMS_RATIO,
+    SHOWN,
+    SIGMAS,
+    Day,
+    Refit,
+    printed_sigma_factors,
+    reasons,
+)
 
 _UNITS = (ARCMIN, ARCMIN, DEG)
 _HEADS = "".join(f"{head:18s}" for head in ("a [arcmin]", "b [arcmin]", "d [deg]"))
@@ -33,7 +39,7 @@ def text(days: Sequence[Day]) -> str:
     return "\n\n".join(parts)
 
 
-def _refits(found: Sequence[Beside]) -> str:
+def _refits(found: Sequence[Refit]) -> str:
     """Return the refit's coefficients beside the published ones, and what either leaves."""
     lines = [
         f"{'':18s}{'refit':54s}{'Table 18':54s}rms [arcmin]   ratio",
@@ -50,7 +56,7 @@ def _refits(found: Sequence[Beside]) -> str:
     return "\n".join(lines)
 
 
-def _differences(found: Sequence[Beside]) -> str:
+def _differences(found: Sequence[Refit]) -> str:
     """Return by how many combined sigmas each kind of refit differs from the published curve."""
     lines = [
         "By how many combined sigmas a, b and d differ from Table 18: forward and reverse in one",
@@ -122,7 +128,7 @@ def _hours(day: Day) -> list[str]:
     ]
 
 
-def _who(one: Beside) -> str:
+def _who(one: Refit) -> str:
     return f"{one.track.antenna:5s}{one.track.session:11s}"
 
 

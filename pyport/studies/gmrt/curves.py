@@ -6,13 +6,14 @@ offset times cos(el).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pyport.angles import Array
-from pyport.studies.gmrt.cosine import Cosine, columns, condition
+from pyport.studies.gmrt.published import Wave
 from pyport.studies.gmrt.tracks import Track, line
 
 
@@ -75,3 +76,92 @@ def curve(track: Track, *, times_cos_el: bool = False) -> Curve:
         condition(track.hour_angle),
         tuple(fit.doubts),
     )
+
+
+#: Phases that the nearest agreeing curve is looked for at, from the published one [rad].
+_TURNS = np.linspace(-np.pi, np.pi, 1441)
+_FINER = np.linspace(-1, 1, 401) * (_TURNS[1] - _TURNS[0])
+
+
+@dataclass(frozen=True)
+class Cosine:
+    """A curve that is linear in its coefficients.
+
+    Attributes
+    ----------
+    value
+        The level, and the coefficients of cos HA and of sin HA [rad], shape (3,).
+    covariance
+        Theirs, shape (3, 3).
+    """
+
+    value: Array
+    covariance: Array
+
+    def __call__(self, hour_angle: Array) -> Array:
+        """Return the curve at hour angles [rad]."""
+        return columns(hour_angle) @ self.value
+
+    def sigma(self, hour_angle: Array) -> Array:
+        """Return the one-sigma error of the curve at hour angles [rad]."""
+        design = columns(hour_angle)
+        return np.sqrt(np.einsum("ni,ij,nj->n", design, self.covariance, design))
+
+    def polar(self, like: Wave | None = None) -> tuple[tuple[float, float], ...]:
+        """Return a, b and d [rad], each with its sigma.
+
+        b is negative, as nearly everywhere in Table 18, or has the sign of
+        `like`, and d is within half a turn of that one's.
+        """
+        sign = -1.0 if like is None else math.copysign(1.0, like.b)
+        b = sign * math.hypot(*self.value[1:])
+        d = math.atan2(-sign * self.value[2], sign * self.value[1])
+        if like is not None:
+            d += 2 * math.pi * round((like.d - d) / (2 * math.pi))
+        # b and d turn with the coefficients of cosine and sine: one row each of the rotation
+        turn = np.array([[np.cos(d), -np.sin(d)], [-np.sin(d), -np.cos(d)]])
+        along, across = np.sqrt(np.diag(turn @ self.covariance[1:, 1:] @ turn.T))
+        of_a = float(np.sqrt(self.covariance[0, 0]))
+        return (float(self.value[0]), of_a), (b, float(along)), (d, float(across / abs(b)))
+
+    def sigmas_from(self, wave: Wave) -> Array:
+        """Return by how many combined sigmas a, b and d differ from a published curve, shape (3,).
+
+        For b and d: the fewest at which both could have the same one, all other
+        coefficients free (a profile likelihood). It is the difference over the
+        combined sigma where the errors are small, and holds where they are not.
+        """
+        of_a = abs(self.value[0] - wave.a) / math.hypot(
+            math.sqrt(self.covariance[0, 0]), wave.sigma_a
+        )
+        return np.array([of_a, *np.sqrt([self._squares(wave, "b"), self._squares(wave, "d")])])
+
+    def _squares(self, wave: Wave, which: str) -> float:
+        """Return the least chi-square at which b, or d, is the published curve's."""
+        weight = np.linalg.inv(self.covariance[1:, 1:])
+
+        def least(turn: Array) -> Array:
+            """Return the least chi-square at each phase, so far from the published one."""
+            unit = np.stack([np.cos(wave.d + turn), -np.sin(wave.d + turn)])
+            pull = unit.T @ weight @ self.value[1:]
+            stiff = np.einsum("it,ij,jt->t", unit, weight, unit)
+            if which == "b":
+                pull, stiff = pull + wave.b / wave.sigma_b**2, stiff + wave.sigma_b**-2
+            b = np.where(pull * wave.b > 0, pull / stiff, 0.0)
+            left = self.value[1:, None] - b * unit
+            own = (b - wave.b) / wave.sigma_b if which == "b" else turn / wave.sigma_d
+            return np.einsum("it,ij,jt->t", left, weight, left) + own**2
+
+        near = _TURNS[least(_TURNS).argmin()]
+        return float(least(near + _FINER).min())
+
+
+def columns(hour_angle: Array) -> Array:
+    """Return a constant, cos HA and sin HA, shape (n, 3)."""
+    return np.stack([np.ones(len(hour_angle)), np.cos(hour_angle), np.sin(hour_angle)], axis=1)
+
+
+def condition(hour_angle: Array) -> float:
+    """Return how a, b and d trade against each other at these hour angles: a condition number."""
+    design = columns(hour_angle)
+    return float(np.linalg.cond(design / np.linalg.norm(design, axis=0)))

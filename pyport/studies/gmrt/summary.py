@@ -8,10 +8,8 @@ import numpy as np
 
 from pyport.angles import ARCMIN, DEG
 from pyport.studies.gmrt import places
-from pyport.studies.gmrt.arms import EAST, Mirror
 from pyport.studies.gmrt.curves import Curve
-from pyport.studies.gmrt.repeats import NAMED, Repeat
-from pyport.studies.gmrt.transit import Jumps
+from pyport.studies.gmrt.repetition import EAST, NAMED, Jumps, Mirror, Repeat
 
 
 def forms(plain: Sequence[Curve], times_cos_el: Sequence[Curve]) -> str:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCSEC, DEG, wrap
-from pyport.examiner.worlds.mount import Mount, Wave, axes, beam, readings
-from pyport.examiner.worlds.vectors import direction
+from pyport.examiner.worlds.mount import Mount, Wave, axes, beam, direction, readings
 
 AZ, EL = (grid.ravel() for grid in np.meshgrid(np.arange(-170, 190, 20.0), [5.0, 30, 55, 80]))
 AZ, EL = AZ * DEG, EL * DEG

@@ -14,12 +14,10 @@ from pyport.angles import ARCMIN, DEG, HOUR
 from pyport.cli.study.gmrt import command
 from pyport.recordings import read, sky
 from pyport.studies.gmrt import places
-from pyport.studies.gmrt.arms import mirrors
 from pyport.studies.gmrt.curves import curve, curves
-from pyport.studies.gmrt.repeats import NAMED, repeatability
-from pyport.studies.gmrt.sigmas import printed_sigma_factors
+from pyport.studies.gmrt.refits import printed_sigma_factors
+from pyport.studies.gmrt.repetition import NAMED, jumps_at_transit, mirrors, repeatability
 from pyport.studies.gmrt.tracks import Track, tracks
-from pyport.studies.gmrt.transit import jumps_at_transit
 
 LATITUDE, DEC = 19.1 * DEG, 40.74 * DEG
 

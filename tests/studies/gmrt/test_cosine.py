@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from pyport.angles import ARCMIN, DEG
-from pyport.studies.gmrt.cosine import Cosine, columns, condition
+from pyport.studies.gmrt.curves import Cosine, columns, condition
 from pyport.studies.gmrt.published import Wave
 
 sizes = st.floats(1, 30)

@@ -8,9 +8,8 @@ import pytest
 from pyport.angles import ARCMIN, DEG, HOUR
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.recordings import sky
-from pyport.studies.gmrt.continued import continued
-from pyport.studies.gmrt.cosine import columns
-from pyport.studies.gmrt.hours import hours, until
+from pyport.studies.gmrt.curves import columns
+from pyport.studies.gmrt.hours import continued, hours, until
 from pyport.studies.gmrt.published import Wave
 from pyport.studies.gmrt.tracks import Track
 

@@ -1,4 +1,4 @@
-"""Offsets from day to day: a test whether they repeat, and by how much they do not."""
+"""What comes back: offsets from day to day, mirror images of the arms, jumps at transit."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCMIN, HOUR, Array
+from pyport.studies.gmrt.curves import Curve
 from pyport.studies.gmrt.tracks import Track, line
 
 #: The paper's own list: section 5 (b).
@@ -105,3 +106,121 @@ def _test(own: Sequence[Track]) -> Repeat | None:
 def _both_ways(direction: Array) -> bool:
     """Tell whether scans of both directions are there, two each or more."""
     return min((direction > 0).sum(), (direction < 0).sum()) >= 2
+
+
+#: The antennas that the paper calls mirror images of each other.
+EAST = ("E03", "E04", "E05", "E06")
+WEST = ("W04", "W05", "W06")
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """The odd part (coefficient of sin HA) of both arms on one day.
+
+    Attributes
+    ----------
+    session
+        The day.
+    odd
+        Antenna -> coefficient and sigma [rad].
+    opposite
+        How many antennas have the sign of their arm, and how many there are.
+    chance
+        Of as many with the right sign if signs were tossed.
+    """
+
+    session: str
+    odd: dict[str, tuple[float, float]]
+    opposite: tuple[int, int]
+    chance: float
+
+
+def mirrors(found: Sequence[Curve]) -> list[Mirror]:
+    """Return for each day whether the arms bend opposite ways about the meridian."""
+    from scipy.stats import binom
+
+    days = []
+    for session in sorted({curve.track.session for curve in found}):
+        odd = {
+            curve.track.antenna: curve.odd
+            for curve in found
+            if curve.track.session == session and curve.track.antenna in EAST + WEST
+        }
+        right = sum(
+            np.sign(value) == (-1 if antenna in EAST else 1) for antenna, (value, _) in odd.items()
+        )
+        chance = float(binom.sf(right - 1, len(odd), 0.5)) if odd else 1.0
+        days.append(Mirror(session, odd, (int(right), len(odd)), chance))
+    return days
+
+
+#: Scans this near to transit are looked at [rad].
+REACH = 2.5 * HOUR
+
+#: So many are needed on either side.
+EACH_SIDE = 3
+
+
+@dataclass(frozen=True)
+class Jump:
+    """The step of one antenna's offsets at transit, with its sigma [rad]."""
+
+    antenna: str
+    session: str
+    step: float
+    sigma: float
+
+
+@dataclass(frozen=True)
+class Jumps:
+    """All steps of a day.
+
+    Attributes
+    ----------
+    session
+        The day.
+    jumps
+        Of each antenna.
+    mean, sigma
+        Of all steps, each weighted by its error [rad].
+    p_value
+        Chance of steps so large without any jump (chi-square).
+    """
+
+    session: str
+    jumps: tuple[Jump, ...]
+    mean: float
+    sigma: float
+    p_value: float
+
+
+def jumps_at_transit(found: Sequence[Track]) -> list[Jumps]:
+    """Return each day's steps at transit beyond a parabola and forward minus reverse."""
+    from scipy.stats import chi2
+
+    days = []
+    for session in sorted({track.session for track in found}):
+        each = [jump for track in found if track.session == session and (jump := _jump(track))]
+        if not each:
+            continue
+        step, sigma = (np.array([getattr(one, name) for one in each]) for name in ("step", "sigma"))
+        weight = 1 / sigma**2
+        p_value = float(chi2.sf(((step / sigma) ** 2).sum(), len(each)))
+        mean = float((weight * step).sum() / weight.sum())
+        days.append(Jumps(session, tuple(each), mean, float(weight.sum() ** -0.5), p_value))
+    return days
+
+
+def _jump(track: Track) -> Jump | None:
+    """Return the step of a track, None where it has too few scans on either side."""
+    near = np.abs(track.hour_angle) <= REACH
+    after = track.hour_angle[near] > 0
+    if min(after.sum(), (~after).sum()) < EACH_SIDE:
+        return None
+    powers = np.vander(track.hour_angle[near], 3)
+    side = after.astype(float)
+    fit = line(
+        np.concatenate([side[:, None], track.direction[near, None], powers], axis=1),
+        track.offset[near],
+    )
+    return Jump(track.antenna, track.session, float(fit.value[0]), float(fit.sigma[0]))

@@ -12,8 +12,7 @@ from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.studies.gmrt import comparison
-from pyport.studies.gmrt.beside import RMS_RATIO, SIGMAS, beside_table_18
-from pyport.studies.gmrt.sigmas import printed_sigma_factors
+from pyport.studies.gmrt.refits import RMS_RATIO, SIGMAS, beside_table_18, printed_sigma_factors
 
 JUNE = ("2003-06-01", "2003-06-02", "2003-06-05")
 

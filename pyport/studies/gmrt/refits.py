@@ -1,4 +1,4 @@
-"""The paper's curve a + b cos(HA + d) fitted again, beside the paper's own coefficients."""
+"""The paper's curve a + b cos(HA + d) fitted again, its sigmas, and why fits differ from it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import ARCMIN, HOUR, Array
 from pyport.effects import MissingColumn
 from pyport.fitting.fit import Fit
-from pyport.studies.gmrt.continued import continued
-from pyport.studies.gmrt.cosine import Cosine, condition
-from pyport.studies.gmrt.curves import Curve, curve
-from pyport.studies.gmrt.hours import Hours, hours
+from pyport.studies.gmrt.curves import Cosine, Curve, condition, curve
+from pyport.studies.gmrt.hours import Hours, continued, hours
 from pyport.studies.gmrt.published import Wave, table_18
 from pyport.studies.gmrt.tracks import Track, tracks
 
@@ -25,7 +23,7 @@ RMS_RATIO = 1.2
 
 
 @dataclass(frozen=True)
-class Beside:
+class Refit:
     """One antenna in one session: refits beside the published curve.
 
     Attributes
@@ -92,7 +90,7 @@ class Day:
     """One session's antennas beside Table 18, and what hours the paper scanned, where it tells."""
 
     session: str
-    antennas: tuple[Beside, ...]
+    antennas: tuple[Refit, ...]
     hours: Hours | None
 
 
@@ -135,7 +133,7 @@ def _beside(
     together: Cosine,
     scanned: Hours | None,
     place: tuple[float, float],
-) -> Beside:
+) -> Refit:
     """Return one antenna's day; `place` is the source's declination and the site's latitude."""
     recordings = fit.recordings
     own = (recordings.label("antenna") == track.antenna) & (
@@ -146,7 +144,7 @@ def _beside(
     offset = fit.stack.value[used]
     found = None if scanned is None else continued(track, scanned.scanned, *place)
     on, stretches = (None, None) if found is None else found
-    return Beside(
+    return Refit(
         track,
         wave,
         int(used.sum()),
@@ -179,3 +177,105 @@ def _cosines(fit: Fit) -> dict[tuple[str, ...], Cosine]:
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+#: A normal sample's median of absolute values is this share of its sigma.
+_HALF = 0.6744897501960817
+
+
+def printed_sigma_factors(first: str, second: str) -> dict[str, float]:
+    """Return by how much a, b and d differ between two days, in units of their printed sigmas.
+
+    One would say that the sigmas are honest and the antennas repeat. The median
+    over antennas, so that a few that do not repeat have no say.
+    """
+    curves = {(wave.antenna, wave.session): wave for wave in table_18()}
+    pairs = [
+        (wave, curves[wave.antenna, second])
+        for (_, session), wave in curves.items()
+        if session == first and (wave.antenna, second) in curves
+    ]
+    factors = {}
+    for name in ("a", "b", "d"):
+        apart = [
+            abs(getattr(one, name) - getattr(other, name))
+            / np.hypot(getattr(one, f"sigma_{name}"), getattr(other, f"sigma_{name}"))
+            for one, other in pairs
+        ]
+        factors[name] = float(np.median(apart)) / _HALF
+    return factors
+
+
+#: The kinds of refit that are shown, and how they are called in a reason.
+SHOWN = {"together": "in one curve", "apart": "apart", "continued": "continued"}
+
+_TOO_LITTLE = "too little is left to tell how it went on"
+
+
+def reasons(day: Day) -> list[str]:
+    """Return a line for everything that differs on a day, nothing where all agree."""
+    lines = []
+    for one in day.antennas:
+        name = one.track.antenna
+        if any((sigmas > SIGMAS).any() for kind, sigmas in one.sigmas.items() if kind in SHOWN):
+            told = ", ".join(
+                f"{SHOWN[kind]} {_slashed(one, kind)}" for kind in SHOWN if kind in one.sigmas
+            )
+            lines.append(f"{name}: {told} sigmas: {_of_coefficients(day, one)}")
+        if one.rms_ratio > RMS_RATIO:
+            lines.append(f"{name}: {_of_rms(day, one)}")
+    return lines
+
+
+def _slashed(one: Refit, kind: str) -> str:
+    """Return by how many combined sigmas a, b and d differ."""
+    return "/".join(f"{sigma:.1f}" for sigma in one.sigmas[kind])
+
+
+def _of_coefficients(day: Day, one: Refit) -> str:
+    """Return why coefficients differ."""
+    few = _few(day, one)
+    if day.hours is None or one.continued is None or one.stretches is None:
+        return few or _TOO_LITTLE
+    scanned = day.hours.scanned
+    apart, continued = (
+        float(np.sqrt(np.mean((curve(scanned) - one.published(scanned)) ** 2)))
+        for curve in (one.apart.cosine, one.continued)
+    )
+    within = {kind: bool((sigmas <= SIGMAS).all()) for kind, sigmas in one.sigmas.items()}
+    if within["continued"] and continued < apart:
+        return (
+            f"hours lost in print (over all hours {apart / ARCMIN:.1f}' rms from Table 18's curve, "
+            f"continued {continued / ARCMIN:.1f}')"
+        )
+    if within["stretches"]:
+        larger = np.sqrt(one.stretches.covariance[0, 0] / one.continued.covariance[0, 0])
+        few = f"{few}; " if few else ""
+        return (
+            f"few scans decide ({few}leaving out stretches makes the sigma of a {larger:.1f} times "
+            f"the formal one, {_slashed(one, 'stretches')} sigmas)"
+        )
+    return few or "not explained"
+
+
+def _few(day: Day, one: Refit) -> str:
+    """Return what an antenna lacks where it lacks a third of the day's scans, "" elsewhere."""
+    track = one.track
+    if day.hours is None or 3 * len(track) > 2 * len(day.hours.left):
+        return ""
+    forward = int((track.direction > 0).sum())
+    return (
+        f"{forward} forward and {len(track) - forward} reverse scans are left of "
+        f"{len(day.hours.left)} on the day, the last at {track.hour_angle[-1] / HOUR:+.1f} h"
+    )
+
+
+def _of_rms(day: Day, one: Refit) -> str:
+    """Return why the published curve leaves more than the refit."""
+    told = f"Table 18's curve leaves {one.rms_ratio:.2f} times the rms"
+    if one.continued is None:
+        return f"{told}: {_few(day, one) or _TOO_LITTLE}"
+    told += f", the continued one {one.rms_continued / one.rms_refit:.2f} times"
+    if one.rms_published <= RMS_RATIO * one.rms_continued:
+        return f"{told}: what is best over all hours is no better on those left"
+    return f"{told}: not explained by the hours"
