@@ -123,7 +123,7 @@ class ModelFile:
 
     def _term(self, entry: Entry) -> Term | None:
         word = self.word(entry)
-        if not entry.used or (not word.parts and entry.value == 0):
+        if not entry.used or word.silent or (not word.parts and entry.value == 0):
             return None
         if not word.parts:
             raise BadInput(f"{entry.name} has no published formula: its value must be 0")
@@ -165,11 +165,11 @@ def without_counterpart(file: ModelFile, vocabulary: str) -> list[str]:
 
 def _counted(file: ModelFile) -> list[Entry]:
     """Return the terms that a model has switched on, and that do something."""
-    return [
-        entry
-        for entry in file.entries
-        if entry.used and (file.word(entry).parts or entry.value != 0)
-    ]
+    return [entry for entry in file.entries if entry.used and _acts(file.word(entry), entry)]
+
+
+def _acts(word: Word, entry: Entry) -> bool:
+    return bool(word.parts) or (entry.value != 0 and not word.silent)
 
 
 def _counterparts(file: ModelFile, entry: Entry, vocabulary: str) -> list[tuple[str, float]]:

@@ -67,13 +67,18 @@ def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, unit: str = "deg") -> Word |
             parts = ((_SLIDE, -cosine),)
         if number == 8:
             parts = ((Shape("sag_cosine"), sine), (_POLE, -cosine))
-    return Word(name, parts, unit)
+    return Word(name, parts, unit, silent=number == 2 and not parts)
 
 
 def katpoint_word(name: str) -> Word | None:
-    """Return the word of katpoint's P1..P22: arcseconds, and ratios for P9 and P12."""
+    """Return the word of katpoint's P1..P22: arcseconds, and ratios for P9 and P12.
+
+    katpoint has no P10, where the Field System has P8 again.
+    """
     one = word(name, unit="" if name in RATIOS else "arcsec")
-    return one if one is not None and int(name[1:]) <= KATPOINT_NUMBER else None
+    if one is None or int(name[1:]) > KATPOINT_NUMBER:
+        return None
+    return Word(name, (), one.unit, silent=True) if name == "P10" else one
 
 
 def name_of(shape: Shape, last: int = NUMBER) -> tuple[str, int] | None:

@@ -34,11 +34,14 @@ class Word:
         the program does nothing with it.
     unit
         "arcsec", "deg", or "" for a ratio.
+    silent
+        Of a word without parts: the program takes any value and does nothing with it.
     """
 
     name: str
     parts: tuple[tuple[Shape, float], ...]
     unit: str
+    silent: bool = False
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
