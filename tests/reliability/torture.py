@@ -8,6 +8,9 @@ and run once more the command must give the new answer. Trials are killed and
 called again until they are done: their answers must be those of a run that
 nobody disturbed. Commands are forked from a process that has imported them
 already, so that no kill is wasted on imports.
+
+All that is drawn comes from a seed, which is printed. Where something differs
+both folders are kept, with what the command said, and what differs is named.
 """
 
 from __future__ import annotations
@@ -24,14 +27,16 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
+import unittest.mock
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from victims import Victim, specs, victims
+from victims import Victim, prepare, specs, victims
 
 from pyport import cli
-from pyport.examiner.sealed import seal
+from pyport.examiner.sealed import draft, seal
 
 #: With a fixed date in binary tables, two runs of one command write the same bytes.
 ALWAYS = {"SOURCE_DATE_EPOCH": "0", "OPENBLAS_NUM_THREADS": "1"}
@@ -48,6 +53,7 @@ class Count:
     writing: int = 0
     elsewhere: int = 0
     lost: tuple[str, ...] = ()
+    kept: Path | None = None
 
     @property
     def kills(self) -> int:
@@ -55,31 +61,52 @@ class Count:
         return self.writing + self.elsewhere
 
 
-def start(words: tuple[str, ...]) -> int:
+class Drawn(random.Random):
+    """What `secrets` has for the sealing of a set, from a seed."""
+
+    def token_hex(self, count: int) -> str:
+        """Return so many bytes as hexadecimal text."""
+        return self.randbytes(count).hex()
+
+    randbits = random.Random.getrandbits
+
+
+def start(words: tuple[str, ...], said: str = os.devnull) -> int:
     """Run pyport in a process forked from this one, with nothing to say; return its number."""
     number = os.fork()
     if number:
+        # on either side, so that there is a group whoever comes first
+        with contextlib.suppress(OSError):
+            os.setpgid(number, number)
         return number
     status = 1
     with contextlib.suppress(BaseException):
-        os.setsid()
-        nothing = os.open(os.devnull, os.O_RDWR)
-        for stream in range(3):
-            os.dup2(nothing, stream)
+        os.setpgid(0, 0)
+        os.dup2(os.open(os.devnull, os.O_RDWR), 0)
+        into = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(into, 1)
+        os.dup2(into, 2)
         sys.argv = ["pyport", *words]
         try:
             cli.main()
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else 1
+        except BaseException:  # noqa: BLE001 - said, and told by the status
+            os.write(2, traceback.format_exc().encode())
     os._exit(status)
 
 
 def finish(words: tuple[str, ...]) -> float:
     """Run pyport to its end and return how long that took [s]."""
-    started = time.monotonic()
-    _, status = os.waitpid(start(words), 0)
-    if status:
-        raise SystemExit(f"torture: `pyport {' '.join(words)}` fails on its own")
+    with tempfile.NamedTemporaryFile() as said:
+        started = time.monotonic()
+        _, status = os.waitpid(start(words, said.name), 0)
+        if status:
+            last = said.read().decode(errors="replace").strip().splitlines()[-1:]
+            raise SystemExit(
+                f"torture: `pyport {' '.join(words)}` fails on its own "
+                f"({os.waitstatus_to_exitcode(status)}): {''.join(last)}"
+            )
     return time.monotonic() - started
 
 
@@ -169,30 +196,55 @@ def torture(victim: Victim, kills: int, folder: Path) -> Count:
         if victim.resumes and count.kills == kills:
             finish(words)
             damaged += [f"{name} is not new when run again" for name in lost(now, new)]
+        if damaged:
+            count.kept = place
+            break
     count.lost = tuple(damaged)
     return count
 
 
-def torture_trials(kills: int, folder: Path) -> Count:
+def torture_trials(kills: int, folder: Path, seed: str) -> Count:
     """Kill the solving of a sealed set so often, and compare with one that ran in peace."""
-    quiet, loud = folder / "quiet" / "set", folder / "loud" / "set"
-    seal.seal(quiet, "set", specs())
+    quiet, loud = folder / "trials" / "quiet" / "set", folder / "trials" / "loud" / "set"
+    with unittest.mock.patch.object(draft, "secrets", Drawn(seed)):
+        seal.seal(quiet, "set", specs())
     shutil.copytree(quiet.parent, loud.parent)
     took_s = finish(("dev", "trials", "run", str(quiet)))
     words = ("dev", "trials", "run", str(loud))
     count = Count("trials")
-    while count.kills < kills:
+    theirs = _answers(quiet)
+    differs: list[str] = []
+    while count.kills < kills and not differs:
         when = kill(words, loud, took_s / 2, writing=count.kills % 2 == 0)
         count.writing += when == "writing"
         count.elsewhere += when == "elsewhere"
-        if len(_answers(loud)) == len(specs()):  # all is answered: begin again
+        if count.kills == kills:
+            finish(words)
+        ours = _answers(loud)
+        differs = [f"{name}: {differing(ours[name], theirs[name])}" for name in ours
+                   if ours[name] != theirs[name]]  # fmt: skip
+        if count.kills < kills and len(ours) == len(theirs):  # all is answered: begin again
             shutil.rmtree(loud / "reports")
-    finish(words)
-    for root in (quiet, loud):
+    differs += [f"{name} is not there" for name in theirs if name not in ours]
+    for root in () if differs else (quiet, loud):
         finish(("dev", "trials", "reveal", str(root)))
-    ours, theirs = _answers(loud), _answers(quiet)
-    count.lost = tuple(f"{name} differs" for name in theirs if ours.get(name) != theirs[name])
+    count.lost = tuple(differs)
+    count.kept = folder / "trials" if differs else None
     return count
+
+
+def differing(ours: object, theirs: object, place: str = "") -> str:
+    """Return where two answers differ first, and how."""
+    if isinstance(ours, dict) and isinstance(theirs, dict):
+        for key in sorted({*ours, *theirs}):
+            if ours.get(key) != theirs.get(key):
+                return differing(ours.get(key), theirs.get(key), f"{place}.{key}")
+    both_listed = isinstance(ours, list | tuple) and isinstance(theirs, list | tuple)
+    if both_listed and len(ours) == len(theirs):
+        for number, (a, b) in enumerate(zip(ours, theirs, strict=True)):
+            if a != b:
+                return differing(a, b, f"{place}[{number}]")
+    return f"{place} is {str(ours)[:200]}, undisturbed {str(theirs)[:200]}"
 
 
 def _answers(root: Path) -> dict[str, object]:
@@ -205,12 +257,12 @@ def _answers(root: Path) -> dict[str, object]:
     return found
 
 
-def one(name: str, kills: int, seed: int | None, folder: Path) -> Count:
+def one(name: str, kills: int, seed: int, folder: Path) -> Count:
     """Torture one command, in a process of its own."""
     os.environ.update(ALWAYS)
-    random.seed(None if seed is None else f"{seed} {name}")
+    random.seed(f"{seed} {name}")
     if name == "trials":
-        return torture_trials(kills, folder)
+        return torture_trials(kills, folder, f"{seed} set")
     return torture(victims(folder)[name], kills, folder)
 
 
@@ -229,29 +281,33 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("commands", nargs="*", help="all, when none is named")
     parser.add_argument("--kills", type=int, default=200, help="in all")
-    parser.add_argument("--seed", type=int, default=None)
+    parser.add_argument("--seed", type=int, help="printed; drawn unless given")
+    parser.add_argument("--keep", type=Path, default=Path("out/torture"), help="for what differs")
     parser.add_argument("--jobs", type=int, default=2, help="commands at the same time")
     told = parser.parse_args()
+    seed = random.SystemRandom().randrange(10**6) if told.seed is None else told.seed
     counts = []
     started = time.monotonic()
+    print(f"seed {seed}")
     print(f"{'command':<22}{'kills':>6}{'writing':>9}{'elsewhere':>11}{'lost':>6}", flush=True)
     forge = multiprocessing.get_context("spawn")
     with (
         tempfile.TemporaryDirectory(prefix="torture-") as name,
         ProcessPoolExecutor(told.jobs, forge, max_tasks_per_child=1) as pool,
     ):
+        prepare(Path(name))
         shares = shared(told.kills, Path(name))
         slowest_first = sorted(told.commands or shares, key=lambda what: shares[what])
-        runs = [
-            pool.submit(one, what, shares[what], told.seed, Path(name)) for what in slowest_first
-        ]
+        runs = [pool.submit(one, what, shares[what], seed, Path(name)) for what in slowest_first]
         for run in [*as_completed(runs), None]:
             missing = told.kills - sum(count.kills for count in counts)
             if run is not None:
                 count = run.result()
             elif missing > 0:
                 # What ended before it could be killed is made up for by what can be killed.
-                count = pool.submit(one, "table", missing, told.seed, Path(name) / "more").result()
+                more = Path(name) / "more"
+                prepare(more)
+                count = pool.submit(one, "table", missing, seed, more).result()
             else:
                 break
             counts.append(count)
@@ -261,6 +317,10 @@ def main() -> int:
                 *(f"\n    {what}" for what in count.lost),
                 flush=True,
             )
+            if count.kept is not None:
+                kept = told.keep / str(seed) / count.kept.name
+                shutil.copytree(count.kept, kept, dirs_exist_ok=True)
+                print(f"    kept in {kept}; again with --seed {seed}", flush=True)
     bad = sum(len(count.lost) for count in counts)
     print(
         f"kills tried {sum(count.kills for count in counts)}, files lost {bad}, answers when run"

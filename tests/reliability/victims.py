@@ -56,26 +56,36 @@ def specs() -> list[Spec]:
     ]
 
 
+def prepare(folder: Path) -> None:
+    """Make the files that the commands read, once, before any of them is called."""
+    for number, (night, model) in enumerate(zip(_nights(folder), _models(folder), strict=True)):
+        case = Spec("one", "one", "refraction", 1.0, ROWS * (1 + number)).make(number)
+        files.write_recordings(case, night)
+        for part in ("C00", "C01"):
+            place = night.parent / "set" / f"antenna={part}"
+            place.mkdir(parents=True)
+            convert(str(night), place / "night.parquet")
+        term = f"  IA  {1 + number}  2.1"
+        model.write_text(f"Mine\nT   54   3.1416    0.000   0.0000\n{term}\nEND\n")
+
+
+def _nights(folder: Path) -> list[Path]:
+    return [folder / "given" / name / "night.csv" for name in ("old", "new")]
+
+
+def _models(folder: Path) -> list[Path]:
+    return [path.with_name("model.mod") for path in _nights(folder)]
+
+
 def victims(folder: Path) -> dict[str, Victim]:
-    """Return the commands to kill by name; makes the files that they read."""
-    paths = []
-    for number, name in enumerate(("old", "new")):
-        night = folder / "given" / name / "night.csv"
-        paths.append(str(night))
-        if not night.exists():
-            case = Spec("one", "one", "refraction", 1.0, ROWS * (1 + number)).make(number)
-            files.write_recordings(case, night)
-            for part in ("C00", "C01"):
-                place = night.parent / "set" / f"antenna={part}"
-                place.mkdir(parents=True)
-                convert(str(night), place / "night.parquet")
-    old, new = paths
-    sets = [str(Path(path).parent / "set") for path in paths]
+    """Return the commands to kill by name; they read what `prepare` made in the folder."""
+    old, new = map(str, _nights(folder))
+    old_model, new_model = map(str, _models(folder))
+    sets = [str(Path(path).parent / "set") for path in (old, new)]
     few = ("--az", "0:10:1")
     binary = ("table", "--format", "binary")
     recordings = {"csv": 8, "ecsv": 8, "parquet": 8, "dat": 8}
     models = {"mod": 3, "toml": 3, "json": 3, "xml": 3, "ctl": 3}
-    model = _model(folder)
 
     def beside(place: Path) -> None:
         shutil.copyfile(new, place / "night.csv")
@@ -90,8 +100,8 @@ def victims(folder: Path) -> dict[str, Victim]:
         *(
             Victim(
                 f"model to {kind}",
-                ("convert", "--leave-out", model["old"]),
-                ("convert", "--leave-out", model["new"]),
+                ("convert", "--leave-out", old_model),
+                ("convert", "--leave-out", new_model),
                 f"model.{kind}",
                 share,
             )
@@ -145,13 +155,3 @@ def victims(folder: Path) -> dict[str, Victim]:
         ),
     ]
     return {one.name: one for one in found}
-
-
-def _model(folder: Path) -> dict[str, str]:
-    """Write two models that every format can tell some of; return their paths."""
-    found = {}
-    for name, value in (("old", 1), ("new", 2)):
-        path = folder / "given" / name / "model.mod"
-        path.write_text(f"Mine\nT   54   3.1416    0.000   0.0000\n  IA  {value}  2.1\nEND\n")
-        found[name] = str(path)
-    return found

@@ -26,6 +26,9 @@ from pyport.workers import workers
 #: What solves, when nothing else is asked for: a module and its first arguments.
 SOLVER = ("pyport", "diagnose")
 _TIMEOUT_S = 900.0
+#: Signals that come from outside (a key, a shutdown, a machine out of memory) and say nothing of
+#: the solver.
+_FROM_OUTSIDE = frozenset({-signal.SIGINT, -signal.SIGTERM, -signal.SIGKILL})
 
 
 @dataclass(frozen=True)
@@ -116,8 +119,8 @@ def _sit(task: Task, recordings: Path, out: Path) -> str | None:
         )
     except subprocess.TimeoutExpired:
         return f"no answer within {_TIMEOUT_S:.0f} s"
-    if -done.returncode in {signal.SIGINT, signal.SIGTERM}:
-        raise KeyboardInterrupt  # stopped from outside: no answer, to be asked again
+    if done.returncode in _FROM_OUTSIDE:
+        raise KeyboardInterrupt  # no answer, to be asked again
     if done.returncode:
         return done.stderr.strip()[-2000:] or f"exit status {done.returncode}"
     return None

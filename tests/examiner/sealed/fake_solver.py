@@ -1,6 +1,8 @@
 """Solvers that know nothing, to examine the examination with: python -m fake_solver HOW FILE ..."""
 
 import json
+import os
+import signal
 import sys
 from pathlib import Path
 
@@ -13,6 +15,8 @@ def main(how: str, file: str, _: str, out: str, *arguments: str) -> None:
         sys.exit("I have no idea")
     if how == "mute":
         return
+    if how.startswith("SIG"):
+        os.kill(os.getpid(), signal.Signals[how])
     if how == "spy":
         Path(arguments[-1]).read_text()
     if how == "babble":
