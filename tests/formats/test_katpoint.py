@@ -115,6 +115,18 @@ def test_its_table_comes_back(table, tmp_path):
     np.testing.assert_array_equal(read(tmp_path / "y.csv").x, read(table).x)
 
 
+def test_scans_of_a_session_are_one_session(table, tmp_path):
+    """MeerKAT's datasets name the session and the scan: two labels, and one again when written."""
+    table.write_text(table.read_text().replace("1234, ", "1234_sdp_l0 scan 57, "))
+    found = read(table)
+    convert(str(table), tmp_path / "x.csv", to="katpoint-csv")
+
+    assert found.at.column("session").tolist() == ["1234_sdp_l0"] * 2
+    assert found.at.column("scan").tolist() == ["scan 57"] * 2
+    lines = (tmp_path / "x.csv").read_text().splitlines()
+    assert [line.split(", ")[0] for line in lines[2:]] == ["1234_sdp_l0 scan 57"] * 2 + ["1235"]
+
+
 def test_the_antennas_own_model_is_the_files(table):
     """`--model offsets.csv` takes the model out of the antenna's description."""
     entries = katpoint_model.read(table).entries

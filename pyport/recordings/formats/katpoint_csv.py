@@ -7,6 +7,7 @@ that is encoder minus true. A standard deviation of zero stands for none.
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
@@ -46,6 +47,9 @@ ANTENNA = "katpoint_antenna"
 MODEL_FIELD = 6
 #: What the first three lines of such a file fit into [bytes]; a line may also be endless.
 _HEAD = 2**16
+#: What MeerKAT writes behind the name of a session; it is a label of its own.
+_SCAN = re.compile(r"(.*\S)\s+(scan \d+)")
+SCAN = "scan"
 #: A column that says 0 where a row is not to be kept.
 KEEP, NOT_KEPT = "keep", "not kept in the file"
 
@@ -99,6 +103,11 @@ def read(path: Path) -> Raw:
     cells = dict(zip(names, zip(*(words for _, words in body), strict=True), strict=True))
     kept = cells.pop(KEEP, None)
     columns = {_name(name): _measured(_name(name), words) for name, words in cells.items()}
+    scans = [_SCAN.fullmatch(word) for word in columns.get("session", ())]
+    if SCAN not in columns and any(scans):
+        sessions = zip(columns["session"], scans, strict=True)
+        columns["session"] = [word if scan is None else scan[1] for word, scan in sessions]
+        columns[SCAN] = ["" if scan is None else scan[2] for scan in scans]
     if kept is not None:
         columns[SET_ASIDE] = ["" if word not in {"0", "False"} else NOT_KEPT for word in kept]
     return raw_of(path, meta, columns, [number for number, _ in body], header)
@@ -168,6 +177,11 @@ def write(table: Table, path: Path) -> list[str]:
         goes_first = _OURS.get(name) in {"dataset", "target", "timestamp_ut"}
         (first if goes_first else columns)[_OURS.get(name, name)] = exact.cells(table, name)
     columns = first | columns
+    scans = columns.get(SCAN, ["none"])
+    if "dataset" in columns and all(one.startswith(SCAN) for one in scans if one):
+        both = zip(columns["dataset"], scans, strict=True)
+        del columns[SCAN]
+        columns["dataset"] = [f"{session} {scan}".rstrip() for session, scan in both]
     if any(exact.asides(table)):
         columns[KEEP] = ["0" if why else "1" for why in exact.asides(table)]
     with write_whole(path) as out:
