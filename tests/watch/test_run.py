@@ -16,7 +16,7 @@ from pyport.cli import pyport as program
 from pyport.watch.outputs import EVENTS
 
 #: Kills of the test; `make watch-kills` makes 200.
-KILLS = int(os.environ.get("PYPORT_WATCH_KILLS", "6"))
+KILLS = int(os.environ.get("PYPORT_WATCH_KILLS", "3"))
 
 
 @pytest.fixture(scope="module")

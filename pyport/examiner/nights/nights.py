@@ -10,7 +10,6 @@ import dataclasses
 import math
 import time
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +28,8 @@ SIGMA_ARCSEC = (3.0, 10.0)
 STEP_WITHIN = (0.1, 0.3)
 #: Sizes of steps in turn [white sigmas, rms over the axes that it acts on].
 SIZES = (1.0, 2.0, 3.0, 4.0, 5.0)
+#: Pointings after the alarm of a step that are still watched: until then it is named.
+NAMING = 40
 #: The overshoot of a random walk over a boundary, in its standard deviations: Siegmund 1985,
 #: Sequential Analysis, eq. 10.17 and example 10.18.
 OVERSHOOT = 1.166
@@ -181,7 +182,10 @@ def examine(case: Case, pointings_per_false_alarm: float) -> dict[str, Any]:
     raised: list[dict[str, Any]] = []
     worst = 0.0
     last = time.monotonic()
+    ends = len(world.noise)
     for seen in watch.replay(world.watched):
+        if seen.row > ends:
+            break
         now = time.monotonic()
         worst, last = max(worst, now - last), now
         raised += [
@@ -189,12 +193,15 @@ def examine(case: Case, pointings_per_false_alarm: float) -> dict[str, Any]:
             for one in seen.events
             if one.event == "raised"
         ]
+        if world.step is not None and raised and raised[-1]["row"] >= world.step.first:
+            ends = min(ends, raised[-1]["row"] + NAMING)
     alarms = {number: one.as_json(timed=True) for number, one in watch.alarms.items()}
     found = {
         **dataclasses.asdict(case),
         "pointings": len(world.noise),
         "raised": [one | {"is": alarms.get(one["alarm"])} for one in raised],
         "prepared_s": prepared - begun,
+        "slowest_s": worst,
         "watched_s": time.monotonic() - prepared,
     }
     if world.step is not None:
@@ -256,12 +263,6 @@ def _boundary(shift: float, run_length: float) -> float:
         else:
             high = middle
     return high
-
-
-def run(cases: list[Case], pointings_per_false_alarm: float) -> Iterator[dict[str, Any]]:
-    """Yield what comes out of every case."""
-    for case in cases:
-        yield examine(case, pointings_per_false_alarm)
 
 
 def null_cases(nights: int, seed: int) -> list[Case]:

@@ -1,0 +1,54 @@
+"""`pyport dev nights`: false alarms and delays of the watch on simulated nights."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import click
+
+from pyport.cli.manners import in_json
+
+
+@click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
+@click.option("--nulls", default=1000, show_default=True, help="Nights without any change.")
+@click.option("--steps", default=1000, show_default=True, help="Steps of one to five sigmas.")
+@click.option("--seed", default=1, show_default=True, help="Of everything that is drawn.")
+@click.option(
+    "--false-alarm-every",
+    "rarity",
+    default=10_000.0,
+    show_default=True,
+    metavar="POINTINGS",
+    help="What the watch promises.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("out/nights"),
+    show_default=True,
+    help="Folder of what came out so far; a run that was stopped goes on there.",
+)
+@in_json
+def command(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_json: bool) -> None:
+    """Count false alarms in twenty kinds of noise, and measure delays beside the best possible.
+
+    Five nights of each case are the past, five are watched. The best possible delay is that of
+    a CUSUM that knows the step's shape and size, the noise and the model, with as few false alarms.
+    """
+    from pyport.examiner.nights import nights, summary
+
+    cases = [*nights.null_cases(nulls, seed), *nights.step_cases(steps, seed)]
+    found = []
+    for done, one in enumerate(summary.outcomes(cases, out / "nights.jsonl", rarity), 1):
+        found.append(one)
+        if sys.stderr.isatty():
+            click.echo(f"\r{done} of {len(cases)} cases", err=True, nl=done == len(cases))
+    if as_json:
+        click.echo(json.dumps(found))
+        return
+    if nulls:
+        click.echo(summary.of_nulls((one for one in found if not one["step"]), rarity))
+    if steps:
+        click.echo("\n" + summary.of_steps(one for one in found if one["step"]))
