@@ -1,5 +1,8 @@
 """What tests of several packages share."""
 
+import os
+import shutil
+
 import pytest
 import rt32
 from hypothesis import settings
@@ -11,6 +14,8 @@ from pyport.pointing import kernel
 # how long an example takes says something about the machine's other work, nothing about the program
 settings.register_profile("pyport", deadline=None)
 settings.load_profile("pyport")
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
 @pytest.fixture(scope="module", params=["numpy", "kernel"])
@@ -38,3 +43,26 @@ def oracle():
     if not compiled.available(rt32.DESCRIPTION):
         pytest.skip("no gfortran, C compiler or Python.h on this machine")
     return compiled.of(rt32.DESCRIPTION.path, "reference")
+
+
+def missing(why):
+    """Skip for want of a browser, or fail where one is required."""
+    if os.environ.get("PYPORT_BROWSER") == "required":
+        pytest.fail(why)
+    pytest.skip(why)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Start a headless Chromium of the system's; skip where there is none."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        missing("playwright is not installed (pip install playwright)")
+    found = next(filter(None, map(shutil.which, CHROMIUM)), None)
+    if found is None:
+        missing("Chromium is not installed (sh .ci/install chromium)")
+    with sync_playwright() as play:
+        started = play.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield started
+        started.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from pyport.recordings.given import Given
+    from pyport.watch.run import Process
     from pyport.watch.watch import Event, Seen
 
 #: Exit status of --exit-on-alarm.
@@ -79,6 +81,9 @@ ALARMED = 3
     help="Run for whatever happens to an alarm; gets it as JSON on standard input.",
 )
 @click.option("--exit-on-alarm", is_flag=True, help="Stop at the first alarm, with exit status 3.")
+@click.option("--serve", "served", is_flag=True, help="Serve a live page.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Serve it there.")
+@click.option("--port", default=8765, show_default=True, help="On this port.")
 @about_file
 @in_json
 def command(
@@ -90,11 +95,14 @@ def command(
     out: Path,
     every_s: float,
     command_line: str,
+    host: str,
+    port: int,
     given: Given,
     *,
     as_json: bool,
     once: bool,
     exit_on_alarm: bool,
+    served: bool,
 ) -> None:
     """Watch LOG, a file of recordings that grows or a folder of them, and raise alarms.
 
@@ -111,13 +119,32 @@ def command(
     options = Options(log, model, out, given, history, burn_in, rarity, command_line)
     with alone(out):
         process = Process(options, say, lambda text: click.echo(text, err=True))
-        seen = process.step() if once else forever(process, every_s)
-        alarmed = _through(seen, stop=exit_on_alarm)
+        with _page(process, host, port) if served else contextlib.nullcontext():
+            seen = process.step() if once else forever(process, every_s)
+            alarmed = _through(seen, stop=exit_on_alarm)
         if once and process.watch is None:
             wrong = f"{log}: fewer than {burn_in} recordings to begin with: give --history"
             click.echo(wrong, err=True)
     if alarmed and exit_on_alarm:
         click.get_current_context().exit(ALARMED)
+
+
+@contextlib.contextmanager
+def _page(process: Process, host: str, port: int) -> Iterator[None]:
+    """Serve the page of a watch, and show on it whatever the watch keeps."""
+    from pyport.watch.live import live
+    from pyport.watch.serve import Live, serve
+
+    shown = Live()
+    process.show = lambda watch: shown.show(live(watch))
+    if process.watch is not None:
+        process.show(process.watch)
+    page = serve(shown, host, port)
+    click.echo(f"serving {page.address}", err=True)
+    try:
+        yield
+    finally:
+        page.stop()
 
 
 def _through(seen: Iterator[Seen], *, stop: bool) -> bool:

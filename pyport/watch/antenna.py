@@ -67,8 +67,10 @@ class Antenna:
         The alarm that is being named, its number.
     rows
         Pointings taken in.
-    residual
-        Offsets of the last row over what was predicted, and that prediction's sigma [rad], (2, 2).
+    home
+        The states that make up the model of the past, (D,).
+    left
+        Offsets of the last row against that model, and its white sigma [rad], (2, 2).
     """
 
     baseline: Baseline
@@ -80,7 +82,8 @@ class Antenna:
     slots: list[Slot] = field(default_factory=list)
     pending: int | None = None
     rows: int = 0
-    residual: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
+    home: Array = field(default_factory=lambda: np.zeros(0))
+    left: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
 
     @property
     def evidence(self) -> float:
@@ -94,7 +97,9 @@ def begin(
     """Return the watch at its beginning; the threshold keeps one false alarm in so many."""
     placed = detector.layout(baseline.changes)
     empty = detector.fresh(placed, len(start.mean))
-    return Antenna(baseline, known, placed, start, empty, log(pointings_per_false_alarm))
+    home = start.mean * np.array([of == "model" for of in known.of])
+    threshold = log(pointings_per_false_alarm)
+    return Antenna(baseline, known, placed, start, empty, threshold, home=home)
 
 
 def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
@@ -114,7 +119,8 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
             detector.start(
                 watch.detector, watch.layout, watch.null, watch.rows, float(rows.clock[n])
             )
-    watch.residual = np.full((2, 2), np.nan)
+    white = np.sqrt(rows.variance[n] * watch.null.scale)
+    watch.left = np.stack([rows.off[n], white], axis=1)
     for axis in (0, 1):
         if np.isfinite(rows.value[n, axis]):
             _reading(watch, rows, n, axis)
@@ -129,7 +135,6 @@ def _reading(watch: Antenna, rows: Rows, n: int, axis: int) -> None:
     nuisance = np.concatenate([rows.nuisance[n, axis], *columns])
     before = (float(own.scale[axis]), own.degrees(axis), own.share, own.tail)
     one = null.take(own, axis, float(rows.value[n, axis]), nuisance, float(rows.variance[n, axis]))
-    watch.residual[axis] = one.value * one.sigma, one.sigma * before[0] ** 0.5
     detector.update(watch.detector, watch.layout, one, nuisance, change, before)
     _spreads(watch, one, before)
 

@@ -41,6 +41,10 @@ LEAST_DOF = 3.0
 LEAST_WHITE = 0.05
 
 
+class TooFew(BadInput):
+    """The past of an antenna is too short to watch it."""
+
+
 @dataclass(frozen=True)
 class Nuisance:
     """States of one kind that move offsets and are no alarm.
@@ -172,13 +176,13 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     history = with_nights(history)
     if antenna is not None:
         history = history.take(history.label("antenna").astype(str) == antenna)
-    fitted = fit(history, model)
     terms = tuple(model.fitted())
     needed = max(FEWEST, FEWEST_PER_COEFFICIENT * sum(len(t.effect.coefficients) for t in terms))
     if len(history) < needed:
         whose = f" of antenna {antenna}" if antenna else ""
         wrong = f"{len(history)} past pointings{whose}, expected {needed} or more to watch from"
-        raise BadInput(wrong, history.file)
+        raise TooFew(wrong, history.file)
+    fitted = fit(history, model)
     white, within = _white(fitted)
     scatter, median = _scatter(fitted)
     coupling = next(iter(fitted.noise.coupling.values()), 0.0)

@@ -21,6 +21,8 @@ class Rows:
     ----------
     value
         Offsets less what the model gives before any fit [rad], (n, 2); NaN where not measured.
+    off
+        Offsets against the model of the past [rad], (n, 2).
     nuisance, change
         What one of each nuisance, and of each changed coefficient, does to either axis,
         (n, 2, D) and (n, 2, C).
@@ -39,6 +41,7 @@ class Rows:
     """
 
     value: Array
+    off: Array
     nuisance: Array
     change: Array
     variance: Array
@@ -54,8 +57,11 @@ class Rows:
         return len(self.clock)
 
 
-def prepare(baseline: Baseline, recordings: Recordings) -> Rows:
-    """Return rows of the baseline's antenna as the watch takes them, ordered by time."""
+def prepare(baseline: Baseline, recordings: Recordings, home: Array | None = None) -> Rows:
+    """Return rows of the baseline's antenna as the watch takes them, ordered by time.
+
+    `home` (D,) holds the states that make up the model of the past.
+    """
     at = recordings.at
     clock = np.asarray(at.columns.get("time", recordings.line), float)
     timed = "time" in at and bool(np.isfinite(clock).all())
@@ -66,6 +72,8 @@ def prepare(baseline: Baseline, recordings: Recordings) -> Rows:
     given_x, given_y = baseline.model.offsets(recordings.at)
     value = np.stack([recordings.x - given_x, recordings.y - given_y], axis=1)
     nuisance = np.stack(baseline.design(recordings.at), axis=1)
+    off = value if home is None else value - nuisance @ home
+    value = value.copy()
     change = np.stack(
         columns([one.effect for one in baseline.changes], recordings.at),
         axis=1,
@@ -85,6 +93,7 @@ def prepare(baseline: Baseline, recordings: Recordings) -> Rows:
     }
     return Rows(
         value,
+        off,
         nuisance,
         change,
         variance,

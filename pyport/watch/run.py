@@ -57,13 +57,14 @@ class Options:
 class Process:
     """A watch that follows a log.
 
-    `complain` is given what cannot be used, `ready` is called with the watch when it begins.
+    `complain` is given what cannot be used, `show` the watch whenever it was kept.
     """
 
     options: Options
     say: Callable[[Event], None]
     complain: Callable[[str], None]
     watch: Watch | None = None
+    show: Callable[[Watch], None] = lambda _: None
     cursor: Cursor = field(default_factory=Cursor)
     outputs: Outputs = field(init=False)
     _early: list[Recordings] = field(default_factory=list)
@@ -156,6 +157,7 @@ class Process:
         assert self.watch is not None  # noqa: S101 - told only once begun
         for wrong in self.outputs.tell(self.watch):
             self.complain(wrong)
+        self.show(self.watch)
 
 
 @contextlib.contextmanager

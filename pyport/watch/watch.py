@@ -21,7 +21,7 @@ from pyport.threads import one_thread
 from pyport.watch import antenna as one_antenna
 from pyport.watch.alarms import Alarm, moment
 from pyport.watch.antenna import Antenna
-from pyport.watch.baseline import past
+from pyport.watch.baseline import TooFew, past
 from pyport.watch.calibrate import calibrated
 from pyport.watch.prepare import prepare
 
@@ -60,7 +60,8 @@ class Seen:
     """A recording as the watch saw it.
 
     `time` is in seconds since 1970, or the recording's number; `xel_arcsec` and `el_arcsec` are
-    what was left of it, NaN where an axis was not measured, and the sigmas what was expected.
+    its offsets against the model of the past, NaN where an axis was not measured, and the sigmas
+    the white scatter.
     """
 
     row: int
@@ -121,11 +122,19 @@ class Watch:
         self.pointings_per_false_alarm = float(pointings_per_false_alarm)
         names = np.unique(history.label("antenna").astype(str))
         self.antennas: dict[str, Antenna] = {}
+        #: Antennas with too short a past, and what is said of them; their rows are passed over.
+        self.unwatched: dict[str, str] = {}
         for name in names:
-            of_it = past(history, self.model, str(name) if len(names) > 1 else None)
+            try:
+                of_it = past(history, self.model, str(name) if len(names) > 1 else None)
+            except TooFew as few:
+                self.unwatched[str(name)] = few.message
+                continue
             null, known = calibrated(of_it)
             each = pointings_per_false_alarm * len(names)
             self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, each)
+        if not self.antennas:
+            raise BadInput(next(iter(self.unwatched.values())), history.file)
         time = np.asarray(history.at.columns.get("time", np.full(len(history), np.nan)), float)
         self.timed = bool(np.isfinite(time).all())
         self.last = float(time.max()) if self.timed else np.nan
@@ -168,13 +177,17 @@ class Watch:
         """
         recordings = self._ordered(from_table(table, self.history.meta))
         who = recordings.label("antenna").astype(str)
+        watched = ~np.isin(who, list(self.unwatched))
+        recordings, who = recordings.take(watched), who[watched]
         if unknown := sorted(set(who) - set(self.antennas)):
             known = ", ".join(self.antennas)
             wrong = f"antenna {unknown[0]!r} has no past recordings; there are those of {known!r}"
             raise BadInput(wrong, recordings.file, int(recordings.line[0]))
         places = {name: np.flatnonzero(who == name) for name in dict.fromkeys(who)}
         rows = {
-            name: prepare(self.antennas[name].baseline, recordings.take(own))
+            name: prepare(
+                self.antennas[name].baseline, recordings.take(own), self.antennas[name].home
+            )
             for name, own in places.items()
         }
         turn = dict.fromkeys(rows, 0)
@@ -188,7 +201,7 @@ class Watch:
         happened = one_antenna.take(own, rows, n, self.alarms, self.raised + 1)
         if happened and happened[0].startswith("raised"):
             self.raised += 1
-        left = own.residual / ARCSEC
+        left = own.left / ARCSEC
         seen = Seen(
             self.row,
             float(rows.clock[n]),
@@ -254,6 +267,7 @@ class Watch:
             "last": None if last is None else moment(last.time, timed=self.timed),
             "alarms_raised": self.raised,
             "events": self.happened,
+            "unwatched": self.unwatched,
             "standing": [one.as_json(timed=self.timed) for one in self.standing],
             "antennas": {
                 name: {

@@ -1,7 +1,5 @@
 """A headless Chromium for the tests of the page, and the pages that they look at."""
 
-import os
-import shutil
 import sys
 from pathlib import Path
 
@@ -14,8 +12,6 @@ from pyport import page
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-
 
 @pytest.fixture(scope="session")
 def diagnosis():
@@ -27,29 +23,6 @@ def diagnosis():
 def written(diagnosis, tmp_path_factory):
     """Return the path of the page of that diagnosis."""
     return page.write(*page.of_diagnosis(diagnosis), tmp_path_factory.mktemp("page") / "r.html")
-
-
-def missing(why):
-    """Skip for want of a browser, or fail where one is required."""
-    if os.environ.get("PYPORT_BROWSER") == "required":
-        pytest.fail(why)
-    pytest.skip(why)
-
-
-@pytest.fixture(scope="session")
-def browser():
-    """Start a headless Chromium of the system's; skip where there is none."""
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        missing("playwright is not installed (pip install playwright)")
-    found = next(filter(None, map(shutil.which, NAMES)), None)
-    if found is None:
-        missing("Chromium is not installed (sh .ci/install chromium)")
-    with sync_playwright() as play:
-        started = play.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield started
-        started.close()
 
 
 @pytest.fixture
