@@ -10,7 +10,7 @@ OUT ?= out
 .PHONY: demo test lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
 .PHONY: nulls real
-.PHONY: fuzz torture lock audit
+.PHONY: fuzz torture faults machines lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
 
@@ -158,9 +158,11 @@ real: $(BIN)/pyport
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev real --data $(DATA) --jobs 2 --out $(OUT)/real \
 	  --markdown docs/real.md
 
-# Every reader against spoilt files for SECONDS; every writer against KILLS kills.
+# Every reader against spoilt files for SECONDS; every writer against KILLS kills; every command
+# with FAULTS faults in it.
 SECONDS ?= 600
 KILLS ?= 200
+FAULTS ?= 25
 
 $(VENV)/fuzz: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet --editable '.[fuzz]'
@@ -170,7 +172,10 @@ fuzz: $(VENV)/fuzz
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/reliability/fuzz.py --seconds $(SECONDS) --out $(OUT)/fuzz
 
 torture: $(BIN)/pyport
-	$(BIN)/python tests/reliability/torture.py --kills $(KILLS)
+	$(BIN)/python tests/reliability/torture.py --kills $(KILLS) $(if $(SEED),--seed $(SEED))
+
+faults: $(BIN)/pyport
+	$(BIN)/python tests/reliability/faults.py --faults $(FAULTS) $(if $(SEED),--seed $(SEED))
 
 # The versions and hashes that continuous integration installs, for every Python and system;
 # what is known against what is installed.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import NoReturn
 
 import click
 
@@ -77,7 +78,10 @@ pyport = click.option(
 
 
 def main() -> None:
-    """Run the command line; bad input is one line on standard error and exit status 2."""
+    """Run the command line; what goes wrong is one line on standard error.
+
+    Exit status 2 for bad input, 70 for a fault of the program, 130 when interrupted.
+    """
     # The matrices here are small: threads of the linear algebra cost more than they bring.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
@@ -89,14 +93,25 @@ def main() -> None:
         text = error.format_message() if isinstance(error, click.ClickException) else str(error)
         click.echo(f"pyport: error: {' '.join(text.split())}", err=True)
         sys.exit(2)
-    except click.Abort:
+    except click.Abort as error:
+        if isinstance(error.__cause__, EOFError):  # click takes it for a key
+            _end_with_fault(error.__cause__)
         click.echo("pyport: interrupted", err=True)
         sys.exit(130)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         click.echo(f"pyport: error: {place}{error.strerror or error}", err=True)
         sys.exit(2)
+    except Exception as error:  # noqa: BLE001 - whatever it is, a traceback helps no user
+        _end_with_fault(error)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _end_with_fault(error: BaseException) -> NoReturn:
+    from pyport.cli import fault
+
+    click.echo(fault.keep(error, sys.argv[1:]), err=True)
+    sys.exit(fault.STATUS)
 
 
 def _refuse_what_is_no_text(words: list[str]) -> None:

@@ -16,7 +16,8 @@ from click.shell_completion import CompletionItem
 #: Exit statuses, as `pyport --help` tells them.
 STATUSES = (
     "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise); 2 "
-    "for bad input, with one line on standard error; 130 when interrupted."
+    "for bad input, with one line on standard error; 70 for a fault of the program, with a report "
+    "to send; 130 when interrupted."
 )
 
 

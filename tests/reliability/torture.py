@@ -29,6 +29,7 @@ import tempfile
 import time
 import traceback
 import unittest.mock
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,8 +72,12 @@ class Drawn(random.Random):
     randbits = random.Random.getrandbits
 
 
-def start(words: tuple[str, ...], said: str = os.devnull) -> int:
-    """Run pyport in a process forked from this one, with nothing to say; return its number."""
+def start(
+    words: tuple[str, ...],
+    said: str | Path = os.devnull,
+    before: Callable[[], None] = lambda: None,
+) -> int:
+    """Run pyport in a process forked from this one, its errors in a file; return its number."""
     number = os.fork()
     if number:
         # on either side, so that there is a group whoever comes first
@@ -82,12 +87,13 @@ def start(words: tuple[str, ...], said: str = os.devnull) -> int:
     status = 1
     with contextlib.suppress(BaseException):
         os.setpgid(0, 0)
-        os.dup2(os.open(os.devnull, os.O_RDWR), 0)
-        into = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
-        os.dup2(into, 1)
-        os.dup2(into, 2)
+        nothing = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nothing, 0)
+        os.dup2(nothing, 1)
+        os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
         sys.argv = ["pyport", *words]
         try:
+            before()
             cli.main()
         except SystemExit as end:
             status = end.code if isinstance(end.code, int) else 1
