@@ -12,13 +12,23 @@ from pyport.effects import Effect
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.formats import models
-from pyport.formats.model_file import KEPT, NAMES, WORDS, Entry, ModelFile, rounded, translated
+from pyport.formats.model_file import (
+    KEPT,
+    MOUNT_OF,
+    NAMES,
+    WORDS,
+    Entry,
+    ModelFile,
+    rounded,
+    translated,
+)
 from pyport.formats.rest import Rest, rest_of, sky
 from pyport.formats.waves import Waves, waves
 from pyport.models import toml
 from pyport.models.model import Model
 from pyport.models.terms.alike import shape_of
 from pyport.models.terms.words import SCALES
+from pyport.mounts import ALTAZ
 
 #: Decimals that a value is written with, by its unit: 0.4 microarcsec in degrees.
 _DECIMALS = {"arcsec": 4, "deg": 10, "": 9}
@@ -75,7 +85,7 @@ def write_model(
     told = _told(model, path)
     if not told and model.given is None:
         raise BadInput(f"the model {model.name} has no values to write: fit it first", path)
-    vocabulary = chosen.vocabulary
+    vocabulary = _vocabulary(chosen, model, path)
     each = [(one.called, _in_vocabulary(one, vocabulary)) for one in told]
     found = [entry for _, entries in each for entry in entries]
     lost = list(dict.fromkeys(name for name, entries in each if not entries))
@@ -93,11 +103,21 @@ def write_model(
     title = str(made.get("title") or made.get("telescope") or model.name)
     details = {key: made[key] for key in KEPT if key in made and vocabulary == "field-system"}
     file = ModelFile(vocabulary, tuple(_summed(found)), title, details=details)
-    if vocabulary == "tpoint":
+    if chosen.vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
     rest = replace(rest_of(model, file, lost, rest_as, conditions or {}), waves=instead)
     chosen.write(file, path)
     return chosen.name, len(file.entries), rest
+
+
+def _vocabulary(chosen: models.ModelFormat, model: Model, path: Path) -> str:
+    """Return the vocabulary that a format has for a model's mount."""
+    if model.mount is ALTAZ:
+        return chosen.vocabulary
+    for name, mount in MOUNT_OF.items():
+        if mount == model.mount.model and name.startswith(chosen.vocabulary):
+            return name
+    raise BadInput(f"{chosen.name} has no terms for {model.mount.sentence}: keep a .toml", path)
 
 
 @dataclass(frozen=True)

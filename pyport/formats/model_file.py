@@ -11,9 +11,10 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
-from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms import field_system, ska_mid, tpoint, tpoint_polar
 from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
+from pyport.mounts import BY_MODEL
 
 #: How many decimals a number gets in another unit. Degrees with ten are told exactly by
 #: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.
@@ -23,16 +24,21 @@ _RADIAN_DEG = Decimal("57.295779513082320876798")
 #: Vocabularies: name -> word, and shape -> name and sign.
 WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
+    "tpoint-equatorial": tpoint_polar.word,
     "field-system": field_system.word,
     "katpoint": field_system.katpoint_word,
     "ska-mid": ska_mid.word,
 }
 NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
+    "tpoint-equatorial": tpoint_polar.name_of,
     "field-system": field_system.name_of,
     "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
     "ska-mid": ska_mid.name_of,
 }
+
+#: The vocabularies of mounts other than alt-azimuth ones, and the model of those.
+MOUNT_OF = {"tpoint-equatorial": "equatorial"}
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,9 @@ class ModelFile:
         }
         kept = {"title": self.title, **{key: self.details.get(key) for key in KEPT}}
         told |= {key: one for key, one in kept.items() if one}
-        return Model(name, tuple(filter(None, map(self._term, self.entries))), told=told)
+        model = Model(name, tuple(filter(None, map(self._term, self.entries))), told=told)
+        of = MOUNT_OF.get(self.vocabulary)
+        return model if of is None else model.on(BY_MODEL[of])
 
     def _term(self, entry: Entry) -> Term | None:
         word = self.word(entry)

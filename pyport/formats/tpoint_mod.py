@@ -12,7 +12,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.models.terms import tpoint
+from pyport.models.terms import tpoint, tpoint_polar
 from pyport.recordings.formats.lines import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
@@ -25,7 +25,7 @@ def read(path: Path) -> ModelFile:
     Raises
     ------
     BadInput
-        No line of statistics, or a line that is no term of an alt-azimuth mount.
+        No line of statistics, a line that is no known term, or terms of two kinds of mount.
     """
     title, *rest = lines_of(path)
     body = [line for line in rest if line.text.strip() and line.text.lstrip()[0] not in ";!"]
@@ -39,9 +39,14 @@ def read(path: Path) -> ModelFile:
         entries.append(_entry(line))
     if not entries:
         raise BadInput("no terms below the statistics", path, body[0].number)
-    return ModelFile(
-        "tpoint", tuple(entries), title.text.strip(), details={"statistics": _statistics(body[0])}
-    )
+    polar = any(tpoint.word(one.name) is None for one in entries)
+    foreign = [one.name for one in entries if polar and tpoint_polar.word(one.name) is None]
+    if foreign:
+        wrong = f"{foreign[0]} is a term of an alt-azimuth mount, others are of an equatorial one"
+        raise BadInput(wrong, path)
+    details = {"statistics": _statistics(body[0])}
+    vocabulary = "tpoint-equatorial" if polar else "tpoint"
+    return ModelFile(vocabulary, tuple(entries), title.text.strip(), details=details)
 
 
 def _statistics(line: Line) -> dict[str, Decimal]:
@@ -59,8 +64,9 @@ def _entry(line: Line) -> Entry:
     words = text.lstrip("&= ").split()
     if len(words) < 2:
         raise line.error(f"this is {text[:60]!r}, expected a term and its coefficient")
-    if tpoint.word(words[0]) is None:
-        raise line.error(f"{words[0][:20]!r} is no term of an alt-azimuth mount that pyport knows")
+    if tpoint.word(words[0]) is None and tpoint_polar.word(words[0]) is None:
+        wrong = f"{words[0][:20]!r} is no term of an alt-azimuth or equatorial mount"
+        raise line.error(f"{wrong} that pyport knows")
     return Entry(
         words[0],
         line.decimal(words[1], "the coefficient"),

@@ -20,7 +20,7 @@ from pyport.effects import (
     catalogue,
 )
 from pyport.errors import BadInput
-from pyport.mounts import ALTAZ, KINDS, Mount
+from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 if TYPE_CHECKING:
     from pyport.models.completed import Completed
@@ -163,7 +163,7 @@ class Model:
                 wrong = f"the model's term {term.effect.id} is none of {mount.sentence}"
                 raise BadInput(f"{wrong}: expected a model such as {mount.model}")
         terms = tuple(replace(term, effect=on(term.effect, mount)) for term in self.terms)
-        name = mount.model if self.name in CLASSICAL else self.name
+        name = mount.model if self.name in BY_MODEL else self.name
         return replace(self, name=name, terms=terms, mount=mount)
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
@@ -196,12 +196,10 @@ def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:
 
 
 CLASSICAL_TERMS = "azimuth_zero elevation_zero collimation skew tilt sag_cosine"
-#: The built-in models of the classical terms, and the mount that each is of.
-CLASSICAL = {mount.model: mount for mount in reversed(KINDS.values())}
 
 
 def _classical(name: str) -> Model:
-    return _linear(name, CLASSICAL_TERMS, PER_ANTENNA).on(CLASSICAL[name])
+    return _linear(name, CLASSICAL_TERMS, PER_ANTENNA).on(BY_MODEL[name])
 
 
 def _rt32(name: str, *, exact: bool) -> Model:
@@ -244,7 +242,7 @@ def rt32_parameter(number: int) -> Effect:
 
 
 BUILT_IN: dict[str, Callable[[], Model]] = {
-    **{name: partial(_classical, name) for name in CLASSICAL},
+    **{name: partial(_classical, name) for name in BY_MODEL},
     "gmrt-paper": lambda: _linear("gmrt-paper", "elevation_zero hour_angle_wave", PER_ANTENNA_DAY),
     "none": lambda: Model("none", ()),
     "rt32-3model": lambda: _rt32("rt32-3model", exact=True),

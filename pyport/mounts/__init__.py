@@ -15,4 +15,7 @@ KINDS: dict[str, Mount] = {
     for one in getattr(importlib.import_module(f"{__name__}.{module.name}"), "MOUNTS", ())
 }
 
-__all__ = ["ALTAZ", "KINDS", "Axis", "Mount"]
+#: A mount for each built-in model of the classical terms: the first that has it.
+BY_MODEL: dict[str, Mount] = {one.model: one for one in reversed(KINDS.values())}
+
+__all__ = ["ALTAZ", "BY_MODEL", "KINDS", "Axis", "Mount"]

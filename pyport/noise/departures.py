@@ -199,7 +199,14 @@ def _project(
     covariance: Covariance, value: Array, design: Array, some: Sequence[Departures]
 ) -> _Projected:
     kind = np.repeat(np.arange(len(some)), [one.columns.shape[1] for one in some])
-    columns = np.concatenate([*(one.columns for one in some), design, value[:, None]], axis=1)
+    # What all labels share is no departure, whether the model has a term for it or lacks one.
+    counts = [len(set(one.labels)) for one in some]
+    shared_by_all = [
+        one.columns.reshape(len(value), -1, count).sum(axis=2)
+        for one, count in zip(some, counts, strict=True)
+    ]
+    parts = [*(one.columns for one in some), *shared_by_all, design, value[:, None]]
+    columns = np.concatenate(parts, axis=1)
     white = np.nan_to_num(replace(covariance, departures=()).whiten(columns))
     gram = white.T @ white
     q = len(kind)

@@ -9,7 +9,7 @@ import pytest
 import pyport.examiner
 from pyport.effects import CATALOGUE
 from pyport.effects.celestial import hour_angle
-from pyport.examiner import program, scores, terms
+from pyport.examiner import outcomes, program, scores, terms
 from pyport.examiner.nulls import causes, noises, nulls, nulls_table, schedule
 from pyport.recordings.from_table import from_table
 
@@ -341,17 +341,17 @@ def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
     """What is there is not done again, a line cut short is; of another program nothing counts."""
     file = tmp_path / "nulls.jsonl"
     wanted = nulls.cases(["white"], 2, 1, [nulls.NULL])
-    first = list(nulls.run(wanted, file))
+    first = list(outcomes.run(wanted, nulls.examine, file))
     file.write_text(file.read_text()[:-20])
     done = []
     real = nulls.examine
     monkeypatch.setattr(nulls, "examine", lambda case: done.append(case) or real(case))
-    again = list(nulls.run(wanted, file))
+    again = list(outcomes.run(wanted, nulls.examine, file))
 
     assert [one.number for one in done] == [1]
     assert [one["z"] for one in again] == [json.loads(json.dumps(one["z"])) for one in first]
     monkeypatch.setattr(program, "version", lambda: "another")
-    assert nulls.read(file) == {}
+    assert outcomes.read(file, nulls.Case) == {}
 
 
 def test_the_table_says_which_targets_are_missed():

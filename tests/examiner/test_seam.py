@@ -14,6 +14,8 @@ ALLOWED = {
     "worlds": {"angles", "errors", "files", "progress"},
     "sealed": {"angles", "errors", "files", "progress", "workers"},
     "nulls": set(),
+    "mounts": {"angles"},
+    "outcomes.py": set(),
     "real": set(),
     "terms.py": set(),
     "scores.py": set(),

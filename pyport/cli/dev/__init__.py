@@ -12,6 +12,7 @@ command = Lazy(
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
         "imports": "Print which part of the program imports which, and what climbs.",
+        "mounts": "Count what is found, and what is not there, on German, fork and X-Y mounts.",
         "nights": "Count false alarms of the watch, and measure delays, on simulated nights.",
         "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",
         "real": "Run fit and diagnose on public recordings, beside what was published of them.",

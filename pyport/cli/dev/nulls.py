@@ -57,6 +57,7 @@ def command(
     coefficients lie within one sigma of the truth, 93 to 97 % within two. Outcomes are kept in
     OUT/nulls.jsonl, and count for the program that they came from alone.
     """
+    from pyport.examiner import outcomes
     from pyport.examiner.nulls import noises, nulls, nulls_table
 
     chosen = kinds.split(",") if kinds else list(noises.KINDS)
@@ -70,7 +71,9 @@ def command(
         "kind": {kind: [] for kind in chosen},
         "by": defaultdict(list),
     }
-    for done, outcome in enumerate(nulls.run(wanted, out / "nulls.jsonl", jobs), 1):
+    for done, outcome in enumerate(
+        outcomes.run(wanted, nulls.examine, out / "nulls.jsonl", jobs), 1
+    ):
         found["kind"][outcome["kind"]].append(outcome)
         if by is not None:
             found["by"][outcome[by]].append(outcome)

@@ -7,14 +7,11 @@ from its number alone, so that every run of as many cases has the same mixture.
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import time
 import zlib
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -211,47 +208,3 @@ def cases(kinds: Iterable[str], count: int, seed: int, parts: Iterable[str]) -> 
         for part in parts
         for kind in kinds
     ]
-
-
-def run(wanted: list[Case], file: Path, jobs: int = 1) -> Iterator[dict[str, Any]]:
-    """Yield what comes out of every case: what the file has of this program, then the others.
-
-    Every outcome is appended to the file as soon as it is there; a run that was killed goes on.
-    """
-    kept = read(file)
-    rest = []
-    for case in wanted:
-        if (outcome := kept.get(case)) is None:
-            rest.append(case)
-        else:
-            yield outcome
-    file.parent.mkdir(parents=True, exist_ok=True)
-    for outcome in _outcomes(rest, jobs):
-        with file.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(outcome) + "\n")
-        yield outcome
-
-
-def _outcomes(rest: list[Case], jobs: int) -> Iterator[dict[str, Any]]:
-    if jobs == 1:
-        yield from map(examine, rest)
-        return
-    with ProcessPoolExecutor(jobs) as pool:
-        for done in as_completed([pool.submit(examine, case) for case in rest]):
-            yield done.result()
-
-
-def read(file: Path) -> dict[Case, dict[str, Any]]:
-    """Return the outcomes that a file has of the present program; a line cut short is none."""
-    found: dict[Case, dict[str, Any]] = {}
-    if not file.is_file():
-        return found
-    for line in file.read_text(encoding="utf-8").splitlines():
-        try:
-            outcome = json.loads(line)
-        except ValueError:
-            continue
-        if outcome.get("program") == program.version():
-            case = Case(*(outcome[field.name] for field in dataclasses.fields(Case)))
-            found[case] = outcome
-    return found

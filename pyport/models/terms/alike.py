@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, Site
+from pyport.effects import Circumstances, Effect, MissingColumn, Site, known
 from pyport.models.terms.shapes import FAMILIES, Shape, Wave, product
+from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 #: How far from parallel rounding takes two shapes that are one.
 PARALLEL = 1e-9
@@ -23,13 +24,21 @@ _DIRECTIONS = Circumstances(
 _ROUND = (("az",), ("xel", Wave("S", "E")), ("el",))
 
 
-def seen(effect: Effect, column: int = 0) -> Array | None:
-    """Return a column of an effect at those directions; None if more than directions shows it."""
+def seen(effect: Effect, column: int = 0, mount: Mount | None = None) -> Array | None:
+    """Return a column of an effect at those directions; None if more than directions shows it.
+
+    On a mount that the effect concerns where none is given.
+    """
+    at = replace(_DIRECTIONS, mount=mount or _mount_of(effect))
     try:
-        found = np.concatenate(effect.columns(_DIRECTIONS))[:, column]
+        found = np.concatenate(effect.columns(at))[:, column]
     except MissingColumn:
         return None
     return found if found.any() else None
+
+
+def _mount_of(effect: Effect) -> Mount:
+    return BY_MODEL[effect.mounts[0]] if effect.mounts else ALTAZ
 
 
 def ratio(one: Array | None, other: Array | None) -> float:
@@ -49,16 +58,17 @@ def shape_of(effect: Effect, column: int = 0) -> tuple[Shape, float] | None:
     A column of the catalogue's effect of this id, or of an effect that comes with k for the
     harmonic a wave of k times azimuth.
     """
-    if effect.id not in CATALOGUE:
+    identity, mount = effect.of or effect.id, _mount_of(effect)
+    if known(identity) is None:
         return None
     own, k = seen(effect, column), effect.parameter
-    if isinstance(k, int) and effect.id not in FAMILIES:
+    if isinstance(k, int) and identity not in FAMILIES:
         shapes = [product(axis, Wave(one, "A", k), *more) for axis, *more in _ROUND for one in "SC"]
     else:
-        first = Shape(effect.id, 0, int(k or 0) if effect.id in FAMILIES else 0)
+        first = Shape(identity, 0, int(k or 0) if identity in FAMILIES else 0)
         shapes = [replace(first, column=n) for n in range(len(first.parent().coefficients))]
     for shape in shapes:
-        times = ratio(own, seen(shape.parent(), shape.column))
+        times = ratio(own, seen(shape.parent(), shape.column, mount))
         if times:
             return shape, times
     return None

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect
-from pyport.effects.base import stack
+from pyport.effects import Circumstances, Coefficient, Effect, known
+from pyport.effects.base import AXES, stack
 from pyport.effects.encoders import (
     azimuth_harmonics,
     elevation_encoder_harmonics,
@@ -110,7 +110,10 @@ class Shape:
             return _product(self.axis, self.waves)
         if self.k:
             return FAMILIES[self.effect](self.k)
-        return CATALOGUE[self.effect]
+        effect = known(self.effect)
+        if effect is None:
+            raise KeyError(self.effect)
+        return effect
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
@@ -140,6 +143,7 @@ def _product(axis: str, waves: tuple[Wave, ...]) -> Effect:
         basis,
         physical=False,
         variant=_wave_formula(axis, waves),
+        acts_in=AXES,
     )
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects import Circumstances, Coefficient, Effect
 from pyport.effects.base import stack
+from pyport.effects.on_mount import on
 from pyport.models.terms.shapes import PRODUCT, Shape
+from pyport.mounts import BY_MODEL
 
 #: Internal units in one of a word's units.
 SCALES = {"arcsec": ARCSEC, "deg": DEG, "": 1.0}
@@ -36,12 +38,15 @@ class Word:
         "arcsec", "deg", or "" for a ratio.
     silent
         Of a word without parts: the program takes any value and does nothing with it.
+    mount
+        The model of the mounts that have it (`Mount.model`), "" where any may.
     """
 
     name: str
     parts: tuple[tuple[Shape, float], ...]
     unit: str
     silent: bool = False
+    mount: str = ""
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
@@ -58,6 +63,8 @@ class Word:
         the model has.
         """
         parent = self.parts[0][0].parent()
+        if self.mount:
+            parent = on(parent, BY_MODEL[self.mount])
         parts = [{**shape.told, "weight": weight} for shape, weight in self.parts]
         several = len({shape.effect for shape, _ in self.parts}) > 1
         return Effect(
@@ -71,7 +78,10 @@ class Word:
             variant=parent.variant,
             formula=parent.formula,
             parameter=parent.parameter,
-            member={"word": self.name, "unit": self.unit, "parts": parts},
+            member={"word": self.name, "unit": self.unit, "parts": parts}
+            | ({"mount": self.mount} if self.mount else {}),
+            mounts=(self.mount,) if self.mount else (),
+            of=parent.of,
         )
 
     @classmethod
@@ -88,4 +98,5 @@ class Word:
         shapes = [Shape.of(**one) for one in parts]
         if member["unit"] not in SCALES or not parts:
             raise KeyError(member["unit"])
-        return cls(member["word"], tuple(zip(shapes, weights, strict=True)), member["unit"])
+        told = tuple(zip(shapes, weights, strict=True))
+        return cls(member["word"], told, member["unit"], str(member.get("mount", "")))

@@ -2,7 +2,9 @@
 
 A star's line holds its azimuth and elevation, then those that the telescope
 read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR);
-or its right ascension and declination: see `tpoint_equatorial`.
+or its right ascension and declination: see `tpoint_equatorial`. Of an equatorial
+mount (EQUAT) it holds hour angles and declinations, or the same right ascensions;
+a telescope that had turned over reads a declination beyond the pole.
 `;` and `!` begin a comment; a star's line behind one is masked, not lost.
 """
 
@@ -12,8 +14,11 @@ import re
 from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
 
+from pyport.effects.base import OVER, PIER_SIDE
+from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.mounts import KINDS
 from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
@@ -28,6 +33,8 @@ TITLE, OPTIONS, SITE = "tpoint_title", "tpoint_options", "tpoint_site"
 REMARK = "tpoint_remark_"
 #: What stands behind azimuth and elevation, true and as read.
 ROTATOR, AUXILIARY, NOTE = "rotator_deg", "auxiliary_", "note"
+#: The option of an equatorial mount.
+POLAR = "EQUAT"
 _COMMENT = ";!"
 _MARK = re.compile(f"[{_COMMENT}]")
 _NAN = "nan"
@@ -35,12 +42,12 @@ _HALF_TURN = Decimal(180)
 
 
 def read(path: Path) -> Raw:
-    """Read the cells of a TPOINT observation file of an alt-azimuth mount.
+    """Read the cells of a TPOINT observation file of an alt-azimuth or equatorial mount.
 
     Raises
     ------
     BadInput
-        No title, no `: ALTAZ`, no site, a line that is no star.
+        No title, no `: ALTAZ` or `: EQUAT`, no site, a line that is no star.
     """
     lines = [line for line in lines_of(path) if line.text.strip()]
     first = next((n for n, line in enumerate(lines) if line.text.strip()[0] not in _COMMENT), 0)
@@ -88,15 +95,9 @@ def _of_stars(
     told = site.text.split()
     stars = [tpoint_equatorial.star(line, words, told) for line, words, _, _ in found]
     widest = max(len(one.rest) for one in stars)
-    angles = {
-        "az_deg": [one.az for one in stars],
-        "el_deg": [one.el for one in stars],
-        "d_az_deg": [one.d_az for one in stars],
-        "d_el_deg": [one.d_el for one in stars],
-        "ra_deg": [one.ra for one in stars],
-        "dec_deg": [one.dec for one in stars],
-    }
-    columns = {name: [f"{value:.10f}" for value in values] for name, values in angles.items()}
+    rows = [one.polar() if MOUNT in meta else one.across() for one in stars]
+    columns = {name: [f"{row[name]:.10f}" for row in rows] for name in rows[0]}
+    _add_sides(meta, columns, [one.over for one in stars])
     for n in range(widest):
         cells = [one.rest[n] if n < len(one.rest) else "" for one in stars]
         columns[f"{AUXILIARY}{n + 1}"] = cells
@@ -109,16 +110,25 @@ def _of_stars(
 
 
 def _options(body: list[Line], path: Path) -> dict[str, str]:
-    """Return the options of the `:` lines; a mount that is no alt-azimuth is refused."""
+    """Return the options of the `:` lines, and the mount where it is an equatorial one."""
     options = [
         word.upper()
         for line in body
         if line.text.strip().startswith(":")
         for word in line.text.replace(":", " ").split()
     ]
-    if "ALTAZ" not in options:
-        raise BadInput("no line ': ALTAZ', expected azimuths and elevations in degrees", path)
-    return {OPTIONS: " ".join(options)}
+    kinds = [one for one in ("ALTAZ", POLAR) if one in options]
+    if len(kinds) != 1:
+        wanted = f"expected one of them: azimuths and elevations, or hour angles ({POLAR})"
+        raise BadInput(f"no line ': ALTAZ' or ': {POLAR}', {wanted}", path)
+    return {OPTIONS: " ".join(options)} | ({MOUNT: "equatorial"} if kinds == [POLAR] else {})
+
+
+def _add_sides(meta: dict[str, str], columns: dict[str, list[str]], over: list[bool]) -> None:
+    """Say on which side of its pier a telescope was, if it was on both: a German mount."""
+    if any(over):
+        meta[MOUNT] = "german"
+        columns[PIER_SIDE] = [OVER if one else "east" for one in over]
 
 
 def _split(text: str) -> tuple[str, str]:
@@ -163,21 +173,38 @@ def _tabulated(
     """Return the columns: true place, offsets as read minus true, and all that follows."""
     widest = max(len(words) for _, words, _, _ in found)
     extra = [ROTATOR if n == 0 else f"{AUXILIARY}{n}" for n in range(widest - 4)]
-    names = ("az_deg", "el_deg", "d_az_deg", "d_el_deg", *extra, NOTE, SET_ASIDE)
-    rows = []
+    polar = MOUNT in meta
+    angles = ("az_deg", "el_deg", "d_az_deg", "d_el_deg")
+    angles = ("ha_deg", "dec_deg", "d_ha_deg", "d_dec_deg") if polar else angles
+    names = (*angles, *extra, NOTE, SET_ASIDE)
+    rows, over = [], []
     for line, words, note, masked in found:
         if len(words) < 4:
             wanted = "expected azimuth and elevation, true and as read"
             raise line.error(f"{len(words)} number{'s' * (len(words) != 1)}, {wanted}")
         az, el = line.decimal(words[0], "azimuth"), line.decimal(words[1], "elevation")
         rest = words[4:] + [""] * (widest - len(words))
-        offsets = (_offset(line, words[2], az), _offset(line, words[3], el))
+        first, second, beyond = _turned_back(line, words[2], words[3], polar=polar)
+        over.append(beyond)
+        offsets = (_offset(line, first, az), _offset(line, second, el))
         rows.append((spelled(az), spelled(el), *offsets, *rest, note, MASKED if masked else ""))
     columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
     for name in (NOTE, SET_ASIDE):
         if not any(columns[name]):
             del columns[name]
+    _add_sides(meta, columns, over)
     return raw_of(path, meta, columns, [line.number for line, *_ in found], header)
+
+
+def _turned_back(line: Line, first: str, second: str, *, polar: bool) -> tuple[str, str, bool]:
+    """Return what an equatorial mount read as if it had not turned over, and whether it had."""
+    if not polar or _unread(first) or _unread(second):
+        return first, second, False
+    dec = line.decimal(second, "what was read")
+    if abs(dec) <= 90:
+        return first, second, False
+    ahead = line.decimal(first, "what was read") + 180
+    return spelled(ahead), spelled(Decimal(180).copy_sign(dec) - dec), True
 
 
 def _offset(line: Line, word: str, true: Decimal) -> str:
@@ -193,6 +220,8 @@ def write(table: Table, path: Path) -> list[str]:
     BadInput
         There is no latitude, or no offset of one axis.
     """
+    if table.meta.get(MOUNT, "") in KINDS:
+        raise BadInput("a .dat of other mounts than alt-azimuth is read, not written", path)
     az, el = exact.position(table, path)
     d_az, d_el = exact.offsets(table, path)
     read_az = [_read(a, d, wrapped=True) for a, d in zip(az, d_az, strict=True)]

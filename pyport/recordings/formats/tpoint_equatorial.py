@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, wrap
+from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.recordings.formats.lines import Line
-from pyport.recordings.sky import horizon
+from pyport.recordings.sky import equator, horizon
 
 #: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.
 APPARENT = 14
@@ -35,21 +35,61 @@ class Star:
     ----------
     az, el
         Where the star stood, refracted where the weather is known.
-    d_az, d_el
-        Where the telescope stood, less that.
+    seen_az, seen_el
+        Where the telescope stood.
     ra, dec
         Of the catalogue, apparent.
     rest
         The words behind.
+    latitude
+        Of the site.
+    over
+        Whether the telescope had turned over: its declination was beyond the pole.
     """
 
     az: float
     el: float
-    d_az: float
-    d_el: float
+    seen_az: float
+    seen_el: float
     ra: float
     dec: float
     rest: tuple[str, ...]
+    latitude: float
+    over: bool
+
+    def across(self) -> dict[str, float]:
+        """Return the place and the telescope less it, as an alt-azimuth mount has them."""
+        return {
+            "az_deg": self.az % 360,
+            "el_deg": self.el,
+            "d_az_deg": _turn(self.seen_az - self.az),
+            "d_el_deg": self.seen_el - self.el,
+            "ra_deg": self.ra,
+            "dec_deg": self.dec,
+        }
+
+    def polar(self) -> dict[str, float]:
+        """Return the place and the telescope less it, as an equatorial mount has them."""
+        (ha, dec), (seen_ha, seen_dec) = (
+            (float(angle[0]) / DEG for angle in equator(*_arrays(*place), self.latitude * DEG))
+            for place in ((self.az, self.el), (self.seen_az, self.seen_el))
+        )
+        return {
+            "ha_deg": ha,
+            "dec_deg": dec,
+            "d_ha_deg": _turn(seen_ha - ha),
+            "d_dec_deg": seen_dec - dec,
+            "ra_deg": self.ra,
+        }
+
+
+def _arrays(*degrees: float) -> list[Array]:
+    return [np.array([one * DEG]) for one in degrees]
+
+
+def _turn(degrees: float) -> float:
+    """Return a difference of angles [deg] within half a turn."""
+    return float(wrap(degrees * DEG)) / DEG
 
 
 def is_star(words: Sequence[str]) -> bool:
@@ -78,7 +118,9 @@ def star(line: Line, words: Sequence[str], site: Sequence[str]) -> Star:
     if mean:
         ra, dec = _apparent(line, ra, dec, words[6:9], site)
     seen = words[9:] if mean else words[6:]
-    seen_ra, seen_dec = _place(line, seen[:6], "the observed place")
+    seen_ra, seen_dec = _place(line, seen[:6], "the observed place", 270)
+    if over := abs(seen_dec) > 90:
+        seen_ra, seen_dec = seen_ra + 180, math.copysign(180, seen_dec) - seen_dec
     lst = _sexagesimal(line, (*seen[6:8], "0"), "the sidereal time", 24) * 15
     places = [
         horizon(np.array([(lst - r) * DEG]), np.array([d * DEG]), latitude)
@@ -87,19 +129,22 @@ def star(line: Line, words: Sequence[str], site: Sequence[str]) -> Star:
     (az, el), (seen_az, seen_el) = ((float(a[0]), float(e[0])) for a, e in places)
     el += _refraction(site, el)
     return Star(
-        az / DEG % 360,
+        az / DEG,
         el / DEG,
-        float(wrap(seen_az - az)) / DEG,
-        (seen_el - el) / DEG,
+        seen_az / DEG,
+        seen_el / DEG,
         ra,
         dec,
         tuple(seen[8:]),
+        latitude / DEG,
+        over,
     )
 
 
-def _place(line: Line, words: Sequence[str], what: str) -> tuple[float, float]:
-    """Return right ascension and declination [deg]."""
-    return _sexagesimal(line, words[:3], what, 24) * 15, _sexagesimal(line, words[3:6], what, 90)
+def _place(line: Line, words: Sequence[str], what: str, largest: float = 90) -> tuple[float, float]:
+    """Return right ascension and declination [deg]; a mount may show one beyond the pole."""
+    ra = _sexagesimal(line, words[:3], what, 24) * 15
+    return ra, _sexagesimal(line, words[3:6], what, largest)
 
 
 def _sexagesimal(line: Line, words: Sequence[str], what: str, largest: float) -> float:

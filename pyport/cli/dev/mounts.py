@@ -1,0 +1,55 @@
+"""`pyport dev mounts`: causes by name, and silence, on mounts that are not alt-azimuth."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from pyport.errors import BadInput
+
+
+@click.command("mounts", epilog="Example: pyport dev mounts --cases 60 --jobs 2")
+@click.option("--cases", default=60, show_default=True, help="Cases of each mount and part.")
+@click.option("--mounts", "named", help="Mounts, separated by commas; all by default.")
+@click.option("--parts", help="empty, one, two, unknown, separated by commas; all by default.")
+@click.option("--seed", default=1, show_default=True, help="Of everything that is drawn.")
+@click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    default=Path("out/mounts"),
+    show_default=True,
+    help="Folder of what came out so far; a run that was stopped goes on there.",
+)
+def command(
+    cases: int, named: str | None, parts: str | None, seed: int, jobs: int, out: Path
+) -> None:
+    """Hide causes in drawn sessions of German, fork and X-Y mounts, and count what is found.
+
+    A model of five terms is fitted; one cause, or two, or one without a name, shows half of the
+    noise beside it, or nothing is hidden. 98 % of the empty sessions are to stay silent, 95 % of
+    the single causes to be named.
+    """
+    from pyport.examiner import outcomes
+    from pyport.examiner.mounts import examine
+
+    chosen = _among(named, examine.MOUNTS, "mount"), _among(parts, examine.PARTS, "part")
+    wanted = examine.cases(*chosen, cases, seed)
+    found = []
+    for one in outcomes.run(wanted, examine.examine, out / "mounts.jsonl", jobs):
+        found.append(one)
+        if sys.stderr.isatty():
+            count = len(found)
+            click.echo(f"\r{count} of {len(wanted)} cases", err=True, nl=count == len(wanted))
+    click.echo(examine.text(found))
+
+
+def _among(given: str | None, known: tuple[str, ...], what: str) -> tuple[str, ...]:
+    """Return the names given, separated by commas, all of them for none."""
+    names = tuple(given.split(",")) if given else known
+    for name in names:
+        if name not in known:
+            raise BadInput(f"no {what} is called {name!r}; there are {', '.join(known)}")
+    return names
