@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pyport.angles import Array
-from pyport.examiner.worlds.mount import Each, Mount, beam, readings
-from pyport.examiner.worlds.vectors import az_el, direction
+from pyport.examiner.worlds.mount import Each, Mount, az_el, beam, direction, readings
 
 #: Latitude -> where a quarter turn, zero and the first axis point, rows east-north-up.
 FRAMES: dict[str, Callable[[float], Array]] = {

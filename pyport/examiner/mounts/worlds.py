@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.examiner.mounts.steel import Flaws, axes_of, offsets
@@ -32,7 +33,7 @@ Make = Callable[[float, float], Flaws]
 
 
 def _of(**parts: float) -> Make:
-    return lambda size, _: Flaws(Mount(**{name: size * part for name, part in parts.items()}))
+    return lambda size, _: Flaws(Mount().plus(**{k: size * part for k, part in parts.items()}))
 
 
 #: The terms that all models here have, and the fifth one of each mount.
@@ -51,8 +52,7 @@ FIFTH: dict[str, tuple[str, Make]] = {
 
 
 def _lean(size: float, phase: float) -> Flaws:
-    parts = {"tilt_north": size * np.cos(phase), "tilt_east": size * np.sin(phase)}
-    return Flaws(Mount(**parts))
+    return Flaws(Mount(tilt_north=size * np.cos(phase), tilt_east=size * np.sin(phase)))
 
 
 def _first_encoder(size: float, phase: float) -> Flaws:
@@ -209,7 +209,7 @@ def _sized(rng: np.random.Generator, shape: Array, base: Array, sigma: float) ->
     return float(rng.choice([-1.0, 1.0]) * VISIBLE * sigma / rms)
 
 
-def _taken(at: schedule.Pointings, rows: Array) -> schedule.Pointings:
+def _taken(at: schedule.Pointings, rows: NDArray[np.intp]) -> schedule.Pointings:
     parts = ("time_s", "night", "source", "az", "el", "ra", "dec")
     weather = {name: one[rows] for name, one in at.weather.items()}
     return replace(at, weather=weather, **{name: getattr(at, name)[rows] for name in parts})

@@ -45,7 +45,7 @@ _SYMBOL = {angle: letter for letter, angle in _ANGLE.items()}
 def word(name: str) -> Word | None:
     """Return the word of a TPOINT term, None where it is none of an equatorial mount's."""
     if name in NAMED:
-        return Word(name, (NAMED[name],), "arcsec", MOUNT)
+        return Word(name, (NAMED[name],), "arcsec", mount=MOUNT)
     match = _HARMONIC.fullmatch(name)
     if match is None:
         return None
@@ -55,7 +55,7 @@ def word(name: str) -> Word | None:
         for function, of, k in (rest[:3], rest[3:])
         if function is not None
     )
-    return Word(name, ((_shape(_RESULT[result], waves), -1),), "arcsec", MOUNT)
+    return Word(name, ((_shape(_RESULT[result], waves), -1),), "arcsec", mount=MOUNT)
 
 
 def _shape(axis: str, waves: tuple[Wave, ...]) -> Shape:

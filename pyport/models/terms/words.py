@@ -99,4 +99,4 @@ class Word:
         if member["unit"] not in SCALES or not parts:
             raise KeyError(member["unit"])
         told = tuple(zip(shapes, weights, strict=True))
-        return cls(member["word"], told, member["unit"], str(member.get("mount", "")))
+        return cls(member["word"], told, member["unit"], mount=str(member.get("mount", "")))

@@ -71,7 +71,7 @@ class Star:
     def polar(self) -> dict[str, float]:
         """Return the place and the telescope less it, as an equatorial mount has them."""
         (ha, dec), (seen_ha, seen_dec) = (
-            (float(angle[0]) / DEG for angle in equator(*_arrays(*place), self.latitude * DEG))
+            [float(one[0]) / DEG for one in equator(*_radians(*place), self.latitude * DEG)]
             for place in ((self.az, self.el), (self.seen_az, self.seen_el))
         )
         return {
@@ -83,8 +83,8 @@ class Star:
         }
 
 
-def _arrays(*degrees: float) -> list[Array]:
-    return [np.array([one * DEG]) for one in degrees]
+def _radians(az_deg: float, el_deg: float) -> tuple[Array, Array]:
+    return np.array([az_deg * DEG]), np.array([el_deg * DEG])
 
 
 def _turn(degrees: float) -> float:
