@@ -6,7 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from diagnosis.made import recordings
+
+from pyport.recordings import write
 
 HEAVY = ("numpy", "scipy", "astropy", "matplotlib", "dask", "pyarrow", "rich")
 
@@ -83,25 +87,35 @@ def test_bad_arguments_are_one_line(tmp_path, words):
     assert done.stderr.startswith("pyport: error: ")
 
 
-def test_a_diagnosis_leaves_report_rows_and_pictures(tmp_path):
+@pytest.fixture(scope="module")
+def nights(tmp_path_factory):
+    """Return two files of recordings with refraction left in, and the folder of both diagnoses."""
+    folder = tmp_path_factory.mktemp("nights")
+    names = [folder / "first.csv", folder / "second.csv"]
+    for seed, path in enumerate(names, 1):
+        write(recordings(70, seed, y=lambda at: 60 / np.tan(at.el)), path)
+    done = pyport("diagnose", *names, "--jobs", 2, "--json", "--out", folder / "both")
+    return names, folder / "both", done
+
+
+def test_a_diagnosis_leaves_report_rows_and_pictures(nights):
     """Each file of recordings gets its folder; the report is valid JSON and on standard output."""
-    done = pyport(
-        "diagnose", "gmrt-2003-06-02", "--model", "gmrt-paper", "--json", "--out", tmp_path
-    )
-    folder = tmp_path / "gmrt-2003-06-02"
+    names, out, done = nights
+    told = [json.loads(line) for line in done.stdout.splitlines()]
 
     assert done.returncode == 0
-    assert json.loads(done.stdout) == json.loads((folder / "report.json").read_text())
-    assert (folder / "rows.csv").stat().st_size > 0
-    assert list(folder.glob("finding-1-*.png"))
+    for name, report in zip(names, told, strict=True):
+        folder = out / name.stem
+        assert report == json.loads((folder / "report.json").read_text())
+        assert (folder / "rows.csv").stat().st_size > 0
+        assert list(folder.glob("finding-1-*.png"))
 
 
-def test_several_files_are_each_as_if_alone(tmp_path):
+def test_several_files_are_each_as_if_alone(nights, tmp_path):
     """Two files in one process, two at a time, give what each gives by itself."""
-    names = ("gmrt-2003-06-02", "gmrt-2003-06-05")
-    pyport("diagnose", *names, "--model", "gmrt-paper", "--jobs", 2, "--out", tmp_path / "both")
-    pyport("diagnose", names[1], "--model", "gmrt-paper", "--out", tmp_path / "one")
+    names, out, _ = nights
+    pyport("diagnose", names[1], "--out", tmp_path)
 
-    both, one = (tmp_path / where / names[1] / "report.json" for where in ("both", "one"))
+    both, one = (where / names[1].stem / "report.json" for where in (out, tmp_path))
 
     assert both.read_bytes() == one.read_bytes()
