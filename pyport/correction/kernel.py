@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
+from pyport.effects.fields import UNKNOWN, field
 from pyport.effects.structure import jump_at
 from pyport.models.members import apart
 from pyport.models.model import Model, rt32_values
@@ -100,13 +101,17 @@ class Kernel:
         if self.folded and not (np.all(el >= 0) and np.all(el <= math.pi / 2)):
             return self.model.offsets(Circumstances(az, el, site, columns))
         x, y = self._summed(az, el)
-        at = Circumstances(az, el, site, columns)
         if self.model.given is not None:
-            more_x, more_y = self.model.given(at)
+            more_x, more_y = self.model.given(Circumstances(az, el, site, columns))
             x, y = x + more_x, y + more_y
-        for effect, values in self.rest:
-            across, along = effect.columns(at)
-            x, y = x + across @ values, y + along @ values
+        for start in range(0, len(az), BLOCK) if self.rest else ():
+            rows = slice(start, start + BLOCK)
+            these = {name: values[rows] for name, values in columns.items()}
+            at = Circumstances(az[rows], el[rows], site, these)
+            for effect, values in self.rest:
+                across, along = effect.columns(at)
+                x[rows] += across @ values
+                y[rows] += along @ values
         return x, y
 
     def _summed(self, az: Array, el: Array) -> tuple[Array, Array]:
@@ -189,7 +194,7 @@ def kernel(model: Model, labels: dict[str, str], site: Site | None) -> Kernel:
                 continue
             waves = _waves(effect, own, site)
             if waves is None:
-                rest.append((effect, own))
+                rest.append(_single(effect, own))
             else:
                 total += waves
     return Kernel(_strongest(total), _joined(rest), model, folded)
@@ -249,6 +254,15 @@ def _strongest(total: NDArray[np.complex128]) -> tuple[tuple[int, int, complex, 
                 continue
             found.append((m, n, complex(twice * total[i, j, 0]), complex(twice * total[i, j, 1])))
     return tuple(found)
+
+
+def _single(effect: Effect, values: Array) -> tuple[Effect, Array]:
+    """Return a field with its values as one of a single coefficient, anything else as it is."""
+    if effect.id != UNKNOWN:
+        return effect, values
+    told = dict(effect.member)
+    told["directions"] = (np.array(told["directions"]) @ values)[:, None].tolist()
+    return field(**told), np.ones(1)
 
 
 def _joined(rest: Sequence[tuple[Effect, Array]]) -> tuple[tuple[Effect, Array], ...]:

@@ -7,6 +7,7 @@ import pytest
 
 from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE
+from pyport.effects.fields import field
 from pyport.effects.structure import curved_jump
 from pyport.formats.models import load
 from pyport.models.model import Term
@@ -15,21 +16,39 @@ DIRECTIONS = 1_000_000
 ONE, MANY = "one direction of a model", "a million directions of a model"
 
 
-def model(*, jump):
-    """Return the classical terms with coefficients, and refraction and a jump where wanted."""
+def model(*more):
+    """Return the classical terms with coefficients, and more."""
     own = [
         replace(term, values=(1e-4,) * len(term.effect.coefficients))
         for term in load("altaz").terms
     ]
-    edge = curved_jump((0.9, 0.1, 0.05, 0.0, 0.02))
-    more = [Term(edge, values=(1e-4,)), Term(CATALOGUE["refraction"], values=(3e-4,))]
-    return PointingModel(replace(load("altaz"), terms=(*own, *(more if jump else ()))))
+    return PointingModel(replace(load("altaz"), terms=(*own, *more)))
 
 
-@pytest.fixture(params=[False, True], ids=["classical", "with a jump and refraction"])
+def bumps(kind, count, **told):
+    """Return a curve without a name on both axes, of so many bumps and as many coefficients."""
+    axes, which = [0] * count + [1] * count, [*range(count)] * 2
+    mix = np.random.default_rng(2).normal(size=(2 * count, count)).tolist()
+    return Term(field({"kind": kind, **told}, axes, which, mix, "a", "b"), values=(1e-6,) * count)
+
+
+MORE = {
+    "classical": (),
+    "with a jump and refraction": (
+        Term(curved_jump((0.9, 0.1, 0.05, 0.0, 0.02)), values=(1e-4,)),
+        Term(CATALOGUE["refraction"], values=(3e-4,)),
+    ),
+    "with curves without a name": (
+        bumps("azimuth", 18, width_rad=0.35),
+        bumps("elevation", 12, width_rad=0.087, centres_rad=(0.4 + 0.087 * np.arange(12)).tolist()),
+    ),
+}
+
+
+@pytest.fixture(params=MORE)
 def asked(request):
     """Return a model that was asked before."""
-    one = model(jump=request.param)
+    one = model(*MORE[request.param])
     one.offsets_rad(0.1, 0.5)
     return one
 

@@ -18,6 +18,7 @@ from pyport.correction.kernel import kernel
 from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.effects.epochs import epoch_step
+from pyport.effects.fields import field
 from pyport.effects.rail import azimuth_track
 from pyport.effects.structure import FreeEdge, curved_jump, jump_above
 from pyport.errors import BadInput
@@ -28,6 +29,14 @@ from pyport.pointing.one import exact_one
 
 PLACE = EarthLocation.from_geodetic(18.56 * u.deg, 53.1 * u.deg, 130 * u.m)
 WHEN = Time("2026-03-01T12:00:00")
+BUMPS = field(
+    {"kind": "elevation", "width_rad": 0.1, "centres_rad": [0.5, 0.6, 0.7]},
+    [0, 0, 1, 1],
+    [0, 1, 1, 2],
+    [[1.0, 0.5], [0.3, -1.0], [0.2, 0.0], [0.0, 2.0]],
+    "a smooth curve",
+    "both axes: follows el_deg",
+)
 WARM = CATALOGUE["temperature"].make("the same everywhere", 5.0)
 
 
@@ -59,6 +68,7 @@ MODELS = {
     "rt32": model(base="rt32-exact"),
     "rt32, approximate": model(base="rt32-approximate"),
     "temperature": model((WARM, (0.3, 1.5))),
+    "field": model((BUMPS, (9, -4))),
 }
 
 
