@@ -29,7 +29,7 @@ RECORDINGS = (
 )
 @in_json
 def command(out: Path, *, as_json: bool) -> None:
-    """Show everything once: parity, the steering table, a diagnosis of real recordings."""
+    """Show everything once: parity, the table, a diagnosis of real recordings, a night watched."""
     from pyport import legacy, pipeline, steering
     from pyport.parity.report import summary
     from pyport.progress import working
@@ -61,9 +61,46 @@ def command(out: Path, *, as_json: bool) -> None:
         reports.append(json.loads(done.report))
         tell("\n" + done.summary)
     tell(f"\nReports, rows and pictures: {out}/gmrt-*/ (open report.html in a browser)")
+
+    tell(
+        click.style("\n4. A simulated night whose azimuth axis begins to lean, watched", bold=True)
+    )
+    with working("watching"):
+        watched = _night(out / "night.png")
+    tell("\n" + "\n".join(watched))
     if as_json:
         blocks = [
             {"name": one.block.name, "agree": one.agree, "total": one.total} for one in checked
         ]
-        told = {"parity": agreement, "table": table, "check": blocks, "diagnoses": reports}
+        told = {
+            "parity": agreement,
+            "table": table,
+            "check": blocks,
+            "diagnoses": reports,
+            "watch": watched,
+        }
         say("", told, as_json=True)
+
+
+#: The night: five nights of white noise before it, a tilt of two sigmas in its course.
+NIGHT = ("white", 11, 1)
+
+
+def _night(picture: Path) -> list[str]:
+    """Replay a simulated night to a watch, draw its page, and return what an observer reads."""
+    from pyport import Watch
+    from pyport.examiner.nights.nights import Case, draw
+    from pyport.files import write_whole
+    from pyport.plots.night import night
+    from pyport.watch.live import live
+    from pyport.watch.outputs import words
+
+    kind, number, seed = NIGHT
+    drawn = draw(Case(kind, number, seed, step=True))
+    watch = Watch(drawn.past, header=drawn.header)
+    tonight = drawn.watched["session"] == drawn.watched["session"][0]
+    rows = watch.replay({name: cells[tonight] for name, cells in drawn.watched.items()})
+    found = [f"pointing {one.row}: {words(event)}" for one in rows for event in one.events]
+    with write_whole(picture, "wb") as file:
+        night(live(watch)).savefig(file, format="png", dpi=130)
+    return [*found, f"{picture}: the page of `pyport watch --serve` as it then is"]
