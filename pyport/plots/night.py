@@ -58,7 +58,8 @@ def _times(live: Mapping[str, Any]) -> tuple[NDArray[Any], str]:
 def _sky(axes: PolarAxes, live: Mapping[str, Any]) -> None:
     """Draw the offsets as vectors where they were measured, the last ten in another colour."""
     rows = np.array([row[1:5] for row in live["recent"]], float)
-    az, el, x, y = np.radians(rows[:, 0]), rows[:, 1], *np.nan_to_num(rows[:, 2:]).T
+    az, el = np.radians(rows[:, 0]), rows[:, 1]
+    x, y = np.nan_to_num(rows[:, 2]), np.nan_to_num(rows[:, 3])
     scale = LONG_DEG / max(float(np.quantile(np.hypot(x, y), 0.9)), 1e-9)
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
@@ -69,7 +70,7 @@ def _sky(axes: PolarAxes, live: Mapping[str, Any]) -> None:
     # up is toward the zenith, across toward growing azimuth
     east_to = east + scale * (x * np.cos(az) - y * np.sin(az))
     north_to = north - scale * (x * np.sin(az) + y * np.cos(az))
-    turn, far = (np.arctan2(e, n) for e, n in ((east, north), (east_to, north_to)))
+    turn, far = np.arctan2(east, north), np.arctan2(east_to, north_to)
     for n in range(len(rows)):
         colour = style.BEFORE if n >= len(rows) - 10 else style.AFTER
         ends = np.hypot([east[n], east_to[n]], [north[n], north_to[n]])
