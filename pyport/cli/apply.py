@@ -54,7 +54,8 @@ def command(
 
     raw = read_raw(resolve(targets), given)
     raw = with_conditions(raw, given.keys)
-    done = applied(load_model(model), raw, inverse=inverse, residuals=residuals)
+    asked = load_model(model)
+    done = applied(asked, raw, inverse=inverse, residuals=residuals, where=given.where)
     if out is not None:
         tables.write(done.table, out)
     if as_json:

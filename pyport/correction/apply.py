@@ -21,6 +21,7 @@ from pyport.recordings.nights import with_nights
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import Table
+from pyport.recordings.where import parse
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,12 @@ class Applied:
 
 
 def applied(
-    model: PointingModel, raw: Raw, *, inverse: bool = False, residuals: bool = False
+    model: PointingModel,
+    raw: Raw,
+    *,
+    inverse: bool = False,
+    residuals: bool = False,
+    where: str = "",
 ) -> Applied:
     """Return a table with a model's offsets, and where to drive, in each row.
 
@@ -65,11 +71,14 @@ def applied(
         The file's azimuth and elevation are the mount's readings: the true ones are added.
     residuals
         The file holds measured offsets: what the model leaves of them is added.
+    where
+        An expression: rows for which it does not hold are left out.
 
     Raises
     ------
     BadInput
-        The file tells no directions, or lacks something that the model needs.
+        The file tells no directions, `where` holds for none of them, or the file lacks something
+        that the model needs.
     """
     at = targets(raw)
     if at.mount is ALTAZ:
@@ -79,6 +88,8 @@ def applied(
         raise raw.error("no row tells an azimuth and an elevation")
     nothing = np.full(len(at), np.nan)
     rows = Recordings(at, nothing, nothing, nothing, nothing, raw.line, raw.file)
+    kept = _kept(rows, where)
+    there &= kept
     known = with_nights(rows).at.take(there) if residuals else at.take(there)
     try:
         found = _inverse(model, known) if inverse else _forward(model, known)
@@ -93,13 +104,23 @@ def applied(
         whole[there] = values - turn / DEG if name.endswith("az_deg") else values
         columns[name] = whole
     return Applied(
-        Table(raw.meta, columns),
+        Table(raw.meta, {name: values[kept] for name, values in columns.items()}),
         tuple(found),
-        len(at),
-        int((~there).sum()),
+        int(kept.sum()),
+        int((kept & ~there).sum()),
         _unknown(model, known),
         _rms(found) if residuals else {},
     )
+
+
+def _kept(rows: Recordings, where: str) -> NDArray[np.bool_]:
+    """Tell for which rows an expression holds, all of them for "", shape (n,)."""
+    if not where:
+        return np.ones(len(rows), bool)
+    keep = parse(where)(rows)
+    if not keep.any():
+        raise BadInput(f"--where {where!r} holds for none of the {len(rows)} rows", rows.file)
+    return keep
 
 
 def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:

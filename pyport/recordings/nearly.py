@@ -36,14 +36,17 @@ _COLUMN = {
         ("elevation", "elevation_deg", "alt", "alt_deg", "altitude", "altitude_deg", "el_true_deg"),
         "el_deg",
     ),
-    **dict.fromkeys(("dxel_deg", "d_x_deg", "d_cross_el_deg"), "d_xel_deg"),
-    **dict.fromkeys(("dxel_arcsec", "d_x_arcsec", "d_cross_el_arcsec"), "d_xel_arcsec"),
-    **dict.fromkeys(("daz_deg", "d_azimuth_deg"), "d_az_deg"),
-    **dict.fromkeys(("daz_arcsec", "d_azimuth_arcsec"), "d_az_arcsec"),
-    **dict.fromkeys(("d_alt_deg", "dalt_deg", "del_deg", "d_elevation_deg"), "d_el_deg"),
-    **dict.fromkeys(
-        ("d_alt_arcsec", "dalt_arcsec", "del_arcsec", "d_elevation_arcsec"), "d_el_arcsec"
-    ),
+    **{
+        f"{name}_{unit}": f"d_{ours}_{unit}"
+        for unit in ("deg", "arcmin", "arcsec", "mdeg")
+        for ours, names in {
+            "xel": ("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel"),
+            "az": ("daz", "d_azimuth", "d_azim", "delta_az"),
+            "el": ("d_alt", "dalt", "del", "d_elevation", "d_elev", "delta_el", "delta_alt"),
+            "zd": ("dzd", "d_za", "d_zenith_distance", "delta_zd"),
+        }.items()
+        for name in names
+    },
     **dict.fromkeys(
         ("temperature", "temp_c", "temperature_deg_c", "air_temperature_c"), "temperature_c"
     ),

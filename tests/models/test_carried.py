@@ -178,6 +178,17 @@ def test_apply_prints_offsets_and_where_to_drive(jumping, tmp_path):
     assert [float(r["true_el_deg"]) for r in told] == pytest.approx([45, 80], abs=1e-7)
 
 
+def test_apply_takes_the_rows_that_are_asked_for(jumping, tmp_path):
+    """Those for which --where holds; none of them is one line."""
+    targets = tmp_path / "targets.csv"
+    targets.write_text("source,az_deg,el_deg\na,10,45\nb,20,80\nc,,\n")
+    text, status = run("apply", jumping[0], targets, "--where", "el_deg > 50")
+    none, refused = run("apply", jumping[0], targets, "--where", "el_deg > 85")
+
+    assert (status, [line.split(",")[0] for line in text.splitlines()]) == (0, ["source", "b"])
+    assert (refused, "--where 'el_deg > 85' holds for none of the 3 rows" in none) == (1, True)
+
+
 def test_apply_keeps_the_files_azimuth(jumping, tmp_path):
     """From south through west where the file counts so."""
     targets = tmp_path / "south.csv"

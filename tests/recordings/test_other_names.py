@@ -251,3 +251,21 @@ def test_a_fit_in_python_is_that_of_the_command_line(tmp_path):
     with pytest.raises(BadInput, match="--per el"):
         pyport.fit(table, per="el")
     assert isinstance(Path(done.save(tmp_path / "y.toml")), Path)
+
+
+@pytest.mark.parametrize(
+    ("name", "right"),
+    [
+        ("d_elev_arcmin", "d_el_arcmin"),
+        ("delta_az_deg", "d_az_deg"),
+        ("dxel_mdeg", "d_xel_mdeg"),
+        ("d_za_arcsec", "d_zd_arcsec"),
+    ],
+)
+def test_an_offset_by_nearly_its_name_is_refused(tmp_path, name, right):
+    """In any unit: passed over, its axis would be missing without a word."""
+    path = tmp_path / "x.csv"
+    path.write_text(f"az_deg,el_deg,d_sun_deg,{name}\n1,45,2,0.1\n")
+
+    with pytest.raises(BadInput, match=f"{name!r} is not known, did you mean {right}"):
+        read(path)
