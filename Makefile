@@ -7,7 +7,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out
 
-.PHONY: demo test lint format proof proof-small acceptance docs physics api tutorial screenshots golden
+.PHONY: demo test quick lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
 .PHONY: nulls real
 .PHONY: fuzz torture faults machines lock audit
@@ -34,6 +34,15 @@ test: $(BIN)/tox
 	@PYTHON=$(PYTHON) sh .ci/install headers
 	@sh .ci/install chromium || [ "$$PYPORT_BROWSER" != required ]
 	$(BIN)/tox run
+
+$(VENV)/test: $(BIN)/pyport
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@touch $@
+
+# The quick tests alone, while you work.
+quick: $(VENV)/test
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q tests --ignore tests/reliability \
+	  -m 'not slow and not browser and not oracle'
 
 lint: $(BIN)/tox
 	$(BIN)/tox run -e lint
@@ -99,10 +108,9 @@ screenshots: $(BIN)/pyport
 	$(BIN)/python docs/pictures/screenshots.py
 
 # What the long checks of parity need beside the program.
-$(VENV)/oracle: $(BIN)/pyport
+$(VENV)/oracle: $(VENV)/test
 	@sh .ci/install gfortran
 	@PYTHON=$(PYTHON) sh .ci/install headers
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
 CONFIG ?= legacy_fortran/parity.toml

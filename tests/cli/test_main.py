@@ -1,15 +1,14 @@
 """The command line: light to start, one clear line for bad input, the contract's exit codes."""
 
 import json
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.cli import main
 from pyport.recordings import write
 
 HEAVY = ("numpy", "scipy", "astropy", "matplotlib", "dask", "pyarrow", "rich")
@@ -19,6 +18,19 @@ def pyport(*words, **options):
     """Run the command as a user would."""
     command = [sys.executable, "-m", "pyport", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+@pytest.fixture
+def called(monkeypatch, capsys):
+    """Return what calls the command in this process: its exit status and standard error."""
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["pyport", *map(str, words)])
+        with pytest.raises(SystemExit) as left:
+            main()
+        return left.value.code, capsys.readouterr().err
+
+    return call
 
 
 @pytest.mark.parametrize("words", ["import pyport", "import pyport.cli"])
@@ -54,16 +66,16 @@ GOOD = "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,20,1,2\n"
     ],
     ids=["bad header", "non-number", "azimuth of 1e9", "empty", "binary"],
 )
-def test_a_bad_file_is_one_line_that_names_file_and_line(tmp_path, content, line):
+def test_a_bad_file_is_one_line_that_names_file_and_line(called, tmp_path, content, line):
     """Exit status 2, one line on standard error, no traceback, nothing written."""
     path = tmp_path / "bad.csv"
     path.write_bytes(content)
 
-    done = pyport("diagnose", path, "--out", tmp_path / "out")
+    status, said = called("diagnose", path, "--out", tmp_path / "out")
 
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert done.stderr.startswith(f"pyport: error: {path}:{line}: ")
+    assert status == 2
+    assert said.count("\n") == 1
+    assert said.startswith(f"pyport: error: {path}:{line}: ")
     assert not (tmp_path / "out").exists()
 
 
@@ -78,13 +90,22 @@ def test_a_bad_file_is_one_line_that_names_file_and_line(tmp_path, content, line
         ("table",),
     ],
 )
-def test_bad_arguments_are_one_line(tmp_path, words):
+def test_bad_arguments_are_one_line(called, tmp_path, monkeypatch, words):
     """Whatever is wrong with the call is said in one line, with status 2."""
-    done = pyport(*words, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(Path.cwd())})
+    monkeypatch.chdir(tmp_path)
+    status, said = called(*words)
 
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert done.stderr.startswith("pyport: error: ")
+    assert status == 2
+    assert said.count("\n") == 1
+    assert said.startswith("pyport: error: ")
+
+
+def test_a_process_of_its_own_ends_with_the_status(tmp_path):
+    """As a shell sees it."""
+    done = pyport("diagnose", "nowhere.csv", "--out", "out", cwd=tmp_path)
+
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("pyport: error: nowhere.csv:1: no such file")
 
 
 @pytest.fixture(scope="module")

@@ -45,6 +45,7 @@ def test_predictions_of_whole_scans_improve_by_two(first_june):
     assert np.median(factors) > 2
 
 
+@pytest.mark.slow
 def test_three_days_tell_the_time_tag_from_the_antennas_own_part(cygnus):
     """The common part changes from day to day: a time tag, in seconds; the rest stays."""
     timing = next(f for f in cygnus.findings if f.effect == "scan_timing")
