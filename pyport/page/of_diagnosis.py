@@ -11,6 +11,7 @@ from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.soundness import nothing
 from pyport.diagnosis.steps import Step
+from pyport.effects.fields import UNKNOWN
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
@@ -85,7 +86,7 @@ def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
 
 def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int], whole: Model) -> Story:
     setup = diagnosis.setup
-    names, matrix = record.correlation(diagnosis)
+    names, matrix = _named(whole, *record.correlation(diagnosis))
     headline, lead = _verdict(diagnosis)
     return Story(
         kind="diagnosis",
@@ -132,6 +133,16 @@ def source_of(recordings: Recordings) -> Source:
         tuple(sorted(recordings.meta.items())),
         tuple((one.line, one.reason) for one in recordings.set_aside),
     )
+
+
+def _named(
+    whole: Model, names: list[str], matrix: list[list[float]]
+) -> tuple[list[str], list[list[float]]]:
+    """Return the correlations of what has a name: a field's numbers tell a reader nothing."""
+    values = () if whole.completed is None else whole.completed.values
+    nameless = {one.name for one in values if one.effect == UNKNOWN}
+    kept = [n for n, name in enumerate(names) if name not in nameless]
+    return [names[n] for n in kept], [[matrix[n][m] for m in kept] for n in kept]
 
 
 def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:

@@ -161,4 +161,5 @@ def format_of(path: Path, name: str = "") -> TableFormat:
         return BY_SUFFIX[path.suffix.lower()]
     except KeyError:
         known = ", ".join(BY_SUFFIX)
-        raise BadInput(f"suffix {path.suffix!r} names no format, expected {known}", path) from None
+        wrong = f"suffix {path.suffix!r} names no format, expected {known}"
+        raise BadInput(f"{wrong}; --columns reads any other table", path) from None
