@@ -11,7 +11,6 @@ from pyport.angles import Array
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.models import toml
-from pyport.models.completed import Value
 from pyport.models.model import Model, Term
 from pyport.models.words import label
 from pyport.recordings.schema import Recordings
@@ -66,7 +65,7 @@ def linear(model: Model, recordings: Recordings) -> Linear | None:
         tuple(map(label, values)),
         tuple(one.unit for one in values),
         tuple(one.value for one in values),
-        tuple(_fitted(one) for one in values),
+        tuple(one.sigma is not None for one in values),
         np.stack([x for _, x, _ in kept]),
         np.stack([y for _, _, y in kept]),
     )
@@ -79,10 +78,6 @@ def as_file(model: Model) -> str | None:
     except BadInput:
         return None
     return text if len(text) <= LARGEST_FILE else None
-
-
-def _fitted(one: Value) -> bool:
-    return one.sigma is not None and one.determined
 
 
 def _columns(model: Model, recordings: Recordings) -> Iterator[tuple[Array, Array]]:

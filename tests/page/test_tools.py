@@ -170,6 +170,27 @@ def test_the_page_fits_again_as_its_command_does(night, look):
         assert told[name] == pytest.approx(value, rel=1e-6, abs=1e-6)
 
 
+def test_a_term_that_was_held_is_freed(night, look, tmp_path):
+    """Held at 3 arcsec in the fit of the page, fitted in the page: as the command has it."""
+    held = pyport.fit(night / "night.csv", "altaz", fix=["collimation=3"], weights="equal")
+    tab = look(page.write(*held.drawn, tmp_path / "held.html"))
+    tab.locator("select[aria-label^=collimation]").select_option("fitted")
+    line = tab.locator(".command").inner_text()
+    free = pyport.fit(night / "night.csv", "altaz", weights="equal")
+    names = [one.name for one in held.model.values]
+    shown = dict(zip(names, values(tab), strict=True))
+    held.save(tmp_path / "night.toml")
+    here = {"night.csv": str(night / "night.csv"), "night.toml": str(tmp_path / "night.toml")}
+    asked = [here.get(one, one) for one in shlex.split(line)[1:]]
+    done = CliRunner().invoke(program, [*asked, "--json"])
+
+    assert line.endswith("--weights equal --drop collimation --add collimation")
+    told = {one["name"]: one["value"] for one in json.loads(done.output)["parameters"]}
+    for one in free.model.values:
+        assert shown[one.name] == pytest.approx(one.value, rel=1e-6)
+        assert told[one.name] == pytest.approx(one.value, rel=1e-6)
+
+
 def test_what_is_fitted_again_is_drawn_and_taken_back(night, look):
     """Without sag and refraction's help the elevation residuals grow; then all is as it was."""
     tab = look(night / "report.html")

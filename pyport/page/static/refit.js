@@ -75,10 +75,14 @@ const modelName = () => data.file.replace(/\.\w+$/, "") + ".toml";
 function commands() {
   const lines = stretchesOf(everyone.filter((i) => again.masked[i]).map((i) => rows.line[i]));
   const file = quoted(data.file);
-  const of = (state, word) => [...new Set(again.names.filter((_, k) => again.states[k] === state
-    && (state !== "held" || again.free[k])))].map((name) => ` ${word} ${quoted(name)}`).join("");
+  const named = (which, word) => [...new Set(again.names.filter((_, k) => which(k)))]
+    .map((name) => ` ${word} ${quoted(name)}`).join("");
+  const is = (state, free) => (k) => again.states[k] === state && again.free[k] === free;
+  const out = (k) => again.states[k] === "left out";
+  // A term that the file holds is free once it was left out and came in again.
   const fit = `pyport fit ${file} --model ${quoted(modelName())} --weights equal`
-    + of("held", "--fix") + of("left out", "--drop");
+    + named((k) => out(k) || is("fitted", false)(k), "--drop") + named(is("fitted", false), "--add")
+    + named(is("held", true), "--fix");
   return lines ? [`pyport mask ${file} --lines ${lines} --reason 'masked on the page'`, fit] : [fit];
 }
 
