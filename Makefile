@@ -9,7 +9,7 @@ OUT ?= out
 
 .PHONY: demo test quick lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
-.PHONY: nulls real
+.PHONY: nulls real watch-nights watch-replays watch-kills watch-week
 .PHONY: fuzz torture faults machines lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
@@ -160,6 +160,21 @@ acceptance: $(BIN)/pyport
 CASES ?= 100
 nulls: $(BIN)/pyport
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev nulls --cases $(CASES) --jobs 2 --out $(OUT)/nulls
+
+# The watch on simulated nights: false alarms, delays beside the best possible; on public recordings.
+watch-nights: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev nights --nulls 1000 --steps 1000 --out $(OUT)/nights
+
+watch-replays: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev replays --data $(DATA)
+
+# Kills of a watch that follows a log; a week of readings every ten seconds.
+watch-kills: $(BIN)/tox
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	OPENBLAS_NUM_THREADS=1 PYPORT_WATCH_KILLS=$(KILLS) $(BIN)/python -m pytest -q tests/watch/test_run.py -k killed
+
+watch-week: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/watch/week.py
 
 # Public recordings of other telescopes, and those shipped, beside what was published of them.
 real: $(BIN)/pyport

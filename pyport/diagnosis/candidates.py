@@ -58,12 +58,12 @@ def design(
     candidates: list[Candidate] = []
     untestable: list[Untestable] = []
     start = 0
-    conditions = _conditions(recordings)
+    recorded = conditions(recordings)
     for effect in (catalogue or effects_of(recordings.at.mount)).values():
         if not effect.physical:
             continue
         try:
-            variants = effect.variants(conditions)
+            variants = effect.variants(recorded)
             bases = [stack.columns(variant, recordings.at) for variant in variants]
         except MissingColumn as lack:
             untestable.append(Untestable(effect.id, f"needs {lack.column}"))
@@ -82,7 +82,7 @@ def design(
     return columns, candidates, untestable
 
 
-def _conditions(recordings: Recordings) -> Circumstances:
+def conditions(recordings: Recordings) -> Circumstances:
     """Return the circumstances without the columns that the header calls `bookkeeping`.
 
     They say how a row was written down, so that no effect may follow them.

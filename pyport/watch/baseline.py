@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis.candidates import conditions
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.fitting.fit import Fit, fit
@@ -199,7 +200,9 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     usual = made.variance(history) + np.where(within > 0, white, 0.0)
     usual[~np.isfinite(np.stack([history.x, history.y], axis=1))] = np.inf
     departing = {one.of for one in nuisances}
-    watched = changes.possible(history.at, usual, [term.effect for term in terms], departing)
+    watched = changes.possible(
+        conditions(history), usual, [term.effect for term in terms], departing
+    )
     weights = np.ones((len(history), 2))
     weights[fitted.stack.row, fitted.stack.is_y.astype(int)] = fitted.weight
     return Past(replace(made, changes=watched), history, weights)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.identify import ALIKE
@@ -134,9 +135,10 @@ def possible(
     kept: list[_Kept] = []
     scale = 1 / np.sqrt(variance)
     several = [together(terms)] if len(terms) > 1 and _size(terms) <= MOST_TOGETHER else []
-    for effect in [*several, *members(at)]:
-        if _size([effect]) > MOST_TOGETHER or effect.belongs_to in departing:
+    for whole in [*several, *members(at)]:
+        if _size([whole]) > MOST_TOGETHER or whole.belongs_to in departing:
             continue
+        effect = _visible(whole, at, np.isfinite(variance))
         x, y = columns([effect], at)
         white = np.concatenate([x * scale[:, :1], y * scale[:, 1:]])
         if not np.isfinite(white).all() or not white.any():
@@ -144,7 +146,7 @@ def possible(
         frame = _frame(white)
         same = next((one for one in kept if one.draws(frame) >= ALIKE), None)
         if same is None:
-            mount = effect.is_change or effect in several
+            mount = effect.is_change or whole in several
             kept.append(_Kept(effect, frame, [effect.id], mount))
         elif same.mount and same.draws(frame) > SAME and same.effect.is_change:
             # a tilt from some moment on is a tilt: the plain effect gives the name
@@ -180,6 +182,21 @@ class _Kept:
         if frame.shape != self.frame.shape:
             return 0.0
         return float(((frame.T @ self.frame) ** 2).sum()) / frame.shape[1]
+
+
+def _visible(effect: Effect, at: Circumstances, measured: NDArray[np.bool_]) -> Effect:
+    """Return an effect without the coefficients that moved nothing that was measured."""
+    x, y = columns([effect], at)
+    kept = (x[measured[:, 0]] != 0).any(axis=0) | (y[measured[:, 1]] != 0).any(axis=0)
+    if kept.all():
+        return effect
+
+    def basis(there: Circumstances) -> tuple[Array, Array]:
+        x, y = effect.basis(there)
+        return x[:, kept], y[:, kept]
+
+    some = tuple(one for one, is_kept in zip(effect.coefficients, kept, strict=True) if is_kept)
+    return replace(effect, coefficients=some, basis=basis)
 
 
 def _size(some: Sequence[Effect]) -> int:

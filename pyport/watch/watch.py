@@ -173,16 +173,18 @@ class Watch:
         Raises
         ------
         BadInput
-            They are of an antenna without a past, or have no times where the past has.
+            None is of an antenna with a past, or one has no time where the past has.
         """
         recordings = self._ordered(from_table(table, self.history.meta))
         who = recordings.label("antenna").astype(str)
-        watched = ~np.isin(who, list(self.unwatched))
-        recordings, who = recordings.take(watched), who[watched]
-        if unknown := sorted(set(who) - set(self.antennas)):
+        watched = np.isin(who, list(self.antennas))
+        if len(who) and not watched.any() and not np.isin(who, list(self.unwatched)).any():
             known = ", ".join(self.antennas)
-            wrong = f"antenna {unknown[0]!r} has no past recordings; there are those of {known!r}"
+            wrong = f"antenna {str(who[0])!r} has no past recordings; there are those of {known!r}"
             raise BadInput(wrong, recordings.file, int(recordings.line[0]))
+        for name in dict.fromkeys(who[~watched].tolist()):
+            self.unwatched.setdefault(name, "no past recordings")
+        recordings, who = recordings.take(watched), who[watched]
         places = {name: np.flatnonzero(who == name) for name in dict.fromkeys(who)}
         rows = {
             name: prepare(

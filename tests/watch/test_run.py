@@ -94,7 +94,7 @@ def test_killed_at_any_moment_it_goes_on_as_if_it_had_not_been(night, tmp_path):
         begun = (out / "state.npz").exists()
         # while it writes most of the time, now and then while it starts
         time.sleep(float(rng.uniform(0, 0.4) if begun else rng.uniform(0.5, 2.5)))
-        count = min(len(rows) - written, int(rng.integers(1, 4)))
+        count = min(len(rows) - written, int(rng.poisson(len(rows) / (2.5 * KILLS))))
         with log.open("a") as file:
             for row in rows[written : written + count]:
                 half = int(rng.integers(len(row)))

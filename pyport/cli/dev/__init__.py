@@ -17,6 +17,7 @@ command = Lazy(
         "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",
         "real": "Run fit and diagnose on public recordings, beside what was published of them.",
         "reduction": "Take nutation, aberration, UT1, ... out of offsets; print their sizes.",
+        "replays": "Replay public recordings to the watch: what is raised, and what is known.",
         "trials": "Put causes into simulated recordings; check whether a diagnosis finds them.",
         "verify": "Check that all files of a diagnosis are of one run.",
     },

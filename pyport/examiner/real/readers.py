@@ -33,7 +33,7 @@ def recordings(file: Path) -> Read:
         if match := re.match(r"#\s*([a-z_]+):\s*(.*)", line):
             header[match[1]] = match[2].strip()
     names, *rows = csv.reader(line for line in lines if not line.startswith("#"))
-    keys = {"latitude_deg", "longitude_deg", "height_m", "azimuth_zero", "telescope"}
+    keys = {"latitude_deg", "longitude_deg", "height_m", "azimuth_zero", "telescope", "bookkeeping"}
     return (
         {name: np.array(cells) for name, cells in zip(names, zip(*rows, strict=True), strict=True)},
         {key: value for key, value in header.items() if key in keys},

@@ -1,0 +1,42 @@
+"""`pyport dev replays`: public recordings put to the watch in the order of time."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import click
+
+from pyport.cli.manners import in_json, plain
+
+
+@click.command("replays", epilog="Example: pyport dev replays --data ../shared/data")
+@click.option(
+    "--data",
+    type=click.Path(path_type=Path),
+    default=Path("../shared/data"),
+    show_default=True,
+    help="Folder of public recordings; what is not there is said to be.",
+)
+@click.option(
+    "--false-alarm-every",
+    "rarity",
+    default=10_000.0,
+    show_default=True,
+    metavar="POINTINGS",
+    help="What the watch promises.",
+)
+@in_json
+def command(data: Path, rarity: float, *, as_json: bool) -> None:
+    """Replay public recordings in the order of time; say what is raised, and what is known.
+
+    The first 80 pointings of a set stand for the past, of an array its first day.
+    """
+    from pyport.examiner.nights import replays
+
+    for one in replays.replays(data, rarity):
+        if as_json:
+            click.echo(json.dumps(plain(dataclasses.asdict(one))))
+        else:
+            click.echo(replays.text(one) + "\n")
