@@ -42,7 +42,7 @@ ALARMED = 3
 @click.option(
     "--burn-in",
     type=click.IntRange(min=1),
-    default=60,
+    default=80,
     show_default=True,
     metavar="POINTINGS",
     help="So many at the beginning of LOG stand for the past.",

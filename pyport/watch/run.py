@@ -20,7 +20,7 @@ from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch
 
 STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: Pointings at the beginning of a log that stand for the past where no past is given.
-BURN_IN = 60
+BURN_IN = 80
 
 
 @dataclass(frozen=True)

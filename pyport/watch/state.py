@@ -28,6 +28,8 @@ def key(watch: Watch) -> str:
     """Return the hash of the program, the past and the model: of what a state belongs to."""
     past = hashlib.sha256()
     history = watch.history
+    if watch.key:
+        return watch.key
     for one in (history.at.az, history.at.el, history.x, history.y, history.line):
         past.update(np.ascontiguousarray(one).tobytes())
     for name in sorted(history.at.columns):
@@ -36,7 +38,9 @@ def key(watch: Watch) -> str:
         (term.effect.id, term.effect.variant, term.per, term.values, sorted(term.by.items()))
         for term in watch.model.terms
     ]
-    return key_of(past.hexdigest(), watch.model.name, repr(model), watch.pointings_per_false_alarm)
+    rarity = watch.pointings_per_false_alarm
+    watch.key = key_of(past.hexdigest(), watch.model.name, repr(model), rarity)
+    return watch.key
 
 
 def save(watch: Watch, path: Path, beside: object = None) -> None:

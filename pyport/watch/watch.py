@@ -142,6 +142,8 @@ class Watch:
         self.session = str(sessions[-1]) if len(sessions) else ""
         self.first_row = len(history)
         self.row = 0
+        #: What the state belongs to, once it was asked for: see `pyport.watch.state`.
+        self.key = ""
         self.alarms: dict[int, Alarm] = {}
         self.raised = 0
         self.events: list[Event] = []

@@ -54,7 +54,7 @@ def constants_of(text):
 def constants():
     """Return {dotted name below pyport: value as written} of both packages."""
     found = {}
-    for package in ("noise", "diagnosis"):
+    for package in ("noise", "diagnosis", "watch"):
         for path in sorted((ROOT / "pyport" / package).rglob("*.py")):
             module = ".".join(path.relative_to(ROOT / "pyport").with_suffix("").parts)
             for name, value in constants_of(path.read_text(encoding="utf-8")).items():
@@ -69,7 +69,7 @@ def listed(text):
     return {
         row[0].strip().strip("`"): row[1].strip().strip("`")
         for row in rows
-        if len(row) == 5 and row[0].strip().startswith(("`noise.", "`diagnosis."))
+        if len(row) == 5 and row[0].strip().startswith(("`noise.", "`diagnosis.", "`watch."))
     }
 
 
@@ -92,7 +92,7 @@ def test_the_page_lists_nothing_that_is_gone():
 def test_every_listed_constant_has_a_unit_a_decision_and_a_reason():
     """No cell of a row is empty."""
     text = PAGE.read_text(encoding="utf-8")
-    rows = [line for line in text.splitlines() if line.startswith(("| `noise.", "| `diagnosis."))]
+    rows = [line for line in text.splitlines() if line.startswith(("| `noise.", "| `diagnosis.", "| `watch."))]
 
     assert len(rows) == len(LISTED)
     assert all(cell.strip() for row in rows for cell in row.strip().strip("|").split(" | "))

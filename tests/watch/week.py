@@ -1,4 +1,4 @@
-"""A week of readings every ten seconds: does memory stay, is each update in time?
+"""Measure memory and times of a week of readings every ten seconds.
 
 python tests/watch/week.py [READINGS]
 """
