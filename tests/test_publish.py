@@ -63,7 +63,7 @@ def test_the_extra_all_is_all_that_a_user_may_want():
     """It holds the other extras of a user by their names."""
     project = PROJECT["project"]
 
-    assert project["optional-dependencies"]["all"] == [f"{project['name']}[notebook,dask]"]
+    assert project["optional-dependencies"]["all"] == [f"{project['name']}[notebook,dask,serve]"]
 
 
 def test_the_notice_names_every_file_that_is_not_ours():
