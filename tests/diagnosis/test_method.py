@@ -92,7 +92,11 @@ def test_the_page_lists_nothing_that_is_gone():
 def test_every_listed_constant_has_a_unit_a_decision_and_a_reason():
     """No cell of a row is empty."""
     text = PAGE.read_text(encoding="utf-8")
-    rows = [line for line in text.splitlines() if line.startswith(("| `noise.", "| `diagnosis.", "| `watch."))]
+    rows = [
+        line
+        for line in text.splitlines()
+        if line.startswith(("| `noise.", "| `diagnosis.", "| `watch."))
+    ]
 
     assert len(rows) == len(LISTED)
     assert all(cell.strip() for row in rows for cell in row.strip().strip("|").split(" | "))
