@@ -78,7 +78,7 @@ _OPTIONS = (
         "read_as",
         default="",
         metavar="FORMAT",
-        help="The file's format, where its suffix does not tell: see `pyport convert`.",
+        help="The file's format, where its suffix does not say it: see `pyport convert`.",
     ),
     click.option(
         "--mount",

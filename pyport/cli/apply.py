@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     type=click.Path(path_type=Path, dir_okay=False),
     help="File to write: .csv, .ecsv or .parquet.  [default: CSV on standard output]",
 )
-@click.option("--inverse", is_flag=True, help="az_deg and el_deg are the mount's: print the sky's.")
-@click.option("--residuals", is_flag=True, help="TARGETS are recordings: add what is left of them.")
+@click.option("--inverse", is_flag=True, help="From the mount's az_deg, el_deg to the sky's.")
+@click.option("--residuals", is_flag=True, help="TARGETS are recordings: add their residuals.")
 @about_file
 @in_json
 def command(
@@ -42,7 +42,7 @@ def command(
     residuals: bool,
     as_json: bool,
 ) -> None:
-    """Add to TARGETS what MODEL says: offsets, and where to drive.
+    """Add the offsets of MODEL to TARGETS, and where to drive.
 
     TARGETS is any file with the columns of recordings, offsets or not; a condition that the
     model follows is a column, or one value for all: --set temperature_c=8.

@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     "beam_arcsec",
     type=click.FloatRange(min=0, min_open=True),
     metavar="ARCSEC",
-    help="Width of the beam: say where commanded positions move by more than it.",
+    help="Beam width: report where commanded positions move by more than this.",
 )
 @click.option(
     "--picture",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="Draw the move over the sky: .png, .svg or .pdf.",
+    help="Draw the differences over the sky: .png, .svg or .pdf.",
 )
 @click.option(
     "--accept",

@@ -45,7 +45,7 @@ def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # 
     expose_value=False,
     is_eager=True,
     callback=_signs,
-    help="Print what every program's terms are, with their signs, and leave.",
+    help="Print the terms of every program, with their signs, and exit.",
 )
 @in_json
 def command(

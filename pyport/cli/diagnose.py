@@ -32,26 +32,26 @@ if TYPE_CHECKING:
     default="all",
     show_default=True,
     metavar="all|none|NAME,NAME",
-    help="The model's effects that are fitted together with everything under test.",
+    help="Which of the model's effects are refitted together with those under test.",
 )
-@click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
 @click.option("--jobs", default=1, show_default=True, help="Processes that share the work.")
-@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share it.")
+@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the work.")
 @click.option(
     "--each",
     metavar="LABEL",
-    help="Diagnose the parts of a data set apart that folders LABEL=NAME hold: antenna, ...",
+    help="Diagnose each value of a label by itself, from folders LABEL=VALUE: antenna, ...",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write the reports to.")
 @click.option(
     "--save",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="The model completed by everything found: .toml, or another program's if it can hold it.",
+    help="Write the model completed by all findings: .toml, or another format that can hold it.",
 )
 @click.option(
     "--antennas",
     type=click.Path(path_type=Path),
-    help="CSV file of where the antennas of an array stand, to compare with: name,east_m.",
+    help="CSV file of surveyed antenna positions to compare with: name,east_m.",
 )
 @about_file
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     type=click.FloatRange(min=0, min_open=True),
     default=0.007,
     show_default=True,
-    help="With --method document: residuals beyond so many degrees lose their vote.",
+    help="With --method document: exclude residuals beyond this many degrees.",
 )
 @click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a term: IE=0, P7=0.06deg.")
 @click.option("--add", multiple=True, metavar="NAME", help="Fit a further term: TF, P11, sag_sine.")
@@ -52,15 +52,15 @@ if TYPE_CHECKING:
     type=click.Choice(["robust", "equal"]),
     default="robust",
     show_default=True,
-    help="By the noise that is estimated with the fit, or all readings alike, as TPOINT fits.",
+    help="Weight by the noise estimated with the fit, or all readings equally, as TPOINT does.",
 )
 @click.option(
     "--per",
     metavar="LABEL,LABEL",
-    help="Give each value of these labels coefficients of its own.  [default: antenna]",
+    help="Fit separate coefficients for each value of these labels.  [default: antenna]",
 )
 @about_file
-@click.option("--save", type=click.Path(path_type=Path), help="The fitted model: .mod, .ctl, ...")
+@click.option("--save", type=click.Path(path_type=Path), help="Write the model: .mod, .ctl, ...")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="Folder: fit.json, report.html, residuals.csv."
 )

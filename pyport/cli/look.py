@@ -63,7 +63,7 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
     "noise_arcsec",
     type=click.FloatRange(min=0, min_open=True),
     metavar="ARCSEC",
-    help="One-sigma error of an offset, where the scatter would not tell.",
+    help="One-sigma error of an offset, instead of the estimate from the scatter.",
 )
 @click.option(
     "--next",
@@ -71,7 +71,7 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
     type=click.IntRange(0, 100),
     default=6,
     show_default=True,
-    help="So many directions to observe next.",
+    help="Number of directions to suggest.",
 )
 @click.option("--sources", is_flag=True, help="Suggest the recorded sources, not directions.")
 @click.option(
@@ -79,7 +79,7 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
     nargs=2,
     type=click.FloatRange(0, 90),
     metavar="LOW HIGH",
-    help="Suggest nothing outside these [deg].",
+    help="Limits of the suggested elevations [deg].",
 )
 @click.option(
     "--save-columns",
@@ -105,7 +105,7 @@ def command(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Tell what RECORDINGS could show, before anything is fitted to them.
+    """Show what RECORDINGS can distinguish, before anything is fitted to them.
 
     Coverage of the sky; which effects they could separate, from the model and
     from each other, and which not; and what to observe next to distinguish those.

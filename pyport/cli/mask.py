@@ -20,10 +20,12 @@ if TYPE_CHECKING:
 )
 @click.argument("recordings", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option("--lines", default="", metavar="12,40-44", help="Lines (rows) of the file.")
-@click.option("--outliers", default="", metavar="MODEL", help="What a fit of MODEL leaves far out.")
-@click.option("--reason", default="", help="Why: it is told wherever these are listed as excluded.")
+@click.option(
+    "--outliers", default="", metavar="MODEL", help="Mask the outliers of a fit of MODEL."
+)
+@click.option("--reason", default="", help="Why; listed with the excluded lines.")
 @click.option("--unmask", is_flag=True, help="Use the lines again instead of masking them.")
-@click.option("--undo", is_flag=True, help="Take the last step back.")
+@click.option("--undo", is_flag=True, help="Undo the last step.")
 @about_file
 @in_json
 def command(
@@ -37,7 +39,7 @@ def command(
     undo: bool,
     as_json: bool,
 ) -> None:
-    """Mask RECORDINGS by lines, by --where or as outliers; without any, tell what is masked.
+    """Mask RECORDINGS by lines, by --where or as outliers; without any, list what is masked.
 
     The mask is kept beside the file, as RECORDINGS.mask, step by step; the
     file itself is never changed. Every command that reads the file obeys it.

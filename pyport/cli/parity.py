@@ -66,7 +66,7 @@ def command(
     summary: str | None,
     as_json: bool,  # noqa: FBT001
 ) -> None:
-    """Hold Python ports to the Fortran that a parity.toml describes, to the last bit.
+    """Compare Python ports with the Fortran that a parity.toml describes, to the last bit.
 
     With gfortran the routines are compiled, wrapped by f2py and asked anew at every point; without
     it the ports are held to their stored answers. Killed and called again in the same words it

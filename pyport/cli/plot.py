@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Repeat for more than one.",
 )
-@click.option("--seed", default=0, show_default=True, help="Of everything that is drawn at random.")
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
 @about_file
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")

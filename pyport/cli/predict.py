@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     default="altaz",
     show_default=True,
     shell_complete=models,
-    help="What the own choice starts from: a built-in model or a file.",
+    help="The model that waves over the sky are added to: built-in, or a file.",
 )
 @click.option(
     "--against", multiple=True, shell_complete=models, help="A model to judge; repeat for more."
@@ -41,15 +41,15 @@ if TYPE_CHECKING:
 @click.option(
     "--rehearse",
     is_flag=True,
-    help="Rehearse on made nights of telescopes that are exactly each model and the own choice.",
+    help="Rehearse on simulated nights of telescopes that follow each of the models exactly.",
 )
-@click.option("--seed", default=0, show_default=True, help="Of everything that is drawn.")
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
 @about_file
 @click.option(
     "--grid",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Write the own choice over the sky, with its errors, as CSV.",
+    help="Write the model with waves over the sky, with its errors, as CSV.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for prediction.json.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -69,7 +69,7 @@ def command(
     """Compare models by how they predict RECORDINGS that they were not fitted to.
 
     Pointings here and there, bands of elevation and sectors of azimuth are left
-    out in turn. The own choice is the model and waves over the sky, all of
+    out in turn. The model with waves is the model and smooth waves over the sky, all of
     them, shrunk as far as the readings that it may see say: for pointing, not for
     naming. A model of more terms also meets as many terms that are
     picked automatically, held and picked anew: what that costs is what picking costs.

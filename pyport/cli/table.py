@@ -40,14 +40,14 @@ if TYPE_CHECKING:
 @click.option(
     "--azimuth-zero",
     type=click.Choice(["north", "south"]),
-    help="Where the table's azimuth starts.  [default: south for the RT32's models]",
+    help="Zero of the table's azimuth.  [default: south for the RT32's models]",
 )
 @click.option(
     "--set",
     "conditions",
     multiple=True,
     metavar="COLUMN=VALUE",
-    help="A condition that the whole table is for, where the model follows it: temperature_c=8.",
+    help="A condition of the whole table, where the model depends on it: temperature_c=8.",
 )
 @click.option("--az", help="Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
 @click.option("--zd", help="Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
@@ -59,7 +59,9 @@ if TYPE_CHECKING:
     type=click.Path(dir_okay=False),
     help="Write the published extracts as recordings (CSV), for pyport diagnose.",
 )
-@click.option("--refractions", is_flag=True, help="Hold every refraction to the published digits.")
+@click.option(
+    "--refractions", is_flag=True, help="Compare every refraction with the published digits."
+)
 @in_json
 def command(
     model: str,

@@ -48,7 +48,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """All contenders: the model first, then its rivals, the own choice, and terms picked anew.
+    """All contenders: the model, its rivals, the model with waves, and terms picked anew.
 
     `cancel` tells of each rival how large its largest single term is over all that its
     terms beyond the model's come to.

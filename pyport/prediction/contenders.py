@@ -124,7 +124,7 @@ class Refitted:
 class OwnChoice:
     """The model and waves, shrunk as far as the readings that it is fitted to say."""
 
-    name = "own choice"
+    name = "model with waves"
 
     def __init__(self, night: Night, model: Model):
         self.night, self.model = night, model

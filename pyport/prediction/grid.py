@@ -1,4 +1,4 @@
-"""The own choice over the whole sky, for steering: predicted offsets with their errors."""
+"""The model with waves over the whole sky, for steering: predicted offsets with their errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NAMES = ("az_deg", "el_deg", "d_xel_arcsec", "sigma_xel_arcsec", "d_el_arcsec",
 
 
 def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
-    """Write what the own choice predicts over the elevations that were observed, and its errors.
+    """Write the model with waves over the elevations that were observed, and its errors.
 
     The file is one of recordings as any other. An axis that was not measured is left blank.
     Errors are those of the prediction; the scatter of a single pointing comes on top.

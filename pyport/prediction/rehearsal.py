@@ -48,7 +48,7 @@ class Rehearsal:
 def rehearse(
     recordings: Recordings, model: Model, rival: Model, *, seed: int = 0
 ) -> tuple[Rehearsal, Rehearsal]:
-    """Rehearse on the telescope of a rival model, and on that of the own choice.
+    """Rehearse on the telescope of a rival model, and on that of the model with waves.
 
     Raises
     ------

@@ -49,13 +49,13 @@ def _table(done: Comparison) -> Iterator[str]:
 
 
 def verdict(done: Comparison) -> Iterator[str]:
-    """Yield what the comparison says of every rival, and of the own choice."""
+    """Yield what the comparison says of every rival, and of the model with waves."""
     for rival in done.rivals:
         yield from _of_rival(done, rival)
     first = next(iter(done.own.unseen))
     better = "better" if done.own.unseen[first] < done.model.unseen[first] else "no better"
     yield (
-        f"The own choice, everything in it chosen without what it predicts, is {better} than "
+        f"The model with waves, chosen without the data that it predicts, is {better} than "
         f"{done.model.name}: {done.own.unseen[first]:.2f} against {done.model.unseen[first]:.2f} "
         f"on {first} left out."
     )
@@ -93,7 +93,7 @@ def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
         )
     if rival.unseen[first] < done.own.unseen[first]:
         yield (
-            f"  Held, its terms leave less on {first} left out than the own choice, "
+            f"  Held, its terms leave less on {first} left out than the model with waves, "
             f"{rival.unseen[first]:.2f} against {done.own.unseen[first]:.2f}: whether they know "
             "the telescope or these readings, only readings that they were not picked by can tell."
         )
@@ -102,7 +102,7 @@ def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
         yield (
             f"  So many picked terms are an overfit here: {anew.fitted:.2f} in the fit, and on "
             f"readings that nothing was chosen by {min(ratios.values()):.2f} to "
-            f"{max(ratios.values()):.2f} times what the own choice leaves."
+            f"{max(ratios.values()):.2f} times what the model with waves leaves."
         )
 
 

@@ -87,7 +87,7 @@ def test_the_evidence_slopes_as_it_says(seed):
 
 
 def test_where_the_model_suffices_waves_cost_next_to_nothing():
-    """On noise alone the own choice predicts as the model does, to three in a hundred."""
+    """On noise alone the model with waves predicts as the model does, to three in a hundred."""
     night = Night.of(_night(120, 2))
 
     assert _unseen(OwnChoice(night, ALTAZ), night) < 1.03 * _unseen(Refitted(night, ALTAZ), night)
@@ -160,7 +160,7 @@ def test_a_rehearsal_knows_what_terms_picked_from_few_points_are_worth(monkeypat
 
     assert first.truth == "many"
     assert first.claimed[picked_terms] < first.fresh[picked_terms]
-    assert first.fresh["own choice"] < first.fresh[picked_terms]
+    assert first.fresh["model with waves"] < first.fresh[picked_terms]
     assert "exactly as many says" in words.of_rehearsals([first])
 
 
@@ -203,7 +203,7 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
     assert done.exit_code == 0
     assert json.loads((tmp_path / "out" / "prediction.json").read_text()) == told
     assert told["contenders"][0]["name"] == "altaz"
-    assert told["contenders"][-1]["name"] == "own choice"
+    assert told["contenders"][-1]["name"] == "model with waves"
     curve = 20 * np.sin(8 * grid.at.el) + 60 * np.cos(grid.at.el) + 9 * np.cos(grid.at.az)
     assert np.sqrt(np.mean((grid.y / ARCSEC - curve) ** 2)) < 5
     assert np.isfinite(grid.sigma_y).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -14,17 +15,25 @@ from pyport.errors import BadInput
 @click.option("--cases", default=60, show_default=True, help="Cases of each mount and part.")
 @click.option("--mounts", "named", help="Mounts, separated by commas; all by default.")
 @click.option("--parts", help="empty, one, two, unknown, separated by commas; all by default.")
-@click.option("--seed", default=1, show_default=True, help="Of everything that is drawn.")
+@click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
 @click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("out/mounts"),
     show_default=True,
-    help="Folder of what came out so far; a run that was stopped goes on there.",
+    help="Folder of the results so far; an interrupted run continues there.",
 )
+@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON lines.")
 def command(
-    cases: int, named: str | None, parts: str | None, seed: int, jobs: int, out: Path
+    *,
+    cases: int,
+    named: str | None,
+    parts: str | None,
+    seed: int,
+    jobs: int,
+    out: Path,
+    as_json: bool,
 ) -> None:
     """Hide causes in drawn sessions of German, fork and X-Y mounts, and count what is found.
 
@@ -40,10 +49,13 @@ def command(
     found = []
     for one in outcomes.run(wanted, examine.examine, out / "mounts.jsonl", jobs):
         found.append(one)
+        if as_json:
+            click.echo(json.dumps(one))
         if sys.stderr.isatty():
             count = len(found)
             click.echo(f"\r{count} of {len(wanted)} cases", err=True, nl=count == len(wanted))
-    click.echo(examine.text(found))
+    if not as_json:
+        click.echo(examine.text(found))
 
 
 def _among(given: str | None, known: tuple[str, ...], what: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from pyport.cli.manners import in_json
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
 @click.option("--nulls", default=1000, show_default=True, help="Nights without any change.")
 @click.option("--steps", default=1000, show_default=True, help="Steps of one to five sigmas.")
-@click.option("--seed", default=1, show_default=True, help="Of everything that is drawn.")
+@click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
 @click.option(
     "--false-alarm-every",
     "rarity",
@@ -28,7 +28,7 @@ from pyport.cli.manners import in_json
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("out/nights"),
     show_default=True,
-    help="Folder of what came out so far; a run that was stopped goes on there.",
+    help="Folder of the results so far; an interrupted run continues there.",
 )
 @in_json
 def command(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_json: bool) -> None:

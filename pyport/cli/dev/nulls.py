@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 @click.command("nulls", epilog="Example: pyport dev nulls --cases 100 --jobs 2")
 @click.option("--cases", default=100, show_default=True, help="Cases of each kind and part.")
 @click.option("--kinds", help="Kinds of noise, separated by commas; all by default.")
-@click.option("--seed", default=1, show_default=True, help="Of everything that is drawn.")
+@click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
 @click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
 @click.option(
     "--part",
@@ -35,9 +35,9 @@ from pyport.errors import BadInput
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("out/nulls"),
     show_default=True,
-    help="Folder of what came out so far; a run that was stopped goes on there.",
+    help="Folder of the results so far; an interrupted run continues there.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print what came out as JSON lines.")
+@click.option("--json", "as_json", is_flag=True, help="Print the results as JSON lines.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def command(
     cases: int,

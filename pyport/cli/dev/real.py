@@ -16,7 +16,7 @@ from pyport.errors import BadInput
     type=click.Path(path_type=Path),
     default=Path("../shared/data"),
     show_default=True,
-    help="Folder of public recordings; what is not there is said to be.",
+    help="Folder of public recordings; missing sets are listed.",
 )
 @click.option("--sets", help="Sets whose names begin so, separated by commas; all by default.")
 @click.option("--subsets", default=200, show_default=True, help="Subsets of few rows of each set.")
@@ -26,7 +26,7 @@ from pyport.errors import BadInput
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("out/real"),
     show_default=True,
-    help="Folder of what came out so far; a run that was stopped goes on there.",
+    help="Folder of the results so far; an interrupted run continues there.",
 )
 @click.option("--markdown", type=click.Path(path_type=Path), help="Write the table as a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON line a set.")

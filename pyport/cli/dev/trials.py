@@ -25,7 +25,7 @@ _ledger = click.option(
     type=_A_PATH,
     default=LEDGER,
     show_default=True,
-    help="Where every set is written down.",
+    help="The ledger of all sets.",
 )
 _which = click.option(
     "--set",
@@ -48,13 +48,18 @@ def command() -> None:
 @command.command(epilog="Example: pyport dev trials make --kind one --effect refraction -o cases")
 @click.option("--kind", required=True, help="null, one, two, held, unknown, degenerate, ...")
 @click.option("--effect", help="Which cause, by its name; drawn when not given.")
-@click.option("--rho", default=0.5, show_default=True, help="Rms over the noise, base apart.")
+@click.option(
+    "--rho", default=0.5, show_default=True, help="Rms of the cause over that of the noise."
+)
 @click.option("--rows", type=int, help="Recordings of each case.")
 @click.option("--noise", help="white, drift, heavy, outliers or gappy.")
 @click.option("--site", help="rt32, gmrt or south.")
 @click.option("--weeks", type=float, help="Length of an ablation's campaign.")
 @click.option(
-    "--seed", default=0, show_default=True, help="The first case's; the next has one more."
+    "--seed",
+    default=0,
+    show_default=True,
+    help="Seed of the first case; each next one has one more.",
 )
 @click.option("--count", default=1, show_default=True, help="How many cases.")
 @click.option("-o", "--out", type=_A_PATH, required=True, help="Folder to write to.")

@@ -13,7 +13,7 @@ from pyport.cli.manners import in_json, say
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
 @in_json
 def command(folders: tuple[str, ...], *, as_json: bool) -> None:
-    """Tell whether the files in a diagnosis's FOLDER are those that its report was written with.
+    """Check that the files in a diagnosis's FOLDER are those that its report was written with.
 
     They are not where a run was stopped while it wrote, or where somebody changed one since.
     """

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     "seeds",
     type=click.IntRange(min=0),
     default=0,
-    help="So often garble good rows on purpose, to see how right the realignment is.",
+    help="How often to garble good rows on purpose, to measure the realignment.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for figures 1 to 4.")
 @in_json

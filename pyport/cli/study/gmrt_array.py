@@ -13,12 +13,12 @@ import click
 @click.option(
     "--antennas",
     type=click.Path(path_type=Path),
-    help="CSV file of where the antennas stand, to compare with: name,east_m.",
+    help="CSV file of surveyed antenna positions to compare with: name,east_m.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the picture.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
 def command(antennas: Path | None, out: Path | None, *, as_json: bool) -> None:
-    """Take the GMRT's days of 2003 apart as those of one array.
+    """Analyse the GMRT's days of 2003 as those of one array.
 
     What the antennas share from day to day and what each has of its own, and
     whether it repeats; how far each antenna stands from where its offsets were

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 @click.command("rt32", epilog="Example: pyport study rt32 --out rt32")
 @click.argument("recordings", required=False)
-@click.option("--seed", default=0, show_default=True, help="Of the simulated campaign.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the simulated campaign.")
 @click.option(
     "--campaigns",
     type=click.IntRange(min=1),
     default=1,
     show_default=True,
-    help="So many simulated ones, --seed and on from it, to see how well Model3 comes back.",
+    help="Number of simulated campaigns, from --seed on, to see how well Model3 is recovered.",
 )
 @click.option(
     "--box-step",

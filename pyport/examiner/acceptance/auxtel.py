@@ -58,7 +58,7 @@ def lines(folder: Path) -> Iterator[Line]:
         for way, own in loose.own.unseen.items()
     )
     told = f"{told} arcsec, {loose.outliers} offsets aside"
-    yield Line("AuxTel 2021-06-09: left out, own choice against altaz", told, "shown", None)
+    yield Line("AuxTel 2021-06-09: left out, model with waves against altaz", told, "shown", None)
 
 
 def _published(recordings: Recordings, file: Path) -> Iterator[Line]:
@@ -79,13 +79,13 @@ def _published(recordings: Recordings, file: Path) -> Iterator[Line]:
 
 
 def _overfit(night: str, done: Comparison) -> Iterator[Line]:
-    """Yield what the published automatic model, its like and the own choice predict."""
+    """Yield what the published automatic model, its like and the model with waves predict."""
     (rival,), (held, anew) = done.rivals, done.picked
     terms = f"{rival.terms:.0f} free terms"
     for way, own in done.own.unseen.items():
         left = f"{night}, {way} left out"
         told = f"{own:.2f} arcsec, {terms} picked without them {anew.unseen[way]:.2f}"
-        what = f"{left}, own choice"
+        what = f"{left}, model with waves"
         yield Line(what, told, "the better", own < anew.unseen[way])
         told = f"{own:.2f} arcsec, the published {terms}, which saw them, {rival.unseen[way]:.2f}"
         yield Line(what, told, "the better", own < rival.unseen[way])
@@ -102,21 +102,21 @@ def _overfit(night: str, done: Comparison) -> Iterator[Line]:
     for other, alone in done.model.nights.items():
         told = (
             f"{done.model.name} {alone:.2f} arcsec, with what the published terms added "
-            f"{rival.nights[other]:.2f}, the own choice {done.own.nights[other]:.2f}"
+            f"{rival.nights[other]:.2f}, the model with waves {done.own.nights[other]:.2f}"
         )
         yield Line(f"{night}: carried over to {other}", told, "shown", None)
 
 
 def _rehearsed(night: str, recordings: Recordings, file: Path) -> Iterator[Line]:
-    """Yield what picked terms and the own choice leave where the truth is known."""
+    """Yield what picked terms and the model with waves leave where the truth is known."""
     for one in rehearse(recordings, load("altaz"), load(str(file))):
         (picked,) = (name for name in one.fresh if "picked" in name)
-        own, claimed = one.fresh["own choice"], one.claimed["own choice"]
+        own, claimed = one.fresh["model with waves"], one.claimed["model with waves"]
         told = (
             f"{own:.2f} arcsec (left out {claimed:.2f}), {picked} {one.fresh[picked]:.2f} "
             f"(left out {one.claimed[picked]:.2f}), the published {one.fresh[file.stem]:.2f} "
             f"(left out {one.claimed[file.stem]:.2f})"
         )
-        what = f"{night}, were the telescope as {one.truth} says, fresh pointings, own choice"
+        what = f"{night}, were the telescope as {one.truth} says, fresh pointings, model with waves"
         better = own < one.fresh[picked]
         yield Line(what, told, "better than terms picked", better)
