@@ -148,14 +148,18 @@ def field(
     """
     if bumps["kind"] not in KINDS:
         raise ValueError(f"no field is made of {bumps['kind']!r}")
-    count = max(bumps.get("count", 2), bumps.get("order", 2), len(bumps.get("each", ())))
+    told = (bumps.get(name, 2) for name in ("count", "order", "around", "upward"))
+    count = max(*told, len(bumps.get("each", ())))
     if bumps.get("width_rad", 1.0) < NARROWEST_RAD or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)
     mix = np.asarray(directions, float)
+    of_term = [int(one) for one in which]
+    if mix.ndim != 2 or not len(mix) == len(along) == len(of_term):
+        raise ValueError("a field needs an axis, a bump and directions for each term")
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        terms = values(bumps, at)[:, list(which)]
+        terms = values(bumps, at)[:, of_term]
         return terms @ (mix * along[:, :1]), terms @ (mix * along[:, 1:])
 
     return Effect(
@@ -170,7 +174,7 @@ def field(
         member={
             "bumps": dict(bumps),
             "axes": [int(one) for one in axes],
-            "which": [int(one) for one in which],
+            "which": of_term,
             "directions": mix.tolist(),
             "family": family,
             "variant": variant,

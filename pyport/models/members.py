@@ -7,15 +7,23 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects import Circumstances, Effect, MissingColumn, known
+from pyport.effects import Circumstances, Effect, MissingColumn, Site, known
 from pyport.effects.base import Basis, stack
 from pyport.effects.fields import UNKNOWN, field
 from pyport.errors import BadInput
+from pyport.recordings.columns import LABELS
 
 #: Columns that differ by no more than this share are the same ones.
 SAME = 1e-12
+
+#: Members that are terms of another program or parameters of the RT32.
+_NUMBERED = frozenset({"word", "rt32"})
+
+#: Azimuths and elevations [rad] at which effects that a file tells of are tried.
+_TRIED = ((0.1, 0.2), (2.0, 0.8), (4.0, 1.4))
 
 
 def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
@@ -30,11 +38,13 @@ def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
     column = told.pop("coefficient", None)
     try:
         effect = _whole(identity, told)
+        if told and not _NUMBERED & set(told):
+            _try(effect)
         if column is not None:
             effect = apart(effect)[column]
     except BadInput:
         raise
-    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+    except (TypeError, ArithmeticError, ValueError, LookupError, AttributeError) as error:
         wrong = f"{identity}: {told!r:.80} tells no member of it ({error})"
         raise BadInput(wrong) from None
     return effect
@@ -59,6 +69,30 @@ def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
     if effect.make is None:
         raise BadInput(f"{identity} is no family, expected no member")
     return effect.make(**told)
+
+
+class _Everything(dict[str, NDArray[Any]]):
+    """A column for whatever name: what an effect may ask for, to try it."""
+
+    def __missing__(self, name: str) -> NDArray[Any]:
+        """Return numbers, or labels where the contract has labels."""
+        return np.full(len(_TRIED), "") if name in LABELS else np.ones(len(_TRIED))
+
+
+def _try(effect: Effect) -> None:
+    """Raise ValueError where an effect that a file tells of has no columns, or no numbers in them.
+
+    Its basis is not looked at before it is used, which may be long after the file was read.
+    """
+    at = Circumstances(*np.array(_TRIED).T, Site(0.9, 0.3), _Everything())
+    try:
+        found = np.concatenate(effect.columns(at))
+    except MissingColumn:  # which of several it takes is seen when it is used
+        return
+    if found.shape != (2 * len(_TRIED), len(effect.coefficients)) or not np.isfinite(found).all():
+        raise ValueError("expected a number for each coefficient, wherever one looks")
+    if not all(isinstance(one, str) for one in effect.needs):
+        raise ValueError("expected names of columns")
 
 
 def apart(effect: Effect) -> list[Effect]:
@@ -104,7 +138,7 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
         whole = frozen(_whole(effect.id, told), at)
         return apart(whole)[column]
     family = known(effect.id)
-    if family is not None and family.profile is not None and not {"word", "rt32"} & set(told):
+    if family is not None and family.profile is not None and not _NUMBERED & set(told):
         for one in _members(family, at):
             if one.member and _same(one, effect, at):
                 return one

@@ -142,7 +142,7 @@ def read(content: Mapping[str, Any], path: Path) -> Model:
         return _model(content, path)
     except BadInput as error:
         raise BadInput(error.message, path) from None
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         wrong = f"{type(error).__name__} {error}: not a model as pyport writes it"
         raise BadInput(wrong, path) from None
 
@@ -177,9 +177,13 @@ def _model(content: Mapping[str, Any], path: Path) -> Model:
 def _read_site(told: Mapping[str, Any] | None) -> Site | None:
     if told is None:
         return None
-    longitude = told.get("longitude_deg")
-    east = None if longitude is None else float(longitude) * DEG
-    return Site(float(told["latitude_deg"]) * DEG, east, float(told.get("height_m", 0.0)))
+    latitude, longitude, height_m = (
+        None if told.get(name) is None else _number(told[name], name)
+        for name in ("latitude_deg", "longitude_deg", "height_m")
+    )
+    if latitude is None or abs(latitude) > 90:
+        raise BadInput(f"latitude_deg is {latitude}, expected one from -90 to 90")
+    return Site(latitude * DEG, None if longitude is None else longitude * DEG, height_m or 0.0)
 
 
 def _read_term(row: Mapping[str, Any], about: Mapping[int, float]) -> tuple[Term, list[Value]]:
@@ -251,6 +255,8 @@ def _square(rows: Sequence[Sequence[float]] | None, size: int) -> Array:
         raise BadInput(f"the covariance is no lower triangle of {size} rows")
     for n, row in enumerate(rows):
         out[n, : n + 1] = out[: n + 1, n] = row
+    if not np.isfinite(out).all():
+        raise BadInput("the covariance has what is no number")
     return out
 
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import filecmp
+import itertools
 import json
 import multiprocessing
 import os
@@ -305,7 +306,7 @@ def main() -> int:
         shares = shared(told.kills, Path(name))
         slowest_first = sorted(told.commands or shares, key=lambda what: shares[what])
         runs = [pool.submit(one, what, shares[what], seed, Path(name)) for what in slowest_first]
-        for run in [*as_completed(runs), None]:
+        for run in itertools.chain(as_completed(runs), [None]):
             missing = told.kills - sum(count.kills for count in counts)
             if run is not None:
                 count = run.result()
