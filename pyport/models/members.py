@@ -84,7 +84,8 @@ def _try(effect: Effect) -> None:
 
     Its basis is not looked at before it is used, which may be long after the file was read.
     """
-    at = Circumstances(*np.array(_TRIED).T, Site(0.9, 0.3), _Everything())
+    az, el = np.array(_TRIED).T
+    at = Circumstances(az, el, Site(0.9, 0.3), _Everything())
     try:
         found = np.concatenate(effect.columns(at))
     except MissingColumn:  # which of several it takes is seen when it is used
