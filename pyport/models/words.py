@@ -15,7 +15,7 @@ ENTER, IN_FILE, CHANGE = (
     "in the file",
     "change against the file",
 )
-GRID = "another program takes it as a grid of corrections: pyport convert --rest-as grid.csv"
+GRID = "pyport convert writes it for another program as waves, or with --rest-as grid.csv as a grid"
 #: Endings of names of what a coefficient is counted from.
 COUNTED = frozenset({"c", "s", "centre", "rad", "h"})
 #: More coefficients than this are those of many antennas or sessions: a file holds them.

@@ -1,9 +1,12 @@
 """From the finding to the mount: diagnose --save, compare, convert, for one cause of each kind."""
 
+import shutil
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from diagnosis.made import recordings
+from samples import sample
 
 from pyport import pipeline as run
 from pyport.angles import ARCSEC, DEG
@@ -69,6 +72,18 @@ def does(*words):
     return done.output, str(done.exception or "")
 
 
+def watched(monkeypatch):
+    """Return a list that the diagnoses of a command are put into."""
+    done = []
+
+    def kept(*given, **more):
+        done.append(diagnose(*given, **more))
+        return done[-1]
+
+    monkeypatch.setattr(run, "diagnose", kept)
+    return done
+
+
 @pytest.mark.parametrize("cause", CAUSES)
 def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
     """New minus old at the recordings is before minus after; then compare; then the other program.
@@ -76,13 +91,7 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
     What TPOINT has no name for is refused by name, and taken beside the file as a grid.
     """
     shape, nameless = CAUSES[cause]
-    done = []
-
-    def kept(*given, **more):
-        done.append(diagnose(*given, **more))
-        return done[0]
-
-    monkeypatch.setattr(run, "diagnose", kept)
+    done = watched(monkeypatch)
     night, old, new = (tmp_path / name for name in ("night.csv", "old.mod", "new.toml"))
     write(recordings(900, 5, **shape), night)
     old.write_text(OLD)
@@ -121,6 +130,40 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
         assert np.sqrt(np.mean((missed**2).sum(axis=0))) < 3 * ARCSEC
     elif not nameless:
         np.testing.assert_allclose(missed, 0, atol=1e-3 * ARCSEC)
+
+
+def test_a_real_night_is_carried_to_tpoint(tmp_path, monkeypatch):
+    """AuxTel's 54 stars and the model in force: no option is asked for; TPOINT's file has the gain.
+
+    It takes the seconds that a diagnosis of real stars takes.
+    """
+    done = watched(monkeypatch)
+    night, old, new, target = (
+        tmp_path / name for name in ("night.dat", "old.mod", "new.toml", "new.mod")
+    )
+    shutil.copy(sample("auxtel/AT_point_data_20220406_tw004_corr.dat"), night)
+    shutil.copy(sample("auxtel/at_20220406_ia_ie_an_aw_tx10_ca.mod"), old)
+    told = [
+        does("diagnose", night, "--model", old, "--save", new),
+        does("compare", old, new, "--recordings", night),
+        does("convert", new, target),
+    ]
+    (found,) = done
+    at = read(night).at
+    before, after, held = (load(str(path)).offsets(at) for path in (old, new, target))
+
+    assert [refused for _, refused in told] == ["", "", ""]
+    np.testing.assert_allclose(
+        found.setup.stack.spread(*np.subtract(after, before)),
+        found.setup.residual - found.left(found.after),
+        atol=PROMISED,
+        rtol=0,
+    )
+    text, _ = does("compare", old, target, "--recordings", night)
+    was, now = text.split("recordings, sky: rms ")[1].split(" arcsec")[0].split(" -> ")
+    assert was == "3.14"
+    assert float(now) < 2.1
+    assert np.sqrt(np.mean(np.square(np.subtract(held, after)).sum(axis=0))) < 0.7 * ARCSEC
 
 
 def test_nothing_is_left_of_what_was_carried(tmp_path):
