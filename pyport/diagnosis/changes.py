@@ -35,9 +35,12 @@ def proposed(
 ) -> tuple[Weighed, list[Trial]]:
     """Return the case beside noise that holds still, and the best change of each kind there.
 
-    `trials` are those of the turn; a change that shows in none of them is not proposed.
+    `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
+    of a term that the model lacks: first that term is looked for.
     """
     departing = any(one.of == "session" for one in setup.frame.departures)
+    effects = [one.candidate.effect for one in (*setup.base, *chosen)]
+    has = {"", *(one.of or one.id for one in effects)}
     wanted = [
         one
         for one in trials
@@ -45,6 +48,7 @@ def proposed(
         and temporal(setup, one.candidate.effect)
         and one.candidate.effect.id not in banned
         and not (departing and _of_every_session(one))
+        and one.candidate.effect.change_of in has
     ]
     still = _still(weighed.covariance)
     columns = [one.candidate.columns for one in (*setup.base, *chosen)]

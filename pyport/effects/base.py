@@ -265,6 +265,9 @@ class Effect:
         "session" for a change from one session or epoch to another, "order" for one between rows
         whose times are not known, "time" for a slow one, "" for what does not depend on when it
         was recorded.
+    change_of
+        The id of the effect whose coefficients change, on an alt-azimuth mount: such a change is
+        one of a term that the model has.
     member
         What distinguishes this member of its family, as numbers, texts and lists of them, so
         that a file can hold it; empty where there is no choice.
@@ -309,6 +312,7 @@ class Effect:
     edge: Callable[[Array], Array] | None = None
     driver: str | None = None
     changes_with: str = ""
+    change_of: str = ""
     member: Mapping[str, Any] = field(default_factory=dict, compare=False)
     make: Callable[..., Effect] | None = field(default=None, compare=False)
     pattern: str = ""

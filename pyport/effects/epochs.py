@@ -274,6 +274,7 @@ _TILT: Effect = Effect(
     pattern="once per turn of azimuth, in both axes, from one session to another",
     needs=("session",),
     formula=("a tilt in each session, or since one", "a tilt in each session, or since one"),
+    change_of="tilt",
     changes_with="session",
     make=_made(lambda: _TILT),
 )
@@ -289,6 +290,7 @@ _SAG: Effect = Effect(
     pattern="with the cosine of elevation, in elevation, from one session to another",
     needs=("session",),
     formula=("", "g cos E in each session, or since one"),
+    change_of="sag_cosine",
     changes_with="session",
     make=_made(lambda: _SAG),
 )

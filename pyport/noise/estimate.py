@@ -173,7 +173,8 @@ def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | 
     weights, residual = np.ones(len(value)), np.zeros(len(value))
     columns = []
     for n, part in enumerate(given.parts):
-        own = design[part.rows]
+        # What never changes is no drift, whether the model has a constant or lacks one.
+        own = np.concatenate([design[part.rows], np.ones((len(part.rows), 1))], axis=1)
         if shapes is None:
             own = _orthonormal(own[:, own.any(axis=0)])
         else:
