@@ -1,4 +1,4 @@
-"""`pyport demo`: parity, the steering table and a diagnosis of real recordings, once."""
+"""`pyport demo`: parity, the steering table, real recordings and an equatorial session, once."""
 
 from __future__ import annotations
 
@@ -19,6 +19,10 @@ RECORDINGS = (
 )
 
 
+#: The equatorial session: which mount, how many causes, the number and the seed of all.
+EQUATORIAL = ("german", "one", 16, 1)
+
+
 @click.command("demo", epilog="Example: pyport demo --out out")
 @click.option(
     "--out",
@@ -29,7 +33,7 @@ RECORDINGS = (
 )
 @in_json
 def command(out: Path, *, as_json: bool) -> None:
-    """Show everything once: parity, the table, a diagnosis of real recordings, a night watched."""
+    """Show everything once: parity, table, recordings, an equatorial session, a night watched."""
     from pyport import legacy, pipeline, steering
     from pyport.parity.report import summary
     from pyport.progress import working
@@ -63,7 +67,17 @@ def command(out: Path, *, as_json: bool) -> None:
     tell(f"\nReports, rows and pictures: {out}/gmrt-*/ (open report.html in a browser)")
 
     tell(
-        click.style("\n4. A simulated night whose azimuth axis begins to lean, watched", bold=True)
+        click.style("\n4. What does a model of five terms leave out on a German mount?", bold=True)
+    )
+    night, model, hidden = _equatorial(out)
+    wanted = pipeline.requests([str(night)], model=str(model), refit="all", seed=0, out=out)
+    for done in pipeline.run_all(wanted):
+        reports.append(json.loads(done.report))
+        tell("\n" + done.summary)
+    tell(f"\nHidden was: {hidden}. The session was drawn: {night}, its model {model}")
+
+    tell(
+        click.style("\n5. A simulated night whose azimuth axis begins to lean, watched", bold=True)
     )
     with working("watching"):
         watched = _night(out / "night.png")
@@ -80,6 +94,21 @@ def command(out: Path, *, as_json: bool) -> None:
             "watch": watched,
         }
         say("", told, as_json=True)
+
+
+def _equatorial(out: Path) -> tuple[Path, Path, str]:
+    """Draw a session of a German mount, half of whose noise is what its model leaves out."""
+    from pyport import recordings
+    from pyport.examiner.mounts import worlds
+    from pyport.files import write_whole
+    from pyport.recordings.from_table import from_table
+
+    world = worlds.draw(worlds.Case(*EQUATORIAL))
+    night, model = out / "german.csv", out / "five-terms.toml"
+    recordings.write(from_table(world.table, world.header), night)
+    with write_whole(model) as file:
+        file.write(world.model)
+    return night, model, " and ".join(world.hidden)
 
 
 #: The night: five nights of white noise before it, a tilt of two sigmas in its course.

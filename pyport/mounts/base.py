@@ -90,6 +90,11 @@ class Mount:
     words: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
+    def axes(self) -> tuple[Axis, Axis]:
+        """Return both axes, the one that is fixed to the ground first."""
+        return self.first, self.second
+
+    @property
     def fixed(self) -> str:
         """Return what the axis that is fixed to the ground is called."""
         return self.words.get("azimuth axis", f"{self.first.name} axis")

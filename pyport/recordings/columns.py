@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from pyport.angles import ARCMIN, RADIANS_PER
+from pyport.mounts import KINDS
+
+#: Angles of the axes of mounts, and offsets from them.
+AXES = frozenset(axis.column for mount in KINDS.values() for axis in mount.axes)
+_OFFSETS = {
+    name
+    for mount in KINDS.values()
+    for name in (mount.first.offset, mount.across_column, mount.second.offset)
+}
 
 #: Angles: each is a column `NAME_UNIT`, for instance `az_deg` or `d_el_arcmin`.
 ANGLES = frozenset(
     {
-        *("az", "el", "d_az", "d_xel", "d_el", "d_zd", "sigma_xel", "sigma_az", "sigma_el"),
-        *("hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"),
-        *("d_ha", "d_xha", "d_dec", "sigma_ha", "sigma_xha", "sigma_dec"),
-        *("x", "y", "d_x", "d_xx", "d_y", "sigma_x", "sigma_xx", "sigma_y"),
+        *AXES,
+        *_OFFSETS,
+        *(f"sigma_{one.removeprefix('d_')}" for one in _OFFSETS),
+        *("d_zd", "hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"),
     }
 )
 #: Short names of angles.

@@ -15,6 +15,7 @@ from pyport.mounts import ALTAZ, Mount
 from pyport.recordings import mounted, sky
 from pyport.recordings.columns import (
     ANGLES,
+    AXES,
     DAY,
     HOUR_OF_DAY,
     LABELS,
@@ -42,7 +43,7 @@ LARGEST_OFFSET_DEG = 180
 LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
 #: Angles that are kept as columns.
-DIRECTIONS = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el", "x", "y"})
+DIRECTIONS = (AXES - {"az", "el"}) | {"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"}
 
 
 def interpret(raw: Raw) -> Recordings:

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from pyport.effects import MissingColumn
 from pyport.effects.base import SPELLED
-from pyport.recordings.columns import DAY, HOUR_OF_DAY, SCAN_RATE, SCAN_RATE_UNIT, angle_of
+from pyport.recordings.columns import AXES, DAY, HOUR_OF_DAY, SCAN_RATE, SCAN_RATE_UNIT, angle_of
 from pyport.recordings.mounted import axes_of, names_of
 from pyport.recordings.schema import Recordings
 
 #: Angles that are kept as columns of circumstances.
-_KEPT = frozenset({"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el", "x", "y"})
+_KEPT = (AXES - {"az", "el"}) | {"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"}
 
 
 def column(recordings: Recordings, name: str) -> NDArray[Any] | None:

@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR
-from pyport.recordings.columns import SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
+from pyport.recordings.columns import AXES, SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
 from pyport.recordings.mounted import names_of
 from pyport.recordings.schema import Recordings
 
 #: Columns of the program -> the contract's name and the radians (or s) of one of its units.
 _UNITS = {
+    **{name: (f"{name}_deg", DEG) for name in AXES},
     "hour_angle": ("hour_angle_h", HOUR),
     "ra": ("ra_deg", DEG),
     "dec": ("dec_deg", DEG),
-    "x": ("x_deg", DEG),
-    "y": ("y_deg", DEG),
     "wind_az": ("wind_az_deg", DEG),
     "sun_az": ("sun_az_deg", DEG),
     "sun_el": ("sun_el_deg", DEG),
