@@ -32,6 +32,7 @@ COMMANDS = {
     "predict": "Compare models by how they predict recordings that they were not fitted to.",
     "study": "Repeat the analyses of the two documents that the program began with.",
     "table": "Write the steering table of a pointing model.",
+    "targets": "List what to observe next, as a telescope reads it, within limits and time.",
     "watch": "Watch recordings come in all night; raise alarms with a stated false-alarm rate.",
 }
 

@@ -90,7 +90,7 @@ def look(
     sources
         Suggest the recorded sources at other hour angles, not just directions.
     """
-    antenna, antennas = _busiest(recordings)
+    antenna, antennas = busiest(recordings)
     model = model.on(recordings.at.mount)
     own = recordings.take(recordings.label("antenna").astype(str) == antenna)
     noise = None if noise_arcsec is None else noise_arcsec * ARCSEC
@@ -131,7 +131,7 @@ def thinned(recordings: Recordings, model: Model, noise: float | None) -> Design
     return replace(made, noise=made.noise * np.sqrt(share))
 
 
-def _busiest(recordings: Recordings) -> tuple[str, int]:
+def busiest(recordings: Recordings) -> tuple[str, int]:
     """Return the antenna with the most recordings, and how many antennas there are."""
     names, counts = np.unique(recordings.label("antenna").astype(str), return_counts=True)
     return str(names[np.argmax(counts)]), len(names)

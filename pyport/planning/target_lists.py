@@ -1,0 +1,103 @@
+"""Lists of targets as telescopes and programs read them, and catalogues of sources."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pyport.angles import DEG, HOUR
+from pyport.errors import BadInput
+from pyport.planning.targets import Source, Target
+from pyport.recordings.formats import csv
+
+
+def _moment(time_s: float) -> str:
+    return f"{np.datetime64(round(time_s), 's')}Z"
+
+
+def as_csv(some: Sequence[Target]) -> str:
+    """Return targets as CSV: when, what, where, and what each decides."""
+    lines = ["time_utc,source,az_deg,el_deg,ra_deg,dec_deg,decides"]
+    for one in some:
+        decides = " or ".join(one.decides or ())
+        where = f"{one.az_deg:.4f},{one.el_deg:.4f},{one.ra_deg:.6f},{one.dec_deg:.6f}"
+        lines.append(f"{_moment(one.time_s)},{one.source},{where},{decides}")
+    return "\n".join(lines) + "\n"
+
+
+def as_snap(some: Sequence[Target]) -> str:
+    """Return targets as commands of the VLBI Field System: go there, then wait until it is time.
+
+    A source is given by its place (J2000), a direction by azimuth and elevation.
+    """
+    lines = ['" targets, each followed by the time at which it is observed']
+    for n, one in enumerate(some, 1):
+        if one.source:
+            ra, dec = _sexagesimal(one.ra_deg / 15, 2), _sexagesimal(abs(one.dec_deg), 1)
+            sign = "-" if one.dec_deg < 0 else "+"
+            name = one.source.replace(" ", "_").lower()
+            lines.append(f"source={name},{ra},{sign}{dec},2000.0")
+        else:
+            lines.append(f"source=azel,{one.az_deg:.4f}d,{one.el_deg:.4f}d")
+        when = np.datetime64(round(one.time_s), "s")
+        day = int((when.astype("datetime64[D]") - when.astype("datetime64[Y]")).astype(int)) + 1
+        lines += [f"!{str(when)[:4]}.{day:03d}.{str(when)[11:]}", f'" target {n}']
+    return "\n".join(lines) + "\n"
+
+
+def as_grid(some: Sequence[Target]) -> str:
+    """Return targets as a grid for TPOINT's mapping: azimuth and elevation [deg] a line."""
+    return "".join(f"{one.az_deg:10.4f} {one.el_deg:9.4f}\n" for one in some)
+
+
+def as_places(some: Sequence[Target]) -> str:
+    """Return targets as names and places: RA [h m s] and Dec [d ' "], ICRS."""
+    lines = []
+    for n, one in enumerate(some, 1):
+        ra, dec = _sexagesimal(one.ra_deg / 15, 2, " "), _sexagesimal(abs(one.dec_deg), 1, " ")
+        sign = "-" if one.dec_deg < 0 else "+"
+        lines.append(f"{one.source.replace(' ', '_') or f'target{n:03d}':20} {ra} {sign}{dec}\n")
+    return "".join(lines)
+
+
+FORMATS: dict[str, Callable[[Sequence[Target]], str]] = {
+    "csv": as_csv,
+    "snap": as_snap,
+    "tpoint": as_grid,
+    "radec": as_places,
+}
+
+
+def _sexagesimal(value: float, decimals: int, between: str = "") -> str:
+    """Return an angle in hours or degrees as three numbers, rounded once."""
+    units = round(value * 3600 * 10**decimals)
+    seconds, part = divmod(units, 10**decimals)
+    minutes, second = divmod(seconds, 60)
+    whole, minute = divmod(minutes, 60)
+    return between.join((f"{whole:02d}", f"{minute:02d}", f"{second:02d}.{part:0{decimals}d}"))
+
+
+def read_catalogue(path: Path) -> list[Source]:
+    """Read sources: a CSV file with `name` (or `source`), `ra_deg` or `ra_h`, and `dec_deg`.
+
+    Raises
+    ------
+    BadInput
+        A column is missing, or a cell is no number.
+    """
+    raw = csv.read(path)
+    name = next((one for one in ("name", "source") if one in raw.columns), "")
+    ra = next((one for one in ("ra_deg", "ra_h") if one in raw.columns), "")
+    if not (name and ra and "dec_deg" in raw.columns):
+        raise raw.error("a catalogue has columns name, ra_deg (or ra_h) and dec_deg")
+    right, dec = raw.numbers(ra) * (DEG if ra == "ra_deg" else HOUR), raw.numbers("dec_deg") * DEG
+    raw.refuse(~np.isfinite(right) | ~np.isfinite(dec), "no place, expected ra and dec_deg")
+    raw.refuse(np.abs(dec) > np.pi / 2, "dec_deg outside [-90, 90]")
+    names = raw.words(name).tolist()
+    if len(set(names)) < len(names):
+        raise BadInput("two sources have one name", path)
+    return [
+        Source(str(one), float(a), float(d)) for one, a, d in zip(names, right, dec, strict=True)
+    ]

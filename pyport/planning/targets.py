@@ -1,0 +1,229 @@
+"""Targets to observe next, in an order that saves slewing, within limits and the time left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import DEG, Array, wrap
+from pyport.effects.base import Circumstances, Site
+from pyport.effects.celestial import sun
+from pyport.errors import BadInput
+from pyport.models.model import Model
+from pyport.planning.look import busiest, thinned
+from pyport.planning.separate import separate
+from pyport.planning.suggest import Targets, directions, suggest
+from pyport.recordings.schema import Recordings
+from pyport.threads import one_thread
+
+#: Catalogued sources are offered where they stand so often within the time left [s].
+STEP_S = 1800.0
+#: The Sun is up from this elevation on, its refraction and half of its disc counted [rad].
+SUNRISE = -0.833 * DEG
+#: The longest night that is looked through for a sunrise [s].
+LONGEST_S = 86400.0
+
+
+@dataclass(frozen=True)
+class Source:
+    """A catalogued place, ICRS [rad]."""
+
+    name: str
+    ra: float
+    dec: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the telescope can do, and when.
+
+    Attributes
+    ----------
+    lowest_deg, highest_deg
+        Elevations.
+    start_s, end_s
+        The time left [s since 1970].
+    dwell_s
+        A pointing takes so long, slewing apart.
+    az_rate, el_rate
+        Of slewing [deg/s].
+    sun_deg
+        No nearer to the Sun.
+    """
+
+    lowest_deg: float
+    highest_deg: float
+    start_s: float
+    end_s: float
+    dwell_s: float = 180.0
+    az_rate: float = 0.5
+    el_rate: float = 0.5
+    sun_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class Target:
+    """A pointing: when [s since 1970], where [deg], ICRS [deg], and what it helps to decide."""
+
+    time_s: float
+    source: str
+    az_deg: float
+    el_deg: float
+    ra_deg: float
+    dec_deg: float
+    decides: tuple[str, str] | None
+
+
+def seen_from(site: Site, ra: Array, dec: Array, time_s: Array) -> tuple[Array, Array]:
+    """Return true azimuth and elevation [rad] of ICRS places, without refraction. ERFA's `atco13`.
+
+    Raises
+    ------
+    BadInput
+        The site's longitude is not known.
+    """
+    import erfa
+
+    az, zd, *_ = erfa.atco13(ra, dec, 0, 0, 0, 0, *_place(site, time_s))
+    return wrap(az), np.pi / 2 - zd
+
+
+def to_icrs(site: Site, az: Array, el: Array, time_s: Array) -> tuple[Array, Array]:
+    """Return the ICRS place [rad] at a true azimuth and elevation. ERFA's `atoc13`."""
+    import erfa
+
+    return erfa.atoc13("A", az, np.pi / 2 - np.asarray(el), *_place(site, time_s))[:2]
+
+
+def _place(site: Site, time_s: Array) -> tuple[Array | float, ...]:
+    """Return what ERFA asks of time and place, UT1 and pole as if they were UTC and zero."""
+    if site.longitude is None:
+        raise BadInput("no longitude_deg, expected one for targets at a time: --set longitude_deg=")
+    days = np.asarray(time_s) / 86400.0
+    weather = 0.0, 0.0, 0.0, 1.0
+    moment = 2440587.5, days, 0.0
+    return *moment, site.longitude, site.latitude, site.height_m, 0.0, 0.0, *weather
+
+
+def sunrise(site: Site, start_s: float) -> float:
+    """Return when the Sun next rises [s since 1970], within a day; the day's end if it does not."""
+    time = start_s + np.arange(0, LONGEST_S, 60.0)
+    none = np.zeros(len(time))
+    up = sun(Circumstances(none, none, site, {"time": time}))[1] > SUNRISE
+    rises = np.flatnonzero(up[1:] & ~up[:-1])
+    return float(time[rises[0] + 1]) if len(rises) else start_s + LONGEST_S
+
+
+@one_thread
+def targets(
+    recordings: Recordings,
+    model: Model,
+    limits: Limits,
+    count: int,
+    catalogue: Sequence[Source] = (),
+) -> list[Target]:
+    """Return what to observe next, in its order.
+
+    What decides most between effects that the recordings cannot distinguish, or tells most of the
+    model where there are none (`suggest`); from there always the nearest by slewing time.
+
+    Parameters
+    ----------
+    catalogue
+        Sources to choose from; without, directions all over the sky.
+
+    Raises
+    ------
+    BadInput
+        No site is known, or nothing is above the limits.
+    """
+    site = recordings.at.site or model.site
+    if site is None:
+        raise BadInput("no latitude_deg, expected one: --set latitude_deg=...", recordings.file)
+    own = recordings.take(recordings.label("antenna").astype(str) == busiest(recordings)[0])
+    made = thinned(own, model, None)
+    offered = _offered(site, limits, catalogue)
+    chosen, _ = suggest(made, separate(made).pairs, offered, count)
+    by_name = {one.name: one for one in catalogue}
+    left = list(chosen)
+    now, found = limits.start_s, []
+    az, el = None, None
+    while left:
+        nearest = min(left, key=lambda one: _slew_s(limits, az, el, one.az_deg, one.el_deg))
+        left.remove(nearest)
+        arrival = now + _slew_s(limits, az, el, nearest.az_deg, nearest.el_deg)
+        if arrival + limits.dwell_s > limits.end_s:
+            break
+        target = _at(site, limits, arrival, nearest.source, by_name, nearest.az_deg, nearest.el_deg)
+        if target is None:
+            continue
+        found.append(Target(arrival, nearest.source, *target, nearest.decides))
+        now, az, el = arrival + limits.dwell_s, target[0], target[1]
+    return found
+
+
+def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets:
+    """Return directions that could be observed in the time left."""
+    if not catalogue:
+        sky = directions(limits.lowest_deg, limits.highest_deg)
+        away = _from_sun(site, limits.start_s, sky.az, sky.el) >= limits.sun_deg * DEG
+        some = Targets(sky.az[away], sky.el[away], tuple("" for _ in range(int(away.sum()))))
+    else:
+        moments = np.arange(limits.start_s, limits.end_s, STEP_S)
+        which = np.repeat(np.arange(len(catalogue)), len(moments))
+        time = np.tile(moments, len(catalogue))
+        ra, dec = (np.array([getattr(one, name) for one in catalogue]) for name in ("ra", "dec"))
+        az, el = seen_from(site, ra[which], dec[which], time)
+        up = (el >= limits.lowest_deg * DEG) & (el <= limits.highest_deg * DEG)
+        if limits.sun_deg:
+            up &= _from_sun(site, limits.start_s, az, el) >= limits.sun_deg * DEG
+        some = Targets(az[up], el[up], tuple(catalogue[n].name for n in which[up]))
+    if not len(some.az):
+        raise BadInput("nothing is within the limits in the time left")
+    return some
+
+
+def _from_sun(site: Site, time_s: float, az: Array, el: Array) -> Array:
+    """Return how far directions are from the Sun [rad]."""
+    from pyport.planning.coverage import separation
+
+    none = np.zeros(1)
+    sun_az, sun_el = sun(Circumstances(none, none, site, {"time": np.array([time_s])}))
+    return separation(float(sun_az[0]), float(sun_el[0]), az, el)
+
+
+def _slew_s(
+    limits: Limits, az: float | None, el: float | None, to_az: float, to_el: float
+) -> float:
+    """Return how long a slew takes, both axes at once, the shorter way round [s]."""
+    if az is None or el is None:
+        return 0.0
+    turn = abs((to_az - az + 180) % 360 - 180)
+    return max(turn / limits.az_rate, abs(to_el - el) / limits.el_rate)
+
+
+def _at(
+    site: Site,
+    limits: Limits,
+    time_s: float,
+    name: str,
+    by_name: dict[str, Source],
+    az_deg: float,
+    el_deg: float,
+) -> tuple[float, float, float, float] | None:
+    """Return azimuth, elevation, RA and Dec [deg] at a time, None where it has set by then."""
+    when = np.array([time_s])
+    if not name:
+        place = to_icrs(site, np.array([az_deg * DEG]), np.array([el_deg * DEG]), when)
+        ra, dec = (float(one[0] / DEG) for one in place)
+        return az_deg, el_deg, ra, dec
+    one = by_name[name]
+    az, el = (
+        float(each[0] / DEG)
+        for each in seen_from(site, np.array([one.ra]), np.array([one.dec]), when)
+    )
+    if not limits.lowest_deg <= el <= limits.highest_deg:
+        return None
+    return az % 360, el, one.ra / DEG, one.dec / DEG
