@@ -14,6 +14,7 @@ from astropy.table import Table
 
 import pyport
 from pyport.errors import BadInput
+from pyport.pointing import kernel
 from pyport.recordings import read
 from pyport.recordings.from_table import from_table
 
@@ -98,7 +99,7 @@ def test_a_diagnosis_says_itself_and_draws_itself(found):
     assert repr(found) == found.summary()
     assert found.report["mismatch"] is found.mismatch is True
     assert shown.startswith("<div><p><b>altaz leaves out")
-    assert 'sandbox="allow-scripts"' in shown
+    assert 'sandbox="allow-scripts allow-downloads"' in shown
     assert "<script>" not in shown.partition("srcdoc=")[0]
 
 
@@ -109,6 +110,7 @@ def test_a_diagnosis_is_saved_and_plotted(found, tmp_path):
     assert names == {"report.html", "report.json", "rows.csv"}
     report = json.loads((tmp_path / "here" / "report.json").read_text())
     assert set(report.pop("files")) == names - {"report.json"}
+    assert report.pop("computed_with") == kernel.path()
     assert report == found.report
     assert len(found.plot("sky").axes) == 2
     assert "against-source" in found.panels()
@@ -145,6 +147,7 @@ def test_names_are_there_before_they_are_imported():
     assert done.stdout.split() == ["False", "False"]
 
 
+@pytest.mark.slow
 def test_the_tutorial_runs():
     """Every cell of the notebook runs; what it promises in words comes out."""
     import nbformat

@@ -88,6 +88,7 @@ def test_no_cluster_is_said(monkeypatch):
         pass
 
 
+@pytest.mark.slow
 def test_a_worker_killed_half_way_changes_no_digit(cluster, data_set):
     """A data set is the same from one process and from three of whom one is killed."""
     alone = numbers(read(data_set))
@@ -119,6 +120,7 @@ def test_processes_change_no_digit(data_set):
         np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_diagnoses_of_each_antenna_survive_a_dead_worker(cluster, tmp_path):
     """Antenna by antenna, a worker killed half-way: reports are those of one process."""
     rng = np.random.default_rng(7)
@@ -156,6 +158,7 @@ def kill_one(cluster):
     os.kill(victim, signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_a_campaign_of_trials_is_solved_on_a_cluster(cluster, tmp_path):
     """Every case gets its answer, a worker killed on the way or not, and the same as elsewhere.
 
