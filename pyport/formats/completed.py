@@ -209,7 +209,8 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
 
 def _waves(model: Model, lost: Sequence[str], vocabulary: str) -> Waves:
     """Return waves for what is lost, where that is fields without a name that waves hold."""
-    if not lost or not all(one.startswith(_FIELD) for one in lost):
+    nameless = bool(lost) and all(one.startswith(_FIELD) for one in lost)
+    if not nameless or model.mount is not ALTAZ:
         return Waves()
     fields = [one for one in model.terms if one.effect.id == UNKNOWN and one.has_values]
     made = {} if model.completed is None else model.completed.made

@@ -73,7 +73,11 @@ def test_a_mean_of_the_recordings_is_kept():
 @pytest.mark.parametrize("vocabulary", WORDS)
 def test_words_of_other_programs_come_back(vocabulary):
     """A harmonic, a term with a sign, a ratio: by their shapes, whatever they are called."""
-    names = {"tpoint": ["IE", "AW", "HESA2", "HSCA5CE8"], "ska-mid": ["ECEC", "HESE8"]}
+    names = {
+        "tpoint": ["IE", "AW", "HESA2", "HSCA5CE8"],
+        "tpoint-equatorial": ["ID", "NP", "ME", "HDCH2"],
+        "ska-mid": ["ECEC", "HESE8"],
+    }
     for name in names.get(vocabulary, ["P3", "P6", "P12", "P15"]):
         effect = WORDS[vocabulary](name).effect()
         back = effect_of(effect.id, there_and_back(effect.member))
