@@ -152,19 +152,20 @@ class Evidence:
             out[one] *= scale[antenna[one]]
         return out
 
-    def beside(self, model: Sequence[Part]) -> Beside:
-        """Return what is left of everything when a model is refitted."""
-        return Beside(self, model)
+    def beside(self, model: Sequence[Part], only: Codes | None = None) -> Beside:
+        """Return what is left of everything, or `only` some columns, when a model is refitted."""
+        size = self.gram.matrices.shape[1] - 1
+        return Beside(self, model, np.arange(size) if only is None else np.sort(only))
 
 
 @dataclass(frozen=True)
 class _Left:
-    """All columns in one scope, with the model projected out.
+    """Columns in one scope, with the model projected out.
 
     Attributes
     ----------
     own
-        Products of the columns within each group, shape (G, K, K).
+        Products of the columns within each of the G groups, shape (K, K) each.
     cross, solved
         Products with the model's columns, and the model's inverse times them, (K, M, G).
     seen
@@ -173,7 +174,7 @@ class _Left:
         Products with drawn noise's residuals, shape (G, K, draws).
     """
 
-    own: Array
+    own: Sequence[Array]
     cross: Array
     solved: Array
     seen: Array
@@ -186,16 +187,17 @@ class _Left:
         right = self.solved[others].transpose(1, 2, 0).reshape(model, groups * len(others))
         out = -(left @ right).reshape(groups, len(some), groups, len(others))
         each = np.arange(groups)
-        out[each, :, each] += self.own[:, some[:, None], others]
+        out[each, :, each] += np.array([own[some[:, None], others] for own in self.own])
         return out.reshape(groups * len(some), groups * len(others))
 
 
 class Beside:
     """Everything beside one model: scope by scope, what each column still shows."""
 
-    def __init__(self, evidence: Evidence, model: Sequence[Part]):
+    def __init__(self, evidence: Evidence, model: Sequence[Part], columns: Codes):
         self.evidence = evidence
         self.model = model
+        self.columns = columns
         self.inverse = inverse_of(evidence.gram.cross(model, model))[0]
         self.values = self.inverse @ evidence.gram.moments(model)
         self.drawn_values = self.inverse @ evidence.gram.moments(model, evidence.noise)
@@ -208,23 +210,30 @@ class Beside:
         return self._left[scope]
 
     def _project(self, scope: str) -> _Left:
-        evidence = self.evidence
+        evidence, kept = self.evidence, self.columns
         groups = evidence.blocks.groups(scope)
-        count, size = int(groups.max()) + 1, evidence.gram.matrices.shape[1] - 1
-        own = np.zeros((count, size, size))
+        count, size = int(groups.max()) + 1, len(kept)
+        whole = size == evidence.gram.matrices.shape[1] - 1
+        own: list[Array] = []
         seen = np.zeros((count, size))
         drawn = np.zeros((count, size, evidence.noise.shape[2]))
         cross = np.zeros((count, len(self.values), size))
         solved = np.empty_like(cross)
         places, columns = index(self.model, len(groups))
-        for block, (group, matrix) in enumerate(zip(groups, evidence.gram.matrices, strict=True)):
-            own[group] += matrix[:-1, :-1]
-            seen[group] += matrix[:-1, -1]
-            drawn[group] += evidence.noise[block]
-            cross[group, places[block]] += matrix[columns, :-1]
         for group in range(count):
+            blocks = np.flatnonzero(groups == group)
+            for block in blocks:
+                matrix = evidence.gram.matrices[block]
+                seen[group] += matrix[kept, -1]
+                drawn[group] += evidence.noise[block, kept]
+                cross[group, places[block]] += matrix[columns[:, None], kept]
+            # Of a single block all products are a view: they are the most there is in memory.
+            matrices = evidence.gram.matrices
+            one = len(blocks) == 1
+            products = matrices[blocks[0]] if one else matrices[blocks].sum(axis=0)
+            own.append(products[:-1, :-1] if whole else products[kept[:, None], kept])
             # A group meets no more of the model than its own blocks' coefficients.
-            met = np.unique(places[groups == group])
+            met = np.unique(places[blocks])
             within = cross[group, met]
             seen[group] -= within.T @ self.values[met]
             drawn[group] -= within.T @ self.drawn_values[met]
@@ -240,7 +249,7 @@ class Beside:
 
     def _trial(self, candidate: Candidate, scope: str) -> Trial | None:
         evidence, left = self.evidence, self.left(scope)
-        columns = candidate.columns
+        columns = self._places(candidate)
         information = left.between(columns, columns)
         power = np.concatenate([np.diag(own)[columns] for own in left.own])
         length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
@@ -271,6 +280,10 @@ class Beside:
             (drawn**2).sum(axis=0) * (evidence.luck if shared else 1.0),
         )
 
+    def _places(self, candidate: Candidate) -> Codes:
+        """Return where a candidate's columns stand among those that are looked at."""
+        return np.searchsorted(self.columns, candidate.columns)
+
     def share(self, winner: Trial, other: Trial) -> float:
         """Return how much of the winner's fitted curve another of its scope can draw, 0 to 1.
 
@@ -278,7 +291,7 @@ class Beside:
         cosine between the winner's curve and the other's nearest one.
         """
         left = self.left(winner.scope)
-        own, rival = winner.candidate.columns, other.candidate.columns
+        own, rival = self._places(winner.candidate), self._places(other.candidate)
         drawn = left.between(rival, own) @ winner.values
         length = float(winner.values @ left.between(own, own) @ winner.values)
         nearest = float(drawn @ inverse_of(left.between(rival, rival))[0] @ drawn)
