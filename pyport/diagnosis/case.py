@@ -110,13 +110,17 @@ class Setup:
 
     @cached_property
     def possible(self) -> tuple[Array, ...]:
-        """Return for each series the columns of all candidates that are not empty in it.
+        """Return for each series the columns of all lasting candidates that are not empty in it.
 
         What changes with time is not among them: the noise holds what nights and drifts do, and
         an effect of time has to stand out of that.
         """
-        lasting = [c.columns for c in self.candidates if not temporal(self, c.effect)]
-        columns = self.columns[:, np.concatenate([np.zeros(0, np.intp), *lasting])]
+        return self.shown_by([c for c in self.candidates if not temporal(self, c.effect)])
+
+    def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
+        """Return for each series the columns of candidates that are not empty in it."""
+        some = [np.zeros(0, np.intp), *(one.columns for one in candidates)]
+        columns = self.columns[:, np.concatenate(some)]
         found = []
         for part in self.parts:
             own = columns[part.rows]

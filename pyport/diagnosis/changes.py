@@ -50,7 +50,7 @@ def proposed(
         and not (departing and _of_every_session(one))
         and one.candidate.effect.change_of in has
     ]
-    still = _still(weighed.covariance)
+    still = _still(setup, weighed.covariance)
     columns = [one.candidate.columns for one in (*setup.base, *chosen)]
     places = np.unique(np.concatenate([np.zeros(0, np.intp), *columns]))
     white = np.zeros((2 * len(setup.columns), setup.columns.shape[1] + 1))
@@ -95,7 +95,33 @@ def _of_every_session(trial: Trial) -> bool:
     return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)
 
 
-def _still(covariance: Covariance) -> Covariance:
-    """Return a covariance without departures and drifts."""
-    noises = tuple(replace(one, drifts=()) for one in covariance.noises)
+def _still(setup: Setup, covariance: Covariance) -> Covariance:
+    """Return what scatters and drifts within a session: no departures, no longer memory.
+
+    A longer memory shows within a session by the share of its variance that it changes there.
+    """
+    longest = _session_s(setup)
+    noises = tuple(
+        replace(
+            one,
+            drifts=tuple(
+                (amplitude * float(np.sqrt(min(1.0, longest / memory))), min(memory, longest))
+                for amplitude, memory in one.drifts
+            ),
+        )
+        for one in covariance.noises
+    )
     return replace(covariance, noises=noises, departures=())
+
+
+def _session_s(setup: Setup) -> float:
+    """Return how long a session usually takes [s]; of a single one a quarter."""
+    spans = []
+    for part in setup.parts:
+        if part.time is None:
+            continue
+        session = setup.session[part.first]
+        spans += [float(np.ptp(part.time[session == one])) for one in np.unique(session)]
+    if not spans:
+        return np.inf
+    return float(np.median(spans)) / (4.0 if len(np.unique(setup.session)) == 1 else 1.0)

@@ -95,9 +95,10 @@ def winner_of(
     if moved:
         # What was there all along may pass for a change: both are held to the same noise.
         lasting.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
-        for n, one in enumerate(lasting[:MOST_TRIED]):
-            sure = max(one.trial.evidence, _confirmed(one, chosen))
-            lasting[n] = replace(one, trial=replace(one.trial, evidence=sure))
+        lasting = [
+            replace(one, trial=replace(one.trial, evidence=_confirmed(one, chosen)))
+            for one in lasting[:MOST_TRIED]
+        ]
     ranked = [*moved, *lasting]
     ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
     for one in ranked[:MOST_TRIED]:
@@ -215,7 +216,8 @@ def predicts(
 def alone(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], one: Chosen) -> Trial | None:
     """Return the trial of a choice beside all the others; None where they can draw all of it."""
     others = [setup.part(each) for each in (*setup.base, *chosen) if each is not one]
-    trials = weighed.evidence.beside(others).trials([(one.candidate, one.scope)])
+    beside = weighed.evidence.beside(others, only=one.candidate.columns)
+    trials = beside.trials([(one.candidate, one.scope)])
     return trials[0] if trials else None
 
 
