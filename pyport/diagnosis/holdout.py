@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.least_squares.gram import Gram, Part, Solution
+from pyport.least_squares.gram import Gram, Solution
+from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 
@@ -110,18 +111,17 @@ def _solutions(
     there when the others were whitened: a fold is taken off the products of the whole.
     """
     if len(np.unique(setup.blocks.antenna)) > 1:
-        white, choices = _whitened(setup, weighed, chosen)
+        white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
         for one, solution, _ in _without_each(setup, white, choices, partition):
             yield one, solution, None
         return
     columns = setup.expanded((*setup.base, *chosen))
     data = np.concatenate([columns, setup.residual[:, None]], axis=1)
-    everything = Part(np.arange(columns.shape[1]), np.zeros(1, np.intp))
     for one in np.unique(partition.fold):
         weights = np.where(partition.fold == one, 0.0, weighed.weights)
         covariance = replace(weighed.covariance, weights=weights)
-        white = covariance.whiten(data)
-        yield int(one), Gram((white.T @ white)[None]).solve([everything]), covariance
+        white = tempered(covariance).whiten(data)
+        yield int(one), Solution.of(white.T @ white), covariance
 
 
 @stage("holding data out")
@@ -133,7 +133,7 @@ def unseen_misfit(
     Noise and outliers weigh in it as they do in the fit, and what cannot be
     predicted counts as far off.
     """
-    white, choices = _whitened(setup, weighed, chosen)
+    white, choices = _whitened(setup, weighed.covariance, chosen)
     columns = setup.expanded(choices, of=white)
     total = 0.0
     for _, solution, rows in _without_each(setup, white, choices, partition):
@@ -156,7 +156,7 @@ def _left_open(solution: Solution, columns: Array) -> NDArray[np.bool_]:
 
 
 def _whitened(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]
+    setup: Setup, covariance: Covariance, chosen: Sequence[Chosen]
 ) -> tuple[Array, list[Chosen]]:
     """Return the whitened columns of the model and the data, and the choices of those columns."""
     choices = (*setup.base, *chosen)
@@ -168,7 +168,7 @@ def _whitened(
         replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
         for one, low, high in zip(choices, starts, starts[1:], strict=False)
     ]
-    return weighed.covariance.whiten(data), own
+    return covariance.whiten(data), own
 
 
 def _without_each(

@@ -12,6 +12,7 @@ from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.fitting import sizes
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.least_squares.gram import Solution
+from pyport.noise.coefficients import solve
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,10 @@ class Joint:
 def fit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Joint:
     """Fit the base and the chosen effects together."""
     choices = (*setup.base, *chosen)
-    parts = [setup.part(one) for one in choices]
-    solution = weighed.evidence.gram.solve(parts)
-    starts = np.cumsum([0, *(part.size for part in parts)])
-    return Joint(choices, solution, starts, setup.expanded(choices) @ solution.values)
+    columns = setup.expanded(choices)
+    solution = solve(weighed.covariance, columns, setup.residual)
+    starts = np.cumsum([0, *(setup.part(one).size for one in choices)])
+    return Joint(choices, solution, starts, columns @ solution.values)
 
 
 def sigmas(joint: Joint, readings: int) -> Array:

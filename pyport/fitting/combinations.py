@@ -18,7 +18,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
 from pyport.fitting.fit import Fit
 from pyport.fitting.sizes import largest_offset
-from pyport.least_squares.gram import inverted
+from pyport.noise.coefficients import solve
 from pyport.recordings.stacking import term_columns
 
 #: A coefficient of whose column the other columns leave less than this share of the rms is not
@@ -207,11 +207,10 @@ def of_fit(fit: Fit) -> tuple[Combination, ...]:
     design = np.concatenate(columns, axis=1)
     # What the data leave open is not in the fit's values: the shortest solution stands for it.
     data = fit.residual + design @ np.nan_to_num(np.array(values))
-    white = fit.noise.whiten(np.concatenate([design, data[:, None]], axis=1))
-    inverse = inverted(white[:, :-1].T @ white[:, :-1])[0]
-    solved = inverse @ (white[:, :-1].T @ white[:, -1]) + np.array(given)
+    solution = solve(fit.noise, design, data)
+    solved = solution.values + np.array(given)
     largest = largest_offset(fit.stack, fit.recordings.at)
-    return combinations(names, coefficients, design, solved, inverse, largest)
+    return combinations(names, coefficients, design, solved, solution.covariance, largest)
 
 
 def _spectrum(columns: Array) -> tuple[Array, Array, Array]:

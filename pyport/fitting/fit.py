@@ -1,4 +1,4 @@
-"""The fit of a model to recordings: generalised least squares under the estimated noise."""
+"""The fit of a model to recordings: least squares under the estimated noise."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.fitting.two_axes import Difference, from_products
-from pyport.least_squares.gram import inverted
 from pyport.models.model import Model, Term
+from pyport.noise.coefficients import solve
 from pyport.noise.covariance import Covariance
 from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame
@@ -110,12 +110,9 @@ def fit(
             recordings.file,
         )
     noise = WEIGHTS[weights](value, columns, frame(recordings, data))
-    white = noise.whiten(np.concatenate([columns, value[:, None]], axis=1))
-    normal = white[:, :-1].T @ white[:, :-1]
-    inverse, _, condition, known = inverted(normal)
-    values = inverse @ (white[:, :-1].T @ white[:, -1])
-    sigma = np.sqrt(np.maximum(np.diag(inverse), 0))
-    values, sigma = np.where(known, values, np.nan), np.where(known, sigma, np.nan)
+    solution = solve(noise, columns, value)
+    sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 0))
+    values, sigma = (np.where(solution.known, one, np.nan) for one in (solution.values, sigma))
     found = []
     start = 0
     for term, labels in owners:
@@ -124,6 +121,7 @@ def fit(
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
     left = value - columns @ np.nan_to_num(values)
+    white = noise.whiten(np.concatenate([columns, value[:, None]], axis=1))
     across = noise.whiten(columns * ~data.is_y[:, None])
     compared = _two_axes(white, across, int(np.count_nonzero(noise.weights > 0)), owners)
     return Fit(
@@ -131,11 +129,11 @@ def fit(
         model,
         data,
         tuple(found),
-        inverse,
+        solution.covariance,
         noise,
         left,
         noise.weights,
-        condition,
+        solution.condition,
         tuple(compared),
     )
 

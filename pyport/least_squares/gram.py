@@ -75,6 +75,14 @@ class Solution:
     rank: int
     normal: Array
 
+    @classmethod
+    def of(cls, products: Array) -> Solution:
+        """Return the solution from products (P + 1, P + 1) of the columns and, last, the data."""
+        normal, right = products[:-1, :-1], products[:-1, -1]
+        inverse, rank, known = inverse_of(normal)
+        values = inverse @ right
+        return cls(values, inverse, known, float(products[-1, -1] - right @ values), rank, normal)
+
     @cached_property
     def condition(self) -> float:
         """Return the condition number of the columns, each scaled to unit length."""
@@ -138,11 +146,9 @@ class Gram:
 
     def solve(self, parts: Sequence[Part]) -> Solution:
         """Return the least-squares solution for a choice of parts."""
-        normal = self.cross(parts, parts)
-        right = self.moments(parts)
-        inverse, rank, known = inverse_of(normal)
-        values = inverse @ right
-        return Solution(values, inverse, known, self.total() - float(right @ values), rank, normal)
+        right = self.moments(parts)[:, None]
+        data = np.array([[self.total()]])
+        return Solution.of(np.block([[self.cross(parts, parts), right], [right.T, data]]))
 
 
 def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:

@@ -15,7 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
-from pyport.noise.whitening import Noise, Series, by_pointing, factor, whiten_series
+from pyport.noise.whitening import (
+    Noise,
+    Series,
+    by_pointing,
+    factor,
+    series_errors,
+    unwhiten_series,
+    whiten_series,
+)
 
 #: Readings of less robust weight than this are outliers: kept in the list, left out of the rms.
 #: Student's t with four degrees of freedom gives it to 8.7 sigmas.
@@ -95,7 +103,56 @@ class Covariance:
             pointing's mean at its first reading, zero elsewhere. Sums of products over all
             rows are what generalised least squares needs.
         """
-        out = self._within_axes(columns)
+        return self._without_departures(self._within_axes(columns))
+
+    def unwhiten(self, white: Array) -> Array:
+        """Return the transpose of `whiten`, applied to columns (2 m, K): shape (m, K).
+
+        Of whitened columns it makes the inverse covariance times the columns.
+        """
+        out = self._without_departures(white.copy())
+        m = len(white) // 2
+        for x, y, correlation in self._coupled:
+            rows = m + y
+            out[rows] /= np.sqrt(1 - correlation**2)
+            out[m + x] -= correlation * out[rows]
+        columns = np.zeros((m, white.shape[1]))
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            columns[part.rows] = unwhiten_series(
+                out[m + part.first],
+                out[part.rows],
+                self.weights[part.rows],
+                self.precision[part.rows],
+                part,
+                noise,
+            )
+        return columns
+
+    def errors(self, estimators: Array) -> Array:
+        """Return rows (r, K) whose products are the covariance of linear estimators (m, K).
+
+        An estimator is the weight of each reading in what is estimated.
+        """
+        m = len(estimators)
+        out = np.zeros((2 * m, estimators.shape[1]))
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            out[m + part.first], inside = series_errors(
+                estimators[part.rows],
+                self.weights[part.rows],
+                self.precision[part.rows],
+                part,
+                noise,
+            )
+            if inside is not None:
+                out[part.rows] = inside
+        for x, y, correlation in self._coupled:
+            out[m + x] += correlation * out[m + y]
+            out[m + y] *= np.sqrt(1 - correlation**2)
+        departing = [(one.columns * one.sigma).T @ estimators for one in self.departures]
+        return np.concatenate([out, *departing])
+
+    def _without_departures(self, out: Array) -> Array:
+        """Take what departures do out of whitened columns (2 m, K), in place."""
         for rows, directions, shrinkage in self._departing:
             own = out[rows]
             out[rows] = own + directions @ (shrinkage[:, None] * (directions.T @ own))

@@ -194,8 +194,7 @@ def by_pointing(
         variance = (noise.between**2 + noise.within**2) / np.maximum(weights * precision, 1e-12)
         variance = np.where(weights < OUTLIER, FAR, variance)
         return columns, variance, None
-    within = np.where(noise.within > 0, noise.within, 1.0)
-    own = np.maximum(weights * precision, 1e-12) / within**2
+    own = _precisions(weights, precision, noise)
     total = np.bincount(part.pointing, own)
     means = np.empty((len(count), columns.shape[1]))
     for k, column in enumerate(columns.T):
@@ -227,9 +226,6 @@ def factor(
 ) -> tuple[Array, Array]:
     """Whiten columns (n, K) under independent noise and drifts, in linear time.
 
-    The covariance of Ornstein-Uhlenbeck processes is semiseparable
-    (Foreman-Mackey et al. 2017, AJ 154, 220).
-
     Returns
     -------
     d
@@ -241,13 +237,90 @@ def factor(
         return variance, columns / np.sqrt(variance)[:, None]
     from celerite2 import driver
 
-    n, terms = len(columns), len(drifts)
+    d, *triangle = _triangle(variance, time, drifts)
+    z = np.ascontiguousarray(columns)
+    z = driver.solve_lower(*triangle, z, np.empty_like(z))
+    z /= np.sqrt(d)[:, None]
+    return d, z
+
+
+def _triangle(
+    variance: Array, time: Array, drifts: Sequence[tuple[float, float]]
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Return the diagonal of the covariance's factors L D L', and what makes L.
+
+    The covariance of Ornstein-Uhlenbeck processes is semiseparable
+    (Foreman-Mackey et al. 2017, AJ 154, 220).
+    """
+    from celerite2 import driver
+
+    n, terms = len(variance), len(drifts)
     amplitude, memory = np.array(drifts).T
     rate, power = 1 / memory, np.tile(amplitude**2, (n, 1))
     ones = np.ones((n, terms))
     d, w = np.empty(n), np.empty((n, terms))
     driver.factor(time, rate, variance + power.sum(axis=1), power, ones, d, w)
-    z = np.ascontiguousarray(columns)
-    z = driver.solve_lower(time, rate, power, w, z, np.empty_like(z))
-    z /= np.sqrt(d)[:, None]
-    return d, z
+    return d, time, rate, power, w
+
+
+def unwhiten_series(
+    means: Array,
+    deviations: Array,
+    weights: Array,
+    precision: Array,
+    part: Series,
+    noise: Noise,
+) -> Array:
+    """Return the transpose of `whiten_series`: columns (n, K) of means (p, K) and deviations."""
+    variance = by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+    if part.time is None or not noise.drifts:
+        inner = means / np.sqrt(variance)[:, None]
+    else:
+        from celerite2 import driver
+
+        d, *triangle = _triangle(variance, part.time, noise.drifts)
+        z = np.ascontiguousarray(means / np.sqrt(d)[:, None])
+        inner = driver.solve_upper(*triangle, z, np.empty_like(z))
+    if part.readings.max() == 1:
+        return inner[part.pointing]
+    own = _precisions(weights, precision, noise)
+    share = (own / np.bincount(part.pointing, own)[part.pointing])[:, None]
+    if noise.within == 0:
+        return share * inner[part.pointing]
+    inside = np.sqrt(own)[:, None] * deviations
+    return share * (inner - _pooled(inside, part))[part.pointing] + inside
+
+
+def series_errors(
+    estimators: Array, weights: Array, precision: Array, part: Series, noise: Noise
+) -> tuple[Array, Array | None]:
+    """Return rows whose products are the covariance of estimators (n, K) of readings.
+
+    Those of the pointings' means, (p, K), and of the deviations from them, (n, K).
+    """
+    variance = by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+    pooled = _pooled(estimators, part)
+    if part.time is None or not noise.drifts:
+        outer = pooled * np.sqrt(variance)[:, None]
+    else:
+        from celerite2 import driver
+
+        d, *triangle = _triangle(variance, part.time, noise.drifts)
+        outer = driver.matmul_upper(*triangle, pooled, pooled.copy()) * np.sqrt(d)[:, None]
+    if part.readings.max() == 1 or noise.within == 0:
+        return outer, None
+    own = _precisions(weights, precision, noise)
+    root, total = np.sqrt(own)[:, None], np.bincount(part.pointing, own)
+    return outer, estimators / root - root * (pooled / total[:, None])[part.pointing]
+
+
+def _precisions(weights: Array, precision: Array, noise: Noise) -> Array:
+    """Return one over the variance of each reading about its pointing's mean, shape (n,)."""
+    return np.asarray(np.maximum(weights * precision, 1e-12) / (noise.within or 1.0) ** 2)
+
+
+def _pooled(columns: Array, part: Series) -> Array:
+    """Return the sums (p, K) of columns (n, K) over the readings of each pointing."""
+    out = np.zeros((len(part.readings), columns.shape[1]))
+    np.add.at(out, part.pointing, columns)
+    return out

@@ -103,7 +103,9 @@ def measure(recordings: Recordings, subsets: int, seed: int = 0) -> Row:
         return Row(**found, notes=(*notes, f"refused: {why}"))
     if (used := report["input"]["used"]) != len(recordings):
         notes.append(f"{used} of {len(recordings)} rows used")
-    found |= _in_fit(recordings, fit)
+    alike = program.fitted(recordings.table, recordings.header, recordings.model)
+    if not isinstance(alike, program.Refused):
+        found |= _in_fit(recordings, alike)
     found |= _across(recordings)
     found["below_rounding"] = below_rounding(recordings, fit)
     found |= of_findings(report)
