@@ -1,9 +1,8 @@
 """Changes with time, proposed: beside noise that holds still, for the present noise may hold them.
 
 A noise that was estimated beside the model alone has taken a step for a night's departure or a
-drift, and beside it the step gains nothing. So changes are looked for beside what is left of the
-noise without departures and drifts; whether one is more than the noise can do is then for its
-confirmation to say.
+drift, and beside it the step gains nothing. So changes are looked for beside what the noise does
+within a session; whether one is more than the noise can do is then for its confirmation to say.
 """
 
 from __future__ import annotations

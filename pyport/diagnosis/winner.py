@@ -93,11 +93,14 @@ def winner_of(
     if mismatch or moved:
         lasting = _lasting(setup, weighed, chosen, trials, least, banned)
     if moved:
-        # What was there all along may pass for a change: both are held to the same noise.
+        # What was there all along may pass for a change, and a change for it: only what the noise
+        # that is estimated anew cannot do competes.
         lasting.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
+        sure = [(_confirmed(one, chosen), one) for one in lasting[:MOST_TRIED]]
         lasting = [
-            replace(one, trial=replace(one.trial, evidence=_confirmed(one, chosen)))
-            for one in lasting[:MOST_TRIED]
+            replace(one, trial=replace(one.trial, evidence=max(one.trial.evidence, odds)))
+            for odds, one in sure
+            if odds > CONFIRMED
         ]
     ranked = [*moved, *lasting]
     ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
