@@ -157,11 +157,20 @@ class Circumstances:
 
         Both ways of pointing at a direction show them alike: see `side`.
         """
-        if self.mount is ALTAZ:
+        if self.turn is None:
             return x, y
-        turn = self.mount.turn(self.az, self.el, self._frame)
-        both = np.einsum("abn,bn...->an...", turn, np.stack(np.broadcast_arrays(x, y)))
+        both = np.einsum("abn,bn...->an...", self.turn, np.stack(np.broadcast_arrays(x, y)))
         return both[0], both[1]
+
+    @cached_property
+    def turn(self) -> Array | None:
+        """Return what turns offsets across and along elevation into those along the axes.
+
+        Shape (2, 2, n), see `Mount.turn`; None where they are the same.
+        """
+        if self.mount is ALTAZ:
+            return None
+        return self.mount.turn(self.az, self.el, self._frame)
 
     def take(self, index: Index) -> Circumstances:
         """Return the pointings that a mask, slice or list of rows selects."""

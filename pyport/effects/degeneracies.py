@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from pyport.effects import known
+from pyport.effects.on_mount import said
+from pyport.mounts import ALTAZ, BY_MODEL
+
 
 @dataclass(frozen=True)
 class Alike:
@@ -289,6 +293,38 @@ ALIKE = (
     ),
 )
 
+_ONE_FOR_ALL = "compare telescopes: an error of the clock is one for all"
+_OTHER_SIDE = "come to a source from the other side of it: play changes its sign, a zero does not"
+_FIXED = (
+    "point at what does not move with the sky (a mast, a geostationary satellite), or read an "
+    "inclinometer on the azimuth axis"
+)
+#: The same on mounts other than alt-azimuth ones, by their model; ids are those of an alt-azimuth
+#: mount. The sky turns an equatorial mount about its first axis alone; it turns an X-Y mount as a
+#: zero and a lean of that axis do.
+ELSEWHERE: dict[str, tuple[Alike, ...]] = {
+    "equatorial": (
+        Alike(("clock", "azimuth_zero"), "always", _ONE_FOR_ALL),
+        Alike(("site_longitude", "azimuth_zero"), "always", _ONE_FOR_ALL),
+        Alike(("backlash_azimuth", "azimuth_zero"), "always", _OTHER_SIDE),
+        Alike(
+            ("servo_lag_azimuth", "azimuth_zero"),
+            "always",
+            "follow the sky at another rate, or stand still: a lag goes with the rate",
+        ),
+        Alike(
+            ("fork_flexure", "tilt"),
+            "elevation only",
+            "measure azimuth too: an axis that leans moves it, a fork does not",
+        ),
+    ),
+    "xy": (
+        Alike(("clock", "tilt"), "always", _FIXED, ("azimuth_zero",)),
+        Alike(("site_longitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
+        Alike(("site_latitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
+    ),
+}
+
 #: The observation that distinguishes two effects, by their ids.
 DECIDE_BY: dict[frozenset[str], str] = {frozenset(one.ids): one.decide for one in ALIKE}
 
@@ -304,9 +340,16 @@ BY_ELEVATION = {
 
 
 def decisions(members: Collection[str]) -> list[str]:
-    """Return the observations that distinguish the members of a class, each once."""
-    found = [decide for pair, decide in DECIDE_BY.items() if pair <= set(members)]
-    return list(dict.fromkeys(found))
+    """Return the observations that distinguish the members of a class, each once.
+
+    The members are ids on any one mount, in whose words it is said.
+    """
+    told = [effect for name in members if (effect := known(name)) is not None]
+    plain = {one.of or one.id for one in told}
+    mount = next((BY_MODEL[one.mounts[0]] for one in told if one.of), ALTAZ)
+    pairs = [*((frozenset(one.ids), one.decide) for one in ELSEWHERE.get(mount.model, ()))]
+    found = [decide for pair, decide in (*pairs, *DECIDE_BY.items()) if pair <= plain]
+    return list(dict.fromkeys(said(one, mount.words) for one in found))
 
 
 def alike(effect: str) -> list[tuple[str, Alike]]:

@@ -21,7 +21,7 @@ def on(effect: Effect, mount: Mount) -> Effect:
     """Return an effect in the words of a mount; the sky's has one for all."""
     if mount is ALTAZ or effect.of or effect.mounts == (mount.model,) or effect.acts_in == SKY:
         return effect
-    say = functools.partial(_said, words=mount.words)
+    say = functools.partial(said, words=mount.words)
     return replace(
         effect,
         id=_named(effect.id, mount),
@@ -45,7 +45,7 @@ def _made(make: Callable[..., Effect], mount: Mount) -> Callable[..., Effect]:
     return lambda **member: on(make(**member), mount)
 
 
-def _said(text: str, words: Mapping[str, str]) -> str:
+def said(text: str, words: Mapping[str, str]) -> str:
     """Return a text with the words of another mount, the longest that fits at each place."""
     longest = sorted(words, key=len, reverse=True)
     if not longest:
@@ -54,7 +54,7 @@ def _said(text: str, words: Mapping[str, str]) -> str:
 
 
 def _named(name: str, mount: Mount) -> str:
-    return _said(name.replace("_", " "), mount.words).replace(" ", "_").lower()
+    return said(name.replace("_", " "), mount.words).replace(" ", "_").lower()
 
 
 def _coefficient(name: str, mount: Mount) -> str:
@@ -68,13 +68,13 @@ def _coefficient(name: str, mount: Mount) -> str:
     axes = {"xel": mount.across_column, "az": mount.first.offset, "el": mount.second.offset}
     short = {word: column.removeprefix("d_") for word, column in axes.items()}
     words = {**mount.words, **short}
-    return _said(bare.replace("_", " "), words).replace(" ", "_").lower() + bracket + label
+    return said(bare.replace("_", " "), words).replace(" ", "_").lower() + bracket + label
 
 
 def _lettered(formula: str, mount: Mount) -> str:
     letters = {"A": mount.first.symbol, "E": mount.second.symbol}
     text = _LETTER.sub(lambda found: found[1] + letters[found[2]], formula)
-    return _said(text, mount.words)
+    return said(text, mount.words)
 
 
 def concerns(effect: Effect, mount: Mount) -> bool:

@@ -73,6 +73,7 @@ def picture_of(
         names=names,
         show=show,
         axes=at.mount.names,
+        turn=at.turn,
         linear=again,
     )
 

@@ -39,6 +39,9 @@ def payload(picture: Picture) -> dict[str, object]:
             }
             for one in picture.layers
         ],
+        "turn": None
+        if picture.turn is None
+        else [pack.numbers(one[rows]) for one in picture.turn.reshape(4, -1)],
         "axes": [
             {"name": name, "letter": "x" if side is picture.x else "y", **_side(side, rows, scale)}
             for name, side in picture.sides()

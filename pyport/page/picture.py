@@ -95,7 +95,8 @@ class Picture:
     `time` in seconds of UTC since 1970 or None; `columns` with azimuth and
     elevation first and the hour angle next, then the others, the one with the most
     structure first; `labels` distinguish recordings when one is pointed at; `show`
-    is what is drawn first: before, after or both; `axes` are what the mount calls x and y;
+    is what is drawn first: before, after or both; `axes` are what the mount calls x and y, and
+    `turn` (2, 2, n) turns what is across and along elevation into them, None where it is the same;
     `linear` is what can be fitted again.
     """
 
@@ -110,6 +111,7 @@ class Picture:
     show: str = "both"
     axes: tuple[str, str] = ALTAZ.names
     linear: Linear | None = None
+    turn: Array | None = None
 
     def __len__(self) -> int:
         """Return n."""
@@ -120,6 +122,13 @@ class Picture:
         """Return the unit in which residuals are told, handy for what is left, and its name."""
         sizes = [side.rms(side.after) for side in (self.x, self.y)]
         return (ARCMIN, "arcmin") if max(sizes) > COARSE else (ARCSEC, "arcsec")
+
+    def on_sky(self, name: str) -> tuple[Array, Array]:
+        """Return residuals, `before` or `after`, across and along elevation, 0 for none [rad]."""
+        x, y = (np.nan_to_num(getattr(side, name)) for side in (self.x, self.y))
+        if self.turn is None:
+            return x, y
+        return self.turn[0, 0] * x + self.turn[1, 0] * y, self.turn[0, 1] * x + self.turn[1, 1] * y
 
     def sides(self) -> list[tuple[str, Side]]:
         """Return the axes on which anything was measured, with their names."""

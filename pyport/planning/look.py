@@ -14,7 +14,15 @@ from pyport.models.model import Model
 from pyport.planning.coverage import Coverage, coverage
 from pyport.planning.design import Design, design
 from pyport.planning.separate import Separation, separate
-from pyport.planning.suggest import Direction, Promise, Targets, directions, of_sources, suggest
+from pyport.planning.suggest import (
+    Direction,
+    Promise,
+    Targets,
+    directions,
+    of_sources,
+    suggest,
+    within_reach,
+)
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 
@@ -139,7 +147,7 @@ def busiest(recordings: Recordings) -> tuple[str, int]:
 
 def _targets(recordings: Recordings, low: float, high: float, *, sources: bool) -> Targets:
     found = of_sources(recordings, low, high) if sources else None
-    return directions(low, high) if found is None else found
+    return within_reach(recordings.at, directions(low, high) if found is None else found)
 
 
 def _known(made: Design) -> tuple[tuple[Known, ...], float]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import DEG, HOUR, Array
 from pyport.effects.base import Circumstances, Effect, MissingColumn
+from pyport.mounts import ALTAZ
 from pyport.planning.coverage import cells, separation
 from pyport.planning.design import Design
 from pyport.planning.separate import Pair
@@ -263,6 +264,16 @@ def directions(lowest_deg: float, highest_deg: float) -> Targets:
     ]
     whole = np.concatenate([grid[grid[:, 1] <= highest_deg * DEG], *rings])
     return Targets(whole[:, 0], whole[:, 1], ("",) * len(whole))
+
+
+def within_reach(at: Circumstances, targets: Targets) -> Targets:
+    """Return the targets that a mount reaches; an alt-azimuth one those between elevations."""
+    if at.mount is ALTAZ:
+        return targets
+    latitude = at.latitude() if at.mount.needs_latitude else 0.0
+    reached = at.mount.reaches(*at.mount.angles(targets.az, targets.el, latitude))
+    source = tuple(name for name, there in zip(targets.source, reached, strict=True) if there)
+    return Targets(targets.az[reached], targets.el[reached], source)
 
 
 def of_sources(recordings: Recordings, lowest_deg: float, highest_deg: float) -> Targets | None:

@@ -110,8 +110,8 @@ def azel(picture: Picture) -> Figure:
 def _vectors(picture: Picture, name: str) -> tuple[Array, Array]:
     """Return residuals across and along elevation in the picture's unit, 0 for none."""
     scale = picture.unit[0]
-    across, along = (np.nan_to_num(getattr(s, name)) / scale for s in (picture.x, picture.y))
-    return across, along
+    across, along = picture.on_sky(name)
+    return across / scale, along / scale
 
 
 def _typical(picture: Picture, name: str) -> float:

@@ -1,15 +1,18 @@
 """Effects in the words of a mount: complete, and without those of another."""
 
+import dataclasses
 import re
 
+import numpy as np
 import pytest
 from effects.cases import AT
 
 from pyport.effects import CATALOGUE, catalogue, known
 from pyport.effects.base import SKY
+from pyport.effects.degeneracies import ELSEWHERE, decisions
 from pyport.errors import BadInput
 from pyport.formats.models import load
-from pyport.mounts import KINDS
+from pyport.mounts import BY_MODEL, KINDS
 
 OTHERS = [one for one in KINDS.values() if one.id != "altaz"]
 FOREIGN = re.compile(r"azimuth|elevation|xel|\btilt_(north|east)|\bcos E|\bsin A")
@@ -46,6 +49,29 @@ def test_every_id_is_known_once():
             assert (known(name).of or name) == (effect.of or effect.id)
     assert known("tilt") is CATALOGUE["tilt"]
     assert known("no such effect") is None
+
+
+@pytest.mark.parametrize(
+    ("mount", "pair"),
+    [(BY_MODEL[model], one) for model, pairs in ELSEWHERE.items() for one in pairs],
+    ids=lambda one: getattr(one, "id", None) or " ".join(getattr(one, "ids", ())),
+)
+def test_what_looks_alike_on_a_mount(mount, pair):
+    """One draws what the other does, with what is fitted beside them; what decides is said so."""
+    at = dataclasses.replace(AT, mount=mount)
+    part = slice(len(at), None) if pair.where == "elevation only" else slice(None)
+    own, other, *beside = (
+        np.concatenate(CATALOGUE.get(one, known(one)).columns(at))[part]
+        for one in (*pair.ids, *pair.beside)
+    )
+    model = np.concatenate([other, *beside], axis=1)
+    left = own - model @ np.linalg.lstsq(model, own, rcond=None)[0]
+
+    assert np.linalg.norm(left) < 1e-9 * np.linalg.norm(own)
+    names = [one.id for one in catalogue(mount).values() if (one.of or one.id) in pair.ids]
+    assert len(names) == 2
+    if any(known(name).of for name in names):
+        assert not FOREIGN.search(" ".join(decisions(names)).replace("azimuth axis", ""))
 
 
 def test_the_classical_model_of_each_mount():

@@ -43,8 +43,8 @@ function sky(host, name, polar) {
     }
     const parts = { in: [], out: [], dim: [] };
     for (const i of everyone) {
-      const dx = (across ? across[name][i] || 0 : 0) * state.stretch / scale;
-      const dy = (along ? along[name][i] || 0 : 0) * state.stretch / scale;
+      const [ex, ey] = onSky(i, across ? across[name][i] || 0 : 0, along ? along[name][i] || 0 : 0);
+      const dx = ex * state.stretch / scale, dy = ey * state.stretch / scale;
       const [x, y] = foot[i];
       const [tx, ty] = grid.turn(rows.az[i], dx, dy);
       const long = Math.hypot(tx, ty);
@@ -62,6 +62,12 @@ function sky(host, name, polar) {
   listen(svg, () => foot.map(([x, y], i) => [i, x, y]), true);
   draw("all");
   return draw;
+}
+
+// Offsets along the mount's axes as they are across and along elevation.
+function onSky(i, x, y) {
+  const t = rows.turn;
+  return t ? [t[0][i] * x + t[2][i] * y, t[1][i] * x + t[3][i] * y] : [x, y];
 }
 
 function drawKey(key, wide, tall, scale) {

@@ -22,6 +22,7 @@ const rows = {
   line: numbers(data.line).map(Math.round),
   az: numbers(data.columns[0].numbers),
   el: numbers(data.columns[1].numbers),
+  turn: data.turn && data.turn.map(numbers),
   seconds: data.time && numbers(data.time.seconds),
   labels: Object.entries(data.labels).map(([name, packed]) => [name, words(packed)]),
 };
