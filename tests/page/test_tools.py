@@ -17,6 +17,8 @@ from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.recordings import write
 
+pytestmark = pytest.mark.browser
+
 #: Main-thread seconds that opening may take, by recordings, and choosing some of them.
 OPENS_S, CHOOSES_S = {5000: 1.0, 50000: 3.0}, 0.2
 
