@@ -19,6 +19,7 @@ from pyport.recordings.nights import NIGHT_GAP_S, night_of, with_nights
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 from pyport.watch import antenna as one_antenna
+from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
 from pyport.watch.antenna import Antenna
 from pyport.watch.baseline import TooFew, past
@@ -202,7 +203,7 @@ class Watch:
 
     def _taken(self, own: Antenna, rows: Any, n: int) -> Seen:  # noqa: ANN401 - prepared rows
         self.row += 1
-        happened = one_antenna.take(own, rows, n, self.alarms, self.raised + 1)
+        happened = steps.take(own, rows, n, self.alarms, self.raised + 1)
         if happened and happened[0].startswith("raised"):
             self.raised += 1
         left = own.left / ARCSEC

@@ -8,7 +8,7 @@ from drawn_nights import world
 
 from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
-from pyport.watch import antenna, detector, null
+from pyport.watch import adopt, antenna, detector, null, steps
 from pyport.watch.baseline import past
 from pyport.watch.calibrate import calibrated
 from pyport.watch.prepare import prepare
@@ -48,7 +48,7 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
     start.tail, start.dof, start.outliers = 0.0, np.full(2, 1e12), 0.0
     monkeypatch.setattr(null, "LEAST_GROSS", 1e-300)
     for n in range(20):
-        antenna.take(watch, rows, n, {}, 1)
+        steps.take(watch, rows, n, {}, 1)
     change = next(k for k, one in enumerate(baseline.changes) if one.effect.id == "tilt")
     first, size = 0, len(baseline.changes[change].prior)
     places = watch.layout.place[change, :size]
@@ -65,7 +65,7 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
             null.take(one, axis, rows.value[n, axis], column, rows.variance[n, axis])
     assert watch.detector.row[first] == 1
     watch.pending = 1
-    antenna._adopt(watch, first, change, None)
+    adopt.adopt(watch, first, change, None)
 
     sigma = np.sqrt(np.diag(one.covariance))
     assert np.abs((watch.null.mean - one.mean) / sigma).max() < 1e-5

@@ -1,0 +1,165 @@
+"""From row to row: filter, detector, alarms."""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from pyport.watch import detector, null
+from pyport.watch.adopt import adopt, adopt_spread, release
+from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm
+from pyport.watch.antenna import Antenna, Slot, first_state, state_columns
+from pyport.watch.detector import SPREADS
+from pyport.watch.naming import name, resize
+from pyport.watch.null import Innovation
+from pyport.watch.prepare import Rows
+
+#: Pointings after an alarm in which it is named; where it then has one name it is confirmed.
+NAMING = 20
+#: Where it has none by now, the likeliest is taken for it.
+LONGEST_NAMING = 60
+#: Another name is reported when it is likelier than all others together.
+HALF = 0.5
+
+
+def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
+    """Take in a row; return what happened to alarms, as `EVENT NUMBER`.
+
+    Parameters
+    ----------
+    every
+        Alarms by number, to which a new one is added, as `number`.
+    """
+    night = rows.labels["session"][n] != watch.null.labels.get("session")
+    kept, new = null.advance(watch.null, watch.states, rows, n)
+    detector.forget(watch.detector, kept, watch.null, night=night)
+    if new:
+        watch.rows += 1
+        if watch.detector.open:
+            detector.start(
+                watch.detector, watch.layout, watch.null, watch.rows, float(rows.clock[n])
+            )
+    white = np.sqrt(rows.variance[n] * watch.null.scale)
+    watch.left = np.stack([rows.off[n], white], axis=1)
+    for axis in (0, 1):
+        if np.isfinite(rows.value[n, axis]):
+            _reading(watch, rows, n, axis)
+    happened = _judge(watch, rows, n, every, number)
+    return happened + _stand(watch, rows, n, every)
+
+
+def _reading(watch: Antenna, rows: Rows, n: int, axis: int) -> None:
+    own = watch.null
+    change = rows.change[n, axis]
+    columns = [change[places] for places in state_columns(watch)]
+    nuisance = np.concatenate([rows.nuisance[n, axis], *columns])
+    before = (float(own.scale[axis]), own.degrees(axis), own.share, own.tail)
+    one = null.take(own, axis, float(rows.value[n, axis]), nuisance, float(rows.variance[n, axis]))
+    detector.update(watch.detector, watch.layout, one, nuisance, change, before)
+    _spreads(watch, one, before)
+
+
+def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
+    """Raise an alarm, name it, confirm or withdraw it."""
+    evidence = watch.evidence
+    if watch.pending is None:
+        if evidence < watch.threshold:
+            return []
+        watch.pending = number
+        watch.detector.open = False
+        antenna = watch.baseline.antenna
+        every[number] = Alarm(number, antenna, float(rows.clock[n]), watch.rows)
+        start, _ = name(watch, every[number], every)
+        watch.null.scale = watch.detector.before[start, :2].copy()
+        watch.null.outliers, watch.null.readings = map(float, watch.detector.before[start, 2:])
+        watch.null.learning = False
+        return [f"raised {number}"]
+    alarm = every[watch.pending]
+    # no likelier than none, whenever it may have begun
+    if evidence < log(watch.detector.begun):
+        alarm.state, alarm.ended = WITHDRAWN, float(rows.clock[n])
+        _afresh(watch)
+        return [f"withdrawn {alarm.number}"]
+    was = alarm.effect, alarm.named
+    best = name(watch, alarm, every)
+    age = watch.rows - alarm.raised_row
+    if age >= LONGEST_NAMING or (age >= NAMING and len(alarm.members) == 1):
+        return _confirm(watch, alarm, best, every)
+    known = (alarm.effect, alarm.named)
+    return [f"renamed {alarm.number}"] if known != was and alarm.members[0][1] > HALF else []
+
+
+def _afresh(watch: Antenna) -> None:
+    watch.pending = None
+    watch.null.learning = True
+    watch.detector = detector.fresh(watch.layout, len(watch.null.mean))
+
+
+def _confirm(
+    watch: Antenna, alarm: Alarm, best: tuple[int, int], every: dict[int, Alarm]
+) -> list[str]:
+    """Go on from the changed telescope: what changed becomes a state like the others."""
+    start, change = best
+    alarm.state = CONFIRMED
+    happened = [f"confirmed {alarm.number}"]
+    again = next((slot for slot in watch.slots if slot.change == change), None)
+    if again is not None:
+        former = every[again.alarm]
+        former.state, former.ended = OVER, alarm.since
+        happened.append(f"over {former.number}")
+        again.alarm = alarm.number
+    if change < watch.layout.members:
+        adopt(watch, start, change, again)
+    else:
+        adopt_spread(watch, alarm, start, change, again)
+    _afresh(watch)
+    return happened
+
+
+def _spreads(watch: Antenna, one: Innovation, before: tuple[float, float, float, float]) -> None:
+    """Let a reading speak for or against a confirmed change of scatter or outliers."""
+    scale, degrees, share, _ = before
+    square = one.value**2
+    for slot in watch.slots:
+        axis = slot.change - watch.layout.members
+        if axis == one.axis:
+            wide = null.log_gross(square, max(scale, slot.reference), share)
+            now = null.log_density(square, scale, degrees, share, wide)
+            then = null.log_density(square, slot.reference, degrees, share, wide)
+            slot.log_ratio += float(now - then)
+        elif axis == len(SPREADS) - 1:
+            outlier = null.outlying(square / scale, degrees)
+            now, then = (share, slot.reference) if outlier else (1 - share, 1 - slot.reference)
+            slot.log_ratio += log(now / then)
+
+
+def _stand(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm]) -> list[str]:
+    """Bring confirmed alarms up to date; withdraw what the data withdrew."""
+    happened = []
+    for slot in list(watch.slots):
+        alarm = every[slot.alarm]
+        if slot.change < watch.layout.members:
+            ratio = _refreshed(watch, slot, alarm)
+        else:
+            ratio = slot.log_ratio
+        alarm.log_ratio = ratio
+        if ratio < 0:
+            alarm.state = WITHDRAWN
+            alarm.ended = float(rows.clock[n])
+            release(watch, slot)
+            happened.append(f"withdrawn {alarm.number}")
+    return happened
+
+
+def _refreshed(watch: Antenna, slot: Slot, alarm: Alarm) -> float:
+    """Say a confirmed change anew; return the log-ratio of it to none (Dickey 1971)."""
+    change = watch.baseline.changes[slot.change]
+    first = first_state(watch, slot)
+    own = slice(first, first + len(change.prior))
+    mean, covariance = watch.null.mean[own], watch.null.covariance[own, own]
+    resize(watch, alarm, slot.change, mean, covariance * float(watch.null.scale.mean()))
+    _, before = np.linalg.slogdet(change.prior)
+    _, after = np.linalg.slogdet(covariance)
+    distance = float(mean @ np.linalg.solve(covariance, mean))
+    return 0.5 * (float(after - before) + distance / float(watch.null.scale.mean()))
