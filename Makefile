@@ -218,6 +218,7 @@ BENCH := $(VENV)/bench.json
 $(VENV)/bench: $(BIN)/pyport
 	@sh .ci/install gfortran
 	$(BIN)/python -m pip install --quiet --editable '.[test,bench]'
+	$(BIN)/python -m pip install --quiet --force-reinstall --no-deps $(KERNEL)
 	@touch $@
 
 $(BENCH): $(VENV)/bench FORCE

@@ -13,6 +13,7 @@ import pytest
 import rt32
 
 from pyport.parity.build import sources
+from pyport.pointing import kernel
 
 FORTRAN = Path(__file__).parent / "fortran"
 FLAGS = ("-O3", "-march=native", "-std=legacy", "-fPIC")
@@ -71,12 +72,18 @@ def beside(benchmark, request):
     """Return what measures a call and its peers in turn, so that a busy minute hits all of them.
 
     Calls that are over at once are measured so many at a time. A peer that returns a float has
-    taken its own time [s]. What is `unavoidable` is measured with them: a call and how many
-    points it is for.
+    taken its own time [s]. The limit is measured with them, and the same call by numpy alone
+    where `both` paths can do it.
     """
 
-    def measure(call, peers, *, rounds=5, at_a_time=1, unavoidable=None):
+    def measure(call, peers, *, rounds=5, at_a_time=1, limit=None, both=False):
         taken, more = {}, {"peers": {}, "at_a_time": at_a_time}
+        beside_it = dict(peers)
+        if limit is not None:
+            beside_it["limit"] = limit.take
+            more["limit"] = limit.counted
+        if both and kernel.KERNEL is not None:
+            beside_it["numpy"] = without_kernel(call)
 
         def seconds(one):
             begin = time.perf_counter()
@@ -85,12 +92,11 @@ def beside(benchmark, request):
             return own if isinstance(own, float) else (time.perf_counter() - begin) / at_a_time
 
         def every_peer():
-            for who, peer in peers.items():
+            for who, peer in beside_it.items():
                 taken.setdefault(who, []).append(seconds(peer))
-                more["peers"][who] = min(taken[who])
-            if unavoidable is not None:
-                taken.setdefault("floor", []).append(seconds(unavoidable[0]))
-                more.update(points=unavoidable[1], floor=min(taken["floor"]))
+            least = {who: min(times) for who, times in taken.items()}
+            more["peers"] = {who: least[who] for who in peers}
+            more.update({f"{who}_s": least[who] for who in ("limit", "numpy") if who in least})
             benchmark.extra_info.update(more)
 
         def ours():
@@ -102,3 +108,15 @@ def beside(benchmark, request):
         return benchmark.pedantic(ours, setup=every_peer, rounds=rounds, warmup_rounds=1)
 
     return measure
+
+
+def without_kernel(call):
+    """Return a call that numpy alone answers, here and in the processes that it starts."""
+
+    def called():
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(kernel, "KERNEL", None)
+            patch.setenv("PYPORT_KERNEL", "off")
+            return call()
+
+    return called

@@ -26,17 +26,21 @@ def show(recorded: dict[str, Any], before: dict[str, Any], grown: dict[str, Any]
 
     last = {row.group: row.value for row in rows_of(before, grown)}
     table = Table(title="what was promised and what was measured")
-    for heading in ("work", "against", "promised", "measured", "kept", "last recorded"):
+    headings = "work", "against", "promised", "measured", "limit", "by numpy", "kept", "recorded"
+    for heading in headings:
         table.add_column(heading, overflow="fold")
     rows = rows_of(recorded, grown)
+    for name, what in recorded["machine"].items():
+        sys.stdout.write(f"{name}: {what}\n")
     for row in rows:
         then = last[row.group]
         change = "" if then is None or row.value is None else f" ({row.value / then - 1:+.0%})"
         table.add_row(
             row.spec["work"], row.spec["against"], row.promised, row.measured,
-            "yes" if row.met else "NO", "" if then is None else f"{then:.3g}{change}",
+            shared(row), row.without, "yes" if row.met else "NO",
+            "" if then is None else f"{then:.3g}{change}",
         )  # fmt: skip
-    Console(width=150).print(table)
+    Console(width=170).print(table)
     for row in rows:
         if "profile" in row.told:
             sys.stdout.write(f"\n{row.spec['work']}: {row.spec['limit']}\n")
@@ -55,14 +59,19 @@ def page(recorded: dict[str, Any], grown: dict[str, Any] | None) -> str:
         "",
         *(f"- {name}: {what}" for name, what in recorded["machine"].items()),
         "",
-        "| work | against | promised | measured | kept |",
-        "|---|---|---|---|---|",
+        "| work | against | promised | measured | of the limit | by numpy | kept |",
+        "|---|---|---|---|---|---|---|",
         *(
             f"| {row.spec['work']} | {row.spec['against']} | {row.promised} "
-            f"| {row.measured} | {'yes' if row.met else '**no**'} |"
+            f"| {row.measured} | {shared(row)} | {row.without} "
+            f"| {'yes' if row.met else '**no**'} |"
             for row in rows
         ),
         "",
+        "*By numpy* is the same without the compiled kernel, in the same run. The limit is what",
+        "cannot be avoided, counted and then done alone, below.",
+        "",
+        *elsewhere(recorded),
         "## In seconds",
         "",
         "| work | pyport | its peers |",
@@ -86,31 +95,70 @@ def peers(row: Row) -> str:
 
 
 def limits(rows: list[Row]) -> list[str]:
-    """Return how far from the unavoidable the exact model is."""
-    told = [row for row in rows if "floor" in row.told]
+    """Return how far from the unavoidable each row is."""
+    told = [row for row in rows if row.share is not None]
     if not told:
         return []
     return [
         "## What cannot be avoided",
         "",
-        "Two angles come in and two offsets go out, and the geometry of a mount that leans and has",
-        "a skewed axis asks for an arctangent of two numbers, an arctangent, an arcsine and a",
-        "square root; scattered points also for a tangent of each angle, from which its sine and",
-        "cosine follow. Those functions alone, on as many numbers, memory read and written, take:",
+        "Counted, then done alone on as many numbers in the same run, functions by the path that",
+        "computes, memory read and written:",
         "",
-        "| work | these alone [ns a point] | pyport [ns a point] | share |",
-        "|---|---|---|---|",
+        "| work | counted | these alone [s] | pyport [s] | share |",
+        "|---|---|---|---|---|",
         *(
-            f"| {row.spec['work']} | {1e9 * row.told['floor'] / row.told['points']:.1f} "
-            f"| {1e9 * row.told['seconds'] / row.told['points']:.1f} "
-            f"| {row.told['floor'] / row.told['seconds']:.0%} |"
+            f"| {row.spec['work']} | {row.told['limit']} | {row.told['limit_s']:.4g} "
+            f"| {row.told['seconds']:.4g} | {row.share:.0%} |"
             for row in told
         ),
         "",
-        "The rest are products and sums: numpy makes one pass over a block of points for each,",
-        "through the second cache; a compiled loop would make them in registers.",
-        "",
     ]
+
+
+def shared(row: Row) -> str:
+    """Return the limit's share in words."""
+    return "" if row.share is None else f"{row.share:.0%}"
+
+
+def elsewhere(recorded: dict[str, Any]) -> list[str]:
+    """Return what was measured on other processors, by the program as it was then."""
+    others = recorded.get("elsewhere", [])
+    if not others:
+        told = "No other kind of processor was at hand: the ratios above may hold on this one only."
+        return [told, ""]
+    lines = ["## On other processors", ""]
+    for one in others:
+        how = one["machine"].get("computed with", "numpy, before there was a kernel")
+        lines += [f"{one['machine']['processor']}; {one['machine']['numpy']}; {how}:", ""]
+        lines += ["| work | measured |", "|---|---|"]
+        lines += [
+            f"| {row.spec['work']} | {row.measured} |" for row in rows_of(one, None) if row.told
+        ]
+        lines.append("")
+    return lines
+
+
+def with_elsewhere(recorded: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
+    """Return a run with the last ones of other processors, without their profiles."""
+    others = [*before.get("elsewhere", []), {key: before[key] for key in ("machine", "rows")}]
+    here = recorded["machine"]["processor"]
+    kept = {one["machine"].get("processor", here): one for one in others}
+    slim = [
+        {
+            "machine": one["machine"],
+            "rows": {group: _slim(told) for group, told in one["rows"].items()},
+        }
+        for processor, one in kept.items()
+        if processor != here
+    ]
+    return recorded | {"elsewhere": slim}
+
+
+def _slim(told: dict[str, Any]) -> dict[str, Any]:
+    """Return what a row's value follows from."""
+    needed = "seconds", "peers", "rows", "processor_s", "peak_mb"
+    return {key: told[key] for key in needed if key in told}
 
 
 def stages(rows: list[Row]) -> list[str]:
@@ -151,6 +199,8 @@ def main() -> None:
     else:
         recorded = with_profiles(condensed(json.loads(Path(run[0]).read_text())))
         show(recorded, before, grown)
+    if what == "record":
+        recorded = with_elsewhere(recorded, before)
     if what != "show":
         if grown is not None:
             growth_page.draw(grown)

@@ -18,9 +18,11 @@ import subprocess
 import sys
 import time
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from pyport.pointing import kernel
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -74,6 +76,18 @@ class Row:
             case "rate":
                 return self.told["rows"] / self.told["processor_s"] / 1e6
         return ours
+
+    @property
+    def share(self) -> float | None:
+        """Return the limit's share of the time taken; None where no limit was measured."""
+        return self.told["limit_s"] / self.told["seconds"] if "limit_s" in self.told else None
+
+    @property
+    def without(self) -> str:
+        """Return what was measured without the kernel, in words."""
+        if "numpy_s" not in self.told:
+            return ""
+        return replace(self, told=self.told | {"seconds": self.told["numpy_s"]}).measured
 
     @property
     def met(self) -> bool:
@@ -162,15 +176,18 @@ def machine() -> dict[str, str]:
         told = subprocess.run([gfortran, "--version"], capture_output=True, text=True, check=True)
         compiler = told.stdout.splitlines()[0]
     config = np.show_config(mode="dicts")
-    simd = config["SIMD Extensions"].get("found", [])
+    simd = config["SIMD Extensions"]
+    sets = [*simd.get("baseline", []), *simd.get("found", [])]
     blas = config["Build Dependencies"]["blas"]
     return {
         "processor": f"{cpu or platform.processor()}, {os.cpu_count()} cores",
+        "instruction sets": ", ".join(sets),
+        "computed with": kernel.path(),
         "load when the run had ended": f"{os.getloadavg()[1]:.1f} processes",
         "memory": f"{memory:.0f} GB",
         "system": f"{platform.system()} {platform.machine()}",
         "Python": platform.python_version(),
-        "numpy": f"{np.__version__}, {blas['name']} {blas['version']}, {', '.join(simd[-2:])}",
+        "numpy": f"{np.__version__}, {blas['name']} {blas['version']}",
         "scipy": scipy.__version__,
         "Fortran": f"{compiler}, -O3 -march=native",
         "threads": "one",

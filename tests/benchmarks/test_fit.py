@@ -62,7 +62,7 @@ def test_exact(beside):
     def theirs():
         return least_squares(residual, np.zeros(12), loss="soft_l1")
 
-    ours = beside(lambda: fit_rt32(made, method="soft-l1"), {"scipy": theirs}, rounds=15)
+    ours = beside(lambda: fit_rt32(made, method="soft-l1"), {"scipy": theirs}, rounds=15, both=True)
 
     assert np.abs((ours.values - printed()) / ours.sigmas).max() < 5
     assert np.abs((theirs().x - ours.values) / ours.sigmas).max() < 1
@@ -86,6 +86,11 @@ def test_approximate(beside):
                 made.at.az, made.at.el, made.x / level, made.y, sigma / level, sigma, which
             )
 
-    beside(lambda: fit_rt32(made, exact=False, method="soft-l1"), {"katpoint": theirs}, rounds=40)
+    beside(
+        lambda: fit_rt32(made, exact=False, method="soft-l1"),
+        {"katpoint": theirs},
+        rounds=40,
+        both=True,
+    )
 
     assert np.isfinite(theirs()[0]).all()

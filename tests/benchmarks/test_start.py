@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+from benchmarks import limits
+
 ROWS = {"test_start": "start", "test_import": "import"}
 
 
@@ -14,13 +16,14 @@ def run(*words):
 
 
 NUMPY = {"import numpy": run("-c", "import numpy")}
+LIMIT = limits.of_process("pass", "Python's start")
 
 
 def test_start(beside):
     """`pyport --help`."""
-    beside(run("-m", "pyport", "--help"), NUMPY, rounds=20)
+    beside(run("-m", "pyport", "--help"), NUMPY, rounds=20, limit=LIMIT)
 
 
 def test_import(beside):
     """`import pyport`."""
-    beside(run("-c", "import pyport"), NUMPY, rounds=20)
+    beside(run("-c", "import pyport"), NUMPY, rounds=20, limit=LIMIT)

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from benchmarks import limits
 
 from pyport import steering
 
@@ -39,6 +40,8 @@ def test_table(beside, compiled, tmp_path):
         lambda: subprocess.run(ours, cwd=tmp_path, check=True),
         {"gfortran -O3": lambda: subprocess.run(theirs, cwd=tmp_path, check=True)},
         rounds=15,
+        limit=limits.of_process("import numpy", "Python's start and numpy's import"),
+        both=True,
     )
 
     one, other = (steering.read_ascii(tmp_path / name) for name in ("table.txt", "theirs.txt"))
@@ -81,7 +84,14 @@ def test_look_ups(beside, compiled, binary, tmp_path):
         done = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
         return float(re.search(r"[\d.E+-]+", done.stdout)[0])
 
-    ours = beside(lambda: look_up(binary, where), {"gfortran -O3": program}, rounds=12)
+    limit = limits.of_points(LOOK_UPS, angles=True, functions=())
+    ours = beside(
+        lambda: look_up(binary, where),
+        {"gfortran -O3": program},
+        rounds=12,
+        limit=limit,
+        both=True,
+    )
 
     answers = np.fromfile(tmp_path / "answers").reshape(-1, 2)
     np.testing.assert_allclose(answers.T, ours, atol=1e-12)
