@@ -6,8 +6,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from pyarrow.parquet import ParquetFile
 
 from pyport.pointing import kernel
 
@@ -61,6 +63,32 @@ def _each(name: str, y: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
         function(*(y, x)[-function.nin :], out=out)
     else:
         kernel.KERNEL.elementary(_KERNELS[name], y, x, out)
+
+
+def of_rounds(rounds: int, points: int, columns: int) -> Limit:
+    """Return the limit of a robust fit: in each round a median, products of either axis's columns."""
+    rng = np.random.default_rng(0)
+    of, weight = rng.normal(size=(columns, points)), np.ones(points)
+    residual = rng.normal(size=2 * points)
+
+    def take() -> None:
+        for _ in range(rounds):
+            np.median(np.abs(residual))
+            for axis in (residual[:points], residual[points:]):
+                kernel.gram(of, weight, axis)
+
+    return Limit(take, f"{rounds} rounds: a median, products of {columns} columns of either axis")
+
+
+def of_data_set(root: Path) -> Limit:
+    """Return the limit of two passes over a data set: what pyarrow takes to read it twice."""
+
+    def take() -> None:
+        for path in [*root.rglob("*.parquet")] * 2:
+            for batch in ParquetFile(path).iter_batches(use_threads=False):
+                batch.num_rows  # noqa: B018 - it is there
+
+    return Limit(take, "the same bytes by pyarrow, in one thread")
 
 
 def of_process(code: str, counted: str) -> Limit:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from benchmarks import limits
 
 ROWS = {"test_data_set": "data-set"}
 MEASURE = Path(__file__).with_name("growth.py")
@@ -32,7 +33,7 @@ def test_data_set(benchmark, beside, made):
         done = subprocess.run(command, check=True, capture_output=True, text=True)
         told.append(json.loads(done.stdout))
 
-    beside(run, {}, rounds=2)
+    beside(run, {}, rounds=2, limit=limits.of_data_set(made))
     best = min(told, key=lambda one: one["seconds"])
     benchmark.extra_info.update(best)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks import limits
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import Circumstances
@@ -62,7 +63,13 @@ def test_exact(beside):
     def theirs():
         return least_squares(residual, np.zeros(12), loss="soft_l1")
 
-    ours = beside(lambda: fit_rt32(made, method="soft-l1"), {"scipy": theirs}, rounds=15, both=True)
+    ours = beside(
+        lambda: fit_rt32(made, method="soft-l1"),
+        {"scipy": theirs},
+        rounds=15,
+        limit=limits.of_rounds(9, POINTS, 8),
+        both=True,
+    )
 
     assert np.abs((ours.values - printed()) / ours.sigmas).max() < 5
     assert np.abs((theirs().x - ours.values) / ours.sigmas).max() < 1
@@ -90,6 +97,7 @@ def test_approximate(beside):
         lambda: fit_rt32(made, exact=False, method="soft-l1"),
         {"katpoint": theirs},
         rounds=40,
+        limit=limits.of_rounds(5, POINTS, 8),
         both=True,
     )
 
