@@ -76,7 +76,7 @@ dist: $(BIN)/pyport
 KERNEL := pyport/pointing/kernel_src
 
 wheel: dist
-	$(BIN)/python -m build --outdir dist $(KERNEL)
+	$(BIN)/python -m build --wheel --outdir dist $(KERNEL)
 
 # The kernel's tests with every load, store and sum watched.
 SANITIZED := $(OUT)/sanitized

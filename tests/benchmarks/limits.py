@@ -66,7 +66,7 @@ def _each(name: str, y: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
 
 
 def of_rounds(rounds: int, points: int, columns: int) -> Limit:
-    """Return the limit of a robust fit: in each round a median, products of either axis's columns."""
+    """Return the limit of a robust fit: a median and products of columns in each round."""
     rng = np.random.default_rng(0)
     of, weight = rng.normal(size=(columns, points)), np.ones(points)
     residual = rng.normal(size=2 * points)

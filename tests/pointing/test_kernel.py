@@ -10,12 +10,11 @@ import mpmath
 import numpy as np
 import pytest
 
-import pyport.pointing
 from pyport.angles import DEG
 from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, kernel, recovered
 from pyport.steering import RT32_GRID
 
-SOURCE = Path(pyport.pointing.__file__).parent / "kernel_src"
+SOURCE = Path(__file__).parents[2] / "pyport" / "pointing" / "kernel_src"
 #: Units of the last place that each function may be off.
 WITHIN_ULP = 2.5
 
