@@ -6,9 +6,13 @@ import sys
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from diagnosis.made import recordings
 
+from pyport import __version__
 from pyport.cli import main
+from pyport.cli import pyport as command_line
+from pyport.pointing import kernel
 from pyport.recordings import write
 
 HEAVY = ("numpy", "scipy", "astropy", "matplotlib", "dask", "pyarrow", "rich")
@@ -31,6 +35,15 @@ def called(monkeypatch, capsys):
         return left.value.code, capsys.readouterr().err
 
     return call
+
+
+@pytest.mark.parametrize("path", ["numpy", "kernel, AVX2"])
+def test_the_version_says_what_computes(monkeypatch, path):
+    """Numpy, or the compiled kernel with its instruction set."""
+    monkeypatch.setattr(kernel, "path", lambda: path)
+    told = CliRunner().invoke(command_line, ["--version"], catch_exceptions=False)
+
+    assert told.output == f"pyport, version {__version__}, computing with {path}\n"
 
 
 @pytest.mark.parametrize("words", ["import pyport", "import pyport.cli"])

@@ -17,6 +17,7 @@ from pyport.diagnosis.folder import check, finish
 from pyport.errors import BadInput
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.pointing import kernel
 from pyport.recordings.stream import pass_files
 
 OLD = "finding-7-refraction.png"
@@ -75,6 +76,7 @@ def test_whatever_was_changed_since_is_named(tmp_path):
 
     assert json.loads(told.output) == {str(tmp_path): 2}
     assert set(report["files"]) == {"report.html", "rows.csv"}
+    assert report["computed_with"] == kernel.path()
     (tmp_path / OLD).write_text("")
     with pytest.raises(BadInput, match=f"{OLD}:1: this file is of another run"):
         check(tmp_path)
