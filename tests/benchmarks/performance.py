@@ -37,7 +37,7 @@ def show(recorded: dict[str, Any], before: dict[str, Any], grown: dict[str, Any]
         change = "" if then is None or row.value is None else f" ({row.value / then - 1:+.0%})"
         table.add_row(
             row.spec["work"], row.spec["against"], row.promised, row.measured,
-            shared(row), row.without, "yes" if row.met else "NO",
+            shared(row), row.without, kept(row).strip("*").upper(),
             "" if then is None else f"{then:.3g}{change}",
         )  # fmt: skip
     Console(width=170).print(table)
@@ -57,11 +57,11 @@ def page(recorded: dict[str, Any], grown: dict[str, Any] | None) -> str:
         "prints the table; `make bench-record` also records the run and writes this page. Each",
         "number is the least of several rounds, the grid three times in each.",
         "",
-        "The compiled kernel, `pyport-pointing-kernel`, is optional: `make wheel` builds a wheel of",
-        "it, `pip install pyport/pointing/kernel_src` installs it where there is a C compiler. It",
-        "holds loops for AVX-512, AVX2 and SSE2, or NEON, and takes the best that the processor has;",
-        "`PYPORT_KERNEL=off` leaves it out. Its functions are within 2.5 units of the last place of",
-        "fifty digits, its offsets within 2e-15 rad over the cosine of altitude of numpy's.",
+        "The compiled kernel, `pyport-pointing-kernel`, is optional: `make wheel` builds its",
+        "wheel, `pip install pyport/pointing/kernel_src` installs it where there is a C compiler.",
+        "It holds loops for AVX-512, AVX2 and SSE2, or NEON, and takes the best that the processor",
+        "has; `PYPORT_KERNEL=off` leaves it out. Its functions are within 2.5 units of the last",
+        "place of fifty digits, its offsets within 2e-15 rad over cos(altitude) of numpy's.",
         "",
         *(f"- {name}: {what}" for name, what in recorded["machine"].items()),
         "",
@@ -69,8 +69,7 @@ def page(recorded: dict[str, Any], grown: dict[str, Any] | None) -> str:
         "|---|---|---|---|---|---|---|",
         *(
             f"| {row.spec['work']} | {row.spec['against']} | {row.promised} "
-            f"| {row.measured} | {shared(row)} | {row.without} "
-            f"| {'yes' if row.met else '**no**'} |"
+            f"| {row.measured} | {shared(row)} | {row.without} | {kept(row)} |"
             for row in rows
         ),
         "",
@@ -120,6 +119,11 @@ def limits(rows: list[Row]) -> list[str]:
         ),
         "",
     ]
+
+
+def kept(row: Row) -> str:
+    """Return whether a promise was kept, blank where it was not measured."""
+    return "" if row.value is None else "yes" if row.met else "**no**"
 
 
 def shared(row: Row) -> str:
