@@ -128,14 +128,17 @@ def _cracked(path: Path) -> list[dict[str, Any]]:
     crackfortran.verbose, crackfortran.quiet = 0, 1
     crackfortran.include_paths = [str(path.parent)]
     here = Path.cwd()
+    renamed = dict(crackfortran.badnames)
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             os.chdir(path.parent.resolve())
+            crackfortran.badnames.clear()  # LONG stays LONG: no C is made of it
             blocks: list[dict[str, Any]] = crackfortran.crackfortran([path.name])
     except (Exception, SystemExit) as error:  # noqa: BLE001 - it raises whatever befalls it
         raise BadInput(f"crackfortran cannot read it ({error}): expected Fortran", path) from None
     finally:
         os.chdir(here)
+        crackfortran.badnames.update(renamed)
     inside = [one for block in blocks for one in [block, *block.get("body", [])]]
     modules = [one for one in blocks if one.get("block") == "module"]
     return [one for one in inside if one not in modules and not _in_module(one, modules)]

@@ -213,6 +213,20 @@ def test_what_is_not_supported_is_said_by_name(tmp_path):
     assert "sequence = true  # ? it remembers (DATA KOUNT, SUM)" in text
 
 
+def test_words_of_c_are_names(tmp_path):
+    """LONG, INT and VOID are what Fortran calls them, with their thresholds."""
+    path = tmp_path / "words.f"
+    path.write_text(
+        "      SUBROUTINE WORDS(LONG, INT, VOID)\n      DOUBLE PRECISION LONG, INT, VOID\n"
+        "      IF (LONG .LT. 180D0) VOID = LONG + INT\n      END\n"
+    )
+    text = init.described([path], tmp_path / "parity.toml")
+
+    assert re.findall(r'name = "(\w+)"\nkind', text) == ["LONG", "INT", "VOID"]
+    assert "thresholds = [180.0]" in text
+    assert "not used" not in text
+
+
 def test_init_marks_what_it_could_not_tell(tmp_path):
     """What is marked with ? must be filled in: the line is named; then it runs."""
     out = tmp_path / "parity.toml"
