@@ -200,6 +200,10 @@ torture: $(BIN)/pyport
 faults: $(BIN)/pyport
 	$(BIN)/python tests/reliability/faults.py --faults $(FAULTS) $(if $(SEED),--seed $(SEED))
 
+# Reports of ten inputs as other processors and core counts give them; PYTHONS names other Pythons.
+machines: $(BIN)/pyport
+	$(BIN)/python tests/reliability/machines.py $(addprefix --python ,$(PYTHONS))
+
 # The versions and hashes that continuous integration installs, for every Python and system;
 # what is known against what is installed.
 lock: $(BIN)/pyport

@@ -149,7 +149,8 @@ def field(
     if bumps["kind"] not in KINDS:
         raise ValueError(f"no field is made of {bumps['kind']!r}")
     told = (bumps.get(name, 2) for name in ("count", "order", "around", "upward"))
-    count = max(*told, len(bumps.get("each", ())))
+    each = bumps.get("each", ())
+    count = max(*told, len(each), *(one for pair in each for one in pair))
     if bumps.get("width_rad", 1.0) < NARROWEST_RAD or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)

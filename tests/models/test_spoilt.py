@@ -81,6 +81,7 @@ def test_the_model_is_one(tmp_path):
         (("term", 0, "member", "directions"), [[1.0, 0.0]], "tells no member"),
         (("term", 0, "member", "axes"), [0], "tells no member"),
         ((*BUMPS, "each"), [[1, 0], [2, "x"]], "tells no member"),
+        ((*BUMPS, "each"), [[1, 0], [2, 1e308]], "more bumps than any recordings"),
         (BUMPS, {"kind": "sky"}, "tells no member"),
         (BUMPS, {"kind": "azimuth", "width_rad": float("inf")}, "tells no member"),
         (BUMPS, {"kind": "wave", "around": 1, "upward": 1e308}, "more bumps than any recordings"),

@@ -148,7 +148,9 @@ def kill(words: tuple[str, ...], place: Path, took_s: float, *, writing: bool) -
     over = is_over(number)
     with contextlib.suppress(ProcessLookupError):
         os.killpg(number, signal.SIGKILL)
-    os.waitpid(number, 0)
+    _, status = os.waitpid(number, 0)
+    if over and status:
+        raise SystemExit(f"torture: `pyport {' '.join(words)}` fails on its own")
     return "late" if over else "writing" if begun(place) else "elsewhere"
 
 
@@ -221,8 +223,10 @@ def torture_trials(kills: int, folder: Path, seed: str) -> Count:
     count = Count("trials")
     theirs = _answers(quiet)
     differs: list[str] = []
-    while count.kills < kills and not differs:
+    late = 0
+    while count.kills < kills and not differs and late < MOST_LATE:
         when = kill(words, loud, took_s / 2, writing=count.kills % 2 == 0)
+        late = late + 1 if when == "late" else 0
         count.writing += when == "writing"
         count.elsewhere += when == "elsewhere"
         if count.kills == kills:
