@@ -223,20 +223,22 @@ def torture_trials(kills: int, folder: Path, seed: str) -> Count:
     count = Count("trials")
     theirs = _answers(quiet)
     differs: list[str] = []
-    late = 0
-    while count.kills < kills and not differs and late < MOST_LATE:
+    late, last = 0, False
+    while not (last or differs):
         when = kill(words, loud, took_s / 2, writing=count.kills % 2 == 0)
         late = late + 1 if when == "late" else 0
         count.writing += when == "writing"
         count.elsewhere += when == "elsewhere"
-        if count.kills == kills:
+        last = count.kills == kills or late == MOST_LATE
+        if last:
             finish(words)
         ours = _answers(loud)
         differs = [f"{name}: {differing(ours[name], theirs[name])}" for name in ours
                    if ours[name] != theirs[name]]  # fmt: skip
-        if count.kills < kills and len(ours) == len(theirs):  # all is answered: begin again
+        if not last and len(ours) == len(theirs):  # all is answered: begin again
             shutil.rmtree(loud / "reports")
-    differs += [f"{name} is not there" for name in theirs if name not in ours]
+    if last:
+        differs += [f"{name} is not there" for name in theirs if name not in ours]
     for root in () if differs else (quiet, loud):
         finish(("dev", "trials", "reveal", str(root)))
     count.lost = tuple(differs)
