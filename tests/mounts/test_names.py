@@ -8,7 +8,7 @@ import pytest
 from effects.cases import AT
 
 from pyport.effects import CATALOGUE, catalogue, known
-from pyport.effects.base import SKY
+from pyport.effects.base import AXES, SKY
 from pyport.effects.degeneracies import ELSEWHERE, decisions
 from pyport.errors import BadInput
 from pyport.formats.models import load
@@ -40,6 +40,21 @@ def test_families_keep_the_words(mount):
                 assert one.acts_in == SKY or one.of == effect.of
                 if effect.make is not None and one.member:
                     assert effect.make(**one.member).id == effect.id
+
+
+def test_every_effect_says_where_it_acts():
+    """In the axes, on the sky, or it finds its way: those that follow the sky, and a rotator."""
+    lost = {
+        effect.id
+        for mount in KINDS.values()
+        for effect in catalogue(mount).values()
+        if effect.acts_in not in (AXES, SKY) and not effect.of
+    }
+
+    assert lost == {
+        *("backlash_azimuth", "backlash_elevation", "servo_lag_azimuth", "servo_lag_elevation"),
+        "rotator_circle",
+    }
 
 
 def test_every_id_is_known_once():
