@@ -20,7 +20,7 @@ from pyport.models import words
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
 from pyport.models.model import Model
-from pyport.mounts import ALTAZ
+from pyport.mounts import ALTAZ, Mount
 from pyport.recordings.columns import LABELS
 
 if TYPE_CHECKING:
@@ -161,7 +161,10 @@ class PointingModel:
     def at(self, there: Circumstances) -> tuple[Array, Array]:
         """Return the offsets across and along elevation of n pointings [rad], shape (n,)."""
         site = there.site or self.model.site
-        return self._offsets(there.az, there.el, dict(there.columns), site)
+        if there.mount is not ALTAZ:
+            self.model.on(there.mount)  # a model of another mount is refused
+        # a model's file may say less of its mount than what was recorded with it: on which side
+        return self._offsets(there.az, there.el, dict(there.columns), site, there.mount)
 
     def inverse_at(self, there: Circumstances) -> tuple[Array, Array]:
         """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
@@ -254,7 +257,12 @@ class PointingModel:
         return self._offsets(there.az, there.el, there.columns, there.site)
 
     def _offsets(
-        self, az: Array, el: Array, columns: Columns, site: Site | None
+        self,
+        az: Array,
+        el: Array,
+        columns: Columns,
+        site: Site | None,
+        mount: Mount = ALTAZ,
     ) -> tuple[Array, Array]:
         if self._by_row and "order" not in columns:
             # what changed at some row of the recordings is as it was after the last of them
@@ -264,11 +272,10 @@ class PointingModel:
             key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()
         }
         try:
-            plain = self.model.mount is ALTAZ and site == self.model.site
+            axes = self.model.mount if mount is ALTAZ else mount
+            plain = axes is ALTAZ and site == self.model.site
             if len(single) < len(known) or not plain:
-                return self.model.offsets(
-                    Circumstances(az, el, site, columns, mount=self.model.mount)
-                )
+                return self.model.offsets(Circumstances(az, el, site, columns, mount=axes))
             return self._kernel(tuple(single.items())).many(az, el, columns, site)
         except MissingColumn:
             raise self._lacking(set(columns)) from None

@@ -180,7 +180,12 @@ def test_a_model_goes_to_no_format_that_lacks_its_terms(tmp_path):
     with pytest.raises(BadInput, match="no terms for a German equatorial mount"):
         fit.save(tmp_path / "new.ctl")
     fit.save(tmp_path / "new.toml")
+    fit.save(tmp_path / "new.mod")
     model = pyport.load_model(tmp_path / "new.toml")
+    at = read(night).at
+    np.testing.assert_allclose(
+        pyport.load_model(tmp_path / "new.mod").at(at), model.at(at), rtol=0, atol=1e-9
+    )
     one = model.offsets(10.0, 60.0, pier_side="east")
 
     assert model.model.mount is KINDS["german"]
