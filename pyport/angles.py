@@ -28,6 +28,15 @@ RADIANS_PER: dict[str, float] = {
 }
 
 
+#: Angles of this size and more are shown in arcminutes: as arcseconds they have three digits.
+COARSE = 120 * ARCSEC
+
+
+def handy(size: float) -> tuple[float, str]:
+    """Return the unit [rad] in which angles of a size [rad] are shown, and its name."""
+    return (ARCMIN, "arcmin") if size >= COARSE else (ARCSEC, "arcsec")
+
+
 def wrap(angle: ArrayLike) -> Array:
     """Return angles [rad] brought into [-pi, pi)."""
     return (np.asarray(angle, dtype=float) + math.pi) % (2 * math.pi) - math.pi

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pyport.angles import ARCSEC, handy
 from pyport.diagnosis.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
@@ -32,8 +33,9 @@ def since(effect: Effect) -> str | None:
 def number(parameter: Parameter) -> str:
     """Return a value with its error, the digits that the error allows, in a handy unit."""
     value, sigma, unit = parameter.value, parameter.sigma, parameter.unit
-    if unit == "arcsec" and abs(value) >= 120:
-        value, sigma, unit = value / 60, sigma / 60, "arcmin"
+    if unit == "arcsec":
+        radians, unit = handy(abs(value) * ARCSEC)
+        value, sigma = value / (radians / ARCSEC), sigma / (radians / ARCSEC)
     digits = 3 if sigma <= 0 else max(0, min(6, 1 - int(np.floor(np.log10(sigma)))))
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 

@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCMIN, ARCSEC, Array
+from pyport.angles import Array, handy
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
 from pyport.mounts import ALTAZ
 from pyport.page.linear import Linear
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
-
-#: From this rms on residuals are told in arcmin.
-COARSE = 150 * ARCSEC
 
 
 @dataclass(frozen=True)
@@ -119,9 +116,9 @@ class Picture:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Return the unit in which residuals are told, handy for what is left, and its name."""
+        """Return the unit [rad] in which residuals are shown, by what is left, and its name."""
         sizes = [side.rms(side.after) for side in (self.x, self.y)]
-        return (ARCMIN, "arcmin") if max(sizes) > COARSE else (ARCSEC, "arcsec")
+        return handy(max(sizes))
 
     def on_sky(self, name: str) -> tuple[Array, Array]:
         """Return residuals, `before` or `after`, across and along elevation, 0 for none [rad]."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCMIN, ARCSEC, DEG, HOUR, Array
+from pyport.angles import ARCSEC, DEG, HOUR, Array, handy
 from pyport.diagnosis.joint import rms
 from pyport.files import write_whole
 
@@ -52,7 +52,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     rows = _rows(diagnosis, finding)
     left = diagnosis.left(diagnosis.after)
     curve = np.zeros_like(left) if finding.curve is None else finding.curve
-    unit, name = _unit(curve[rows] + left[rows])
+    unit, name = handy(rms(curve[rows] + left[rows]))
     label, values = _follows(diagnosis, finding, curve, rows)
     first = figure.add_subplot(grid[0, 0])
     second = figure.add_subplot(grid[0, 1], sharex=first, sharey=first)
@@ -85,11 +85,6 @@ def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
         counts &= np.isin(diagnosis.setup.blocks.antenna[diagnosis.setup.block], antennas)
     axes = [axis == "el" for axis in finding.where.axes]
     return np.flatnonzero(counts & np.isin(diagnosis.setup.stack.is_y, axes))
-
-
-def _unit(values: Array) -> tuple[float, str]:
-    """Return a unit in which the values are of handy size."""
-    return (ARCMIN, "arcmin") if rms(values) > 100 * ARCSEC else (ARCSEC, "arcsec")
 
 
 def _follows(
@@ -164,7 +159,10 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
     places = np.arange(len(parameters))
     unit = parameters[0].unit
     size = np.abs([p.value for p in parameters]).max()
-    scale, name = (60.0, "arcmin") if unit == "arcsec" and size > 120 else (1.0, unit)
+    scale, name = 1.0, unit
+    if unit == "arcsec":
+        radians, name = handy(float(size) * ARCSEC)
+        scale = radians / ARCSEC
     axes.axhline(0, color=GREY, lw=0.8)
     axes.errorbar(
         places,
@@ -186,7 +184,7 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
 
 def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
     """Draw how predictions of unseen readings miss, before and after."""
-    unit, name = _unit(diagnosis.left(diagnosis.before)[rows])
+    unit, name = handy(rms(diagnosis.left(diagnosis.before)[rows]))
     both = rows[diagnosis.unseen.counted[rows]]
     if len(both) == 0:
         axes.set_axis_off()

@@ -13,7 +13,7 @@ ROOT = Path(pyport.examiner.__file__).parent
 ALLOWED = {
     "worlds": {"angles", "errors", "files", "progress"},
     "sealed": {"angles", "errors", "files", "progress", "workers"},
-    "nights": {""},
+    "nights": {"", "errors"},
     "nulls": set(),
     "mounts": {"angles"},
     "outcomes.py": set(),
