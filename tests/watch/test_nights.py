@@ -1,0 +1,81 @@
+"""The nights that the watch is measured on, and public recordings replayed to it."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pyport.examiner.nights import nights, replays, summary
+from pyport.examiner.nights.nights import Case, Step
+from pyport.examiner.real import sets
+
+DATA = Path(os.environ.get("PYPORT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+
+def test_a_case_is_determined_by_its_kind_number_and_seed():
+    """Drawn twice, it is the same; the step is what it says."""
+    one, same = (nights.draw(Case("white", 7, 1, step=True)) for _ in range(2))
+    moved = one.step.offset[one.step.first :]
+
+    assert np.array_equal(one.noise, same.noise)
+    assert np.array_equal(one.watched["d_el_arcsec"], same.watched["d_el_arcsec"])
+    assert one.step.size == 3.0
+    assert not one.step.offset[: one.step.first].any()
+    acts = np.any(moved != 0, axis=0).sum()
+    assert np.sqrt((moved**2).sum() / (len(moved) * acts)) / one.sigma == pytest.approx(3, rel=0.3)
+
+
+def test_the_best_delay_is_lorden_s():
+    """A CUSUM of a known shift needs the logarithm of the run length over the information."""
+    rng = np.random.default_rng(2)
+    delays = []
+    for _ in range(300):
+        offset = np.zeros((400, 2))
+        offset[50:, 1] = 1.0
+        step = Step("elevation_zero", 50, 1.0, offset, offset[:, 1], {})
+        delays.append(nights.best_delay(step, rng.standard_normal((400, 2)), 10_000))
+
+    assert np.mean(delays) == pytest.approx(np.log(10_000) / 0.5, rel=0.15)
+
+
+def test_the_boundary_keeps_the_run_length():
+    """Without any shift the CUSUM passes it as rarely as it should."""
+    rng = np.random.default_rng(3)
+    shift, wanted = 1.5, 200.0
+    boundary = shift * nights._boundary(shift, wanted)
+    lengths = []
+    for _ in range(400):
+        total, n = 0.0, 0
+        while total < boundary:
+            total = max(0.0, total + shift * rng.standard_normal() - shift**2 / 2)
+            n += 1
+        lengths.append(n)
+
+    assert np.mean(lengths) == pytest.approx(wanted, rel=0.2)
+
+
+def test_outcomes_are_kept_and_summed_up(tmp_path):
+    """A run that is called again goes on; the tables count what there is."""
+    cases = [*nights.null_cases(5, 1), *nights.step_cases(2, 1)]
+    file = tmp_path / "nights.jsonl"
+    found = list(summary.outcomes(cases, file, 10_000.0))
+    assert list(summary.outcomes(cases, file, 10_000.0)) == found
+    assert len(file.read_text().splitlines()) == len(cases)
+    nulls = [one for one in found if not one["step"]]
+    assert "5 nights; 0.0 false alarms are promised at most" in summary.of_nulls(nulls, 1e4)
+    assert "2/2" in summary.of_steps([one for one in found if one["step"]])
+
+
+@pytest.mark.parametrize(("name", "delays"), [("IRAM 2015-03", [4]), ("MMT together", [4, 3, 12])])
+def test_known_events_of_public_recordings_are_raised(name, delays):
+    """Within as many pointings as the manual says, and some to spare."""
+    if not DATA.is_dir():
+        pytest.skip(f"no public recordings in {DATA}: PYPORT_DATA names their folder")
+    entry = next(one for one in sets.catalogue() if one["name"] == name)
+    found = replays._replayed(sets.read(entry, DATA), 10_000.0)
+
+    assert [what for what, delay in found.known if delay is None] == []
+    said = [delay for _, delay in found.known]
+    assert all(one <= other + 2 for one, other in zip(said, delays, strict=True))
+    assert "known: " in replays.text(found)
