@@ -6,6 +6,8 @@
 #include <Python.h>
 
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 #include "loops.h"
 
@@ -97,14 +99,20 @@ static PyObject *answer(struct numbers *of, size_t count)
     return PyLong_FromSize_t(count);
 }
 
+/* Whether the form is the exact one, its parameters, two angles and the place of two offsets. */
+static int take_form(PyObject *args, int *exact, struct numbers *of)
+{
+    PyObject *given[5];
+    return PyArg_ParseTuple(args, "pOOOOO", exact, given, given + 1, given + 2, given + 3, given + 4)
+           && take(of, given, 5, 3);
+}
+
 static PyObject *scattered(PyObject *self, PyObject *args)
 {
     int exact;
-    PyObject *given[5];
     struct numbers of;
     (void)self;
-    if (!PyArg_ParseTuple(args, "pOOOOO", &exact, given, given + 1, given + 2, given + 3, given + 4)
-        || !take(&of, given, 5, 3))
+    if (!take_form(args, &exact, &of))
         return NULL;
     size_t n = size(&of, 1), large;
     if (size(&of, 0) != PARAMETERS || size(&of, 2) != n || size(&of, 3) != n || size(&of, 4) != n)
@@ -119,11 +127,9 @@ static PyObject *scattered(PyObject *self, PyObject *args)
 static PyObject *grid(PyObject *self, PyObject *args)
 {
     int exact;
-    PyObject *given[5];
     struct numbers of;
     (void)self;
-    if (!PyArg_ParseTuple(args, "pOOOOO", &exact, given, given + 1, given + 2, given + 3, given + 4)
-        || !take(&of, given, 5, 3))
+    if (!take_form(args, &exact, &of))
         return NULL;
     size_t columns = size(&of, 1), rows = size(&of, 2), all = columns * rows, large;
     if (size(&of, 0) != PARAMETERS || size(&of, 3) != all || size(&of, 4) != all)
@@ -183,29 +189,12 @@ static PyObject *gram(PyObject *self, PyObject *args)
     return answer(&of, k);
 }
 
-static PyObject *elementary(PyObject *self, PyObject *args)
+/* A function of n numbers: the kernel's, or the C library's as Python's math module calls it. */
+static PyObject *function_of(PyObject *args, int library)
 {
     int which;
     PyObject *given[3];
     struct numbers of;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "iOOO", &which, given, given + 1, given + 2)
-        || !take(&of, given, 3, 2))
-        return NULL;
-    size_t n = size(&of, 0);
-    if (size(&of, 1) != n || size(&of, 2) != n)
-        return wrong(&of);
-    chosen->elementary(which, n, values(&of, 0), values(&of, 1), values(&of, 2));
-    return answer(&of, n);
-}
-
-/* The C library's functions, number by number, as Python's math module calls them. */
-static PyObject *library(PyObject *self, PyObject *args)
-{
-    int which;
-    PyObject *given[3];
-    struct numbers of;
-    (void)self;
     if (!PyArg_ParseTuple(args, "iOOO", &which, given, given + 1, given + 2)
         || !take(&of, given, 3, 2))
         return NULL;
@@ -215,13 +204,27 @@ static PyObject *library(PyObject *self, PyObject *args)
     if (size(&of, 0) != n || size(&of, 1) != n)
         return wrong(&of);
     Py_BEGIN_ALLOW_THREADS
-    for (size_t i = 0; i < n; i++)
+    if (!library)
+        chosen->elementary(which, n, y, x, out);
+    for (size_t i = 0; library && i < n; i++)
         out[i] = which == 0   ? sin(x[i])
                  : which == 1 ? cos(x[i])
                  : which == 2 ? asin(x[i])
                               : atan2(y[i], x[i]);
     Py_END_ALLOW_THREADS
     return answer(&of, n);
+}
+
+static PyObject *elementary(PyObject *self, PyObject *args)
+{
+    (void)self;
+    return function_of(args, 0);
+}
+
+static PyObject *library(PyObject *self, PyObject *args)
+{
+    (void)self;
+    return function_of(args, 1);
 }
 
 static PyObject *levels(PyObject *self, PyObject *unused)
