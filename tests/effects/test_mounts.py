@@ -87,7 +87,7 @@ def test_a_mount_is_declared_in_the_file_or_on_the_line(tmp_path):
 
     assert declared(read(file).meta) == ("wheel-and-track", "nasmyth")
     with pytest.raises(
-        BadInput, match="mount is 'trolley', expected one or more of altaz, .*wheel-and"
+        BadInput, match=r"mount is 'trolley', expected one or more of altaz, .*wheel-and"
     ):
         read(written(tmp_path / "b.csv", "# mount: trolley\n"))
     plain = written(tmp_path / "c.csv")
