@@ -9,7 +9,7 @@ OUT ?= out
 
 .PHONY: demo test quick lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
-.PHONY: nulls real watch-nights watch-replays watch-kills watch-week
+.PHONY: nulls real mounts watch-nights watch-replays watch-kills watch-week
 .PHONY: fuzz torture faults machines lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
@@ -160,6 +160,10 @@ acceptance: $(BIN)/pyport
 CASES ?= 100
 nulls: $(BIN)/pyport
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev nulls --cases $(CASES) --jobs 2 --out $(OUT)/nulls
+
+# Causes by name, and silence, on drawn sessions of German, fork and X-Y mounts: docs/mounts.md.
+mounts: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev mounts --cases $(CASES) --jobs 2 --out $(OUT)/mounts
 
 # The watch on simulated nights: false alarms, delays beside the best possible; on public recordings.
 watch-nights: $(BIN)/pyport
