@@ -10,7 +10,7 @@ from pyport.examiner.nights import nights, replays, summary
 from pyport.examiner.nights.nights import Case, Step
 from pyport.examiner.real import sets
 
-DATA = Path(os.environ.get("PYPORT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+DATA = Path(os.environ.get("PYPORT_SHARED_DATA", "../shared/data"))
 
 
 def test_a_case_is_determined_by_its_kind_number_and_seed():
@@ -71,7 +71,7 @@ def test_outcomes_are_kept_and_summed_up(tmp_path):
 def test_known_events_of_public_recordings_are_raised(name, delays):
     """Within as many pointings as the manual says, and some to spare."""
     if not DATA.is_dir():
-        pytest.skip(f"no public recordings in {DATA}: PYPORT_DATA names their folder")
+        pytest.skip(f"no public recordings in {DATA}: PYPORT_SHARED_DATA names their folder")
     entry = next(one for one in sets.catalogue() if one["name"] == name)
     found = replays._replayed(sets.read(entry, DATA), 10_000.0)
 
