@@ -25,13 +25,13 @@ RAISED, CONFIRMED, WITHDRAWN, OVER = "raised", "confirmed", "withdrawn", "over"
 #: So many of those that it could be are put into words.
 _SHOWN = 4
 _SPREAD_WORDS = {
-    "scatter_xel": "the scatter in cross-elevation is {:.2g} times what it was",
-    "scatter_el": "the scatter in elevation is {:.2g} times what it was",
-    "outliers": "outliers are {:.1%} of the readings",
+    "scatter_xel": "the scatter in {axis} is {size:.2g} times what it was",
+    "scatter_el": "the scatter in {axis} is {size:.2g} times what it was",
+    "outliers": "outliers are {size:.1%} of the readings",
 }
 _SPREAD_NEXT = {
-    "scatter_xel": "look at wind, seeing, the signal and the azimuth drive",
-    "scatter_el": "look at wind, seeing, the signal and the elevation drive",
+    "scatter_xel": "look at wind, seeing, the signal and the drive of this axis",
+    "scatter_el": "look at wind, seeing, the signal and the drive of this axis",
     "outliers": "look at the outlying pointings: signal, sources, interference",
 }
 
@@ -160,12 +160,17 @@ def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple
     return order[: 1 + int(np.searchsorted(reached, NAMED))]
 
 
-def describe(alarm: Alarm, change: Change | None, sign_of: float | None = None) -> None:
-    """Put an alarm into words; `sign_of` is the ratio of scatter or the share of outliers."""
-    if change is None:
-        alarm.sentence = _SPREAD_WORDS[alarm.effect].format(sign_of)
-        alarm.next = _SPREAD_NEXT[alarm.effect]
-        return
+def describe_spread(alarm: Alarm, size: float, axis: str) -> None:
+    """Put an alarm of scatter on an axis, or of outliers, into words.
+
+    `size` is the ratio of scatter or the share of outliers.
+    """
+    alarm.sentence = _SPREAD_WORDS[alarm.effect].format(size=size, axis=axis)
+    alarm.next = _SPREAD_NEXT[alarm.effect]
+
+
+def describe(alarm: Alarm, change: Change) -> None:
+    """Put an alarm of an effect into words."""
     effect = change.effect
     sizes = ", ".join(
         f"{one['name'].replace('_', ' ')} {number(Parameter(**one))}" for one in alarm.parameters

@@ -100,6 +100,8 @@ class Baseline:
         What is watched for.
     rows
         Past pointings.
+    axes
+        What the offsets across and along are called on this mount.
     """
 
     antenna: str
@@ -112,6 +114,7 @@ class Baseline:
     coupling: float
     changes: tuple[Change, ...]
     rows: int
+    axes: tuple[str, str]
 
     def design(self, at: Circumstances) -> tuple[Array, Array]:
         """Return what one of each state does to either axis, (n, D) each."""
@@ -195,7 +198,17 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     )
     whole = np.where(within > 0, within, white)
     made = Baseline(
-        antenna or "", model, terms, nuisances, whole, scatter, median, coupling, (), len(history)
+        antenna or "",
+        model,
+        terms,
+        nuisances,
+        whole,
+        scatter,
+        median,
+        coupling,
+        (),
+        len(history),
+        history.at.mount.names,
     )
     usual = made.variance(history) + np.where(within > 0, white, 0.0)
     usual[~np.isfinite(np.stack([history.x, history.y], axis=1))] = np.inf

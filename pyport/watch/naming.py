@@ -78,4 +78,4 @@ def _size_of_spread(watch: Antenna, alarm: Alarm, start: int, change: int) -> No
         sigma = float(np.sqrt(size * (1 - size) / own.readings[start]))
     unit = "times" if axis < 2 else "of readings"
     alarm.parameters = [{"name": alarm.effect, "value": size, "sigma": sigma, "unit": unit}]
-    alarms.describe(alarm, None, size)
+    alarms.describe_spread(alarm, size, watch.baseline.axes[min(axis, 1)])
