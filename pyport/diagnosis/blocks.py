@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,11 @@ class Blocks:
     def __len__(self) -> int:
         """Return the number of blocks."""
         return len(self.antenna)
+
+    @cached_property
+    def antennas(self) -> int:
+        """Return the number of antennas."""
+        return len(np.unique(self.antenna))
 
     def groups(self, scope: str) -> Codes:
         """Give blocks that share a coefficient the same number."""
@@ -41,7 +47,7 @@ class Blocks:
 
     def scopes(self) -> list[str]:
         """Return the scopes that differ from each other here, the smallest first."""
-        several = len(np.unique(self.antenna)) > 1, len(np.unique(self.session)) > 1
+        several = self.antennas > 1, len(np.unique(self.session)) > 1
         wanted = {"all": True, "session": several[1], "antenna": several[0]}
         found = [scope for scope, there in wanted.items() if there]
         return [*found, "antenna and session"] if all(several) else found

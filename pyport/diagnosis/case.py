@@ -262,7 +262,7 @@ def weigh_model(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
 
     No other column is whitened: they are zero. An array's common mode asks for all.
     """
-    if len(np.unique(setup.blocks.antenna)) >= common_mode.ENOUGH_ANTENNAS:
+    if setup.blocks.antennas >= common_mode.ENOUGH_ANTENNAS:
         return weigh(setup, chosen)
     covariance = noise(setup, chosen)
     size = setup.columns.shape[1]
@@ -327,7 +327,7 @@ def temporal(setup: Setup, effect: Effect) -> bool:
 
     In an array a change is each antenna's, and the others show what the noise does.
     """
-    return bool(effect.changes_with) and len(np.unique(setup.blocks.antenna)) == 1
+    return bool(effect.changes_with) and setup.blocks.antennas == 1
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:
@@ -347,7 +347,7 @@ def _common_excess(
     covariance: Covariance,
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
-    if len(np.unique(setup.blocks.antenna)) < common_mode.ENOUGH_ANTENNAS:
+    if setup.blocks.antennas < common_mode.ENOUGH_ANTENNAS:
         return common_mode.Excess()
     columns = setup.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))

@@ -66,7 +66,7 @@ def folds(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Folds:
     if "time" not in at or not np.all(np.isfinite(np.asarray(at.column("time"), float))):
         return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing)
     time = np.asarray(at.column("time"), float)[setup.stack.row]
-    if "scan_direction" in at and len(np.unique(setup.blocks.antenna)) > 1:
+    if "scan_direction" in at and setup.blocks.antennas > 1:
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
     fold = np.zeros(len(time), np.intp)
@@ -110,7 +110,7 @@ def _solutions(
     The readings of an array hang together too little for it to matter that those left out were
     there when the others were whitened: a fold is taken off the products of the whole.
     """
-    if len(np.unique(setup.blocks.antenna)) > 1:
+    if setup.blocks.antennas > 1:
         white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
         for one, solution, _ in _without_each(setup, white, choices, partition):
             yield one, solution, None

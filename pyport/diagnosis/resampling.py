@@ -55,7 +55,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     taken = {one.candidate.effect.id for one in others} | set(members)
     competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
     prices = [2 * np.log(one.candidate.choices) for one in competing]
-    prices[0] = _price(scene, step.winner)
+    prices[0] = step.price
     white = scene.weighed.white
     parts = [setup.expanded([one], of=white) for one in competing]
     model = setup.expanded(others, of=white)
@@ -86,12 +86,6 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
 def _fitted(model: Array, columns: Array) -> Array:
     """Return the coefficients of columns (n, K) in the model's (n, P), shape (P, K)."""
     return np.asarray(inverse_of(model.T @ model)[0] @ (model.T @ columns))
-
-
-def _price(scene: Scene, winner: Trial) -> float:
-    """Return what a winner pays for being one of its kind, its moment or edge refined."""
-    coefficients = winner.dof * float(np.log(max(scene.weighed.evidence.pointings, 3)))
-    return winner.gain - winner.delta_bic - coefficients
 
 
 def _rivals(step: Step, taken: Collection[str]) -> list[Trial]:

@@ -70,20 +70,13 @@ def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
             break
         out = now.chosen[weakest]
         tell(f"{out.candidate.effect.id}: the noise does as well")
-        kept = tuple(one for one in now.chosen if one is not out)
-        steps = tuple(step for step in now.steps if step.chosen is not out)
-        now = replace(now, chosen=kept, steps=steps)
+        now = now.without(out)
     return replace(now, weighed=weigh(now.setup, now.chosen))
 
 
 def _standing_of(now: Outcome, one: Chosen) -> float:
     """Return the evidence of a choice beside all others, the noise estimated anew."""
-    step = next(each for each in reversed(now.steps) if each.chosen is one)
-    dof = step.winner.dof
-    pointings = max(step.beside.evidence.pointings, 3)
-    price = max(0.0, step.winner.gain - step.winner.delta_bic - dof * float(np.log(pointings)))
-    others = tuple(each for each in now.chosen if each is not one)
-    return confirmed(now.setup, others, one, price)
+    return confirmed(now.setup, now.others(one), one, now.step_of(one).price)
 
 
 def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
@@ -163,7 +156,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         effect = one.candidate.effect
         if own is None or not effect.physical or temporal(now.setup, effect):
             continue
-        others = tuple(each for each in now.chosen if each is not one)
+        others = now.others(one)
         beside = now.weighed.evidence.beside(
             [now.setup.part(each) for each in (*now.setup.base, *others)]
         )
@@ -181,7 +174,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
             continue
         trial, setup, new = better.trial, better.setup, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
-        old = next(step for step in now.steps if step.chosen is one)
+        old = now.step_of(one)
         step = Step(trial, new, trials, others, beside, old.p_value)
         now = _settled(
             replace(now, setup=setup),

@@ -19,7 +19,7 @@ from pyport.diagnosis.confirm import likeliest
 from pyport.diagnosis.finding import HeldOut
 from pyport.diagnosis.identify import TIE
 from pyport.diagnosis.joint import rms
-from pyport.diagnosis.steps import Outcome, Step
+from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.winner import trials_of
 from pyport.least_squares import robust
 from pyport.stages import stage
@@ -52,6 +52,10 @@ class Unseen:
     before: Array
     after: Array
     counted: NDArray[np.bool_]
+
+    def rms(self) -> tuple[float, float]:
+        """Return the plain rms before and after, over all readings that count [rad]."""
+        return rms(self.before[self.counted]), rms(self.after[self.counted])
 
     def compared(self, rows: NDArray[np.bool_], floor: Array) -> HeldOut:
         """Return the plain rms over some rows (m,), and that of the scatter alone (m,)."""
@@ -100,20 +104,17 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
     One at a time; then, while the whole predicts worse than the model alone, the weakest.
     """
     outcome = _of_families(outcome)
-    setup, dropped = outcome.setup, []
-    chosen, steps = outcome.chosen, outcome.steps
+    dropped: list[Dropped] = []
     while True:
-        weighed = weigh(setup, chosen, searching=False)
-        worst = _worst(setup, weighed, chosen, steps)
+        weighed = weigh(outcome.setup, outcome.chosen, searching=False)
+        outcome = replace(outcome, weighed=weighed)
+        worst = _worst(outcome)
         if worst is None:
-            break
+            return _held_to_the_end(outcome), tuple(dropped)
         one, reason = worst
         effect = one.candidate.effect
         dropped.append(Dropped(effect.id, effect.variant, reason))
-        chosen = tuple(each for each in chosen if each is not one)
-        steps = tuple(step for step in steps if step.chosen is not one)
-    done = replace(outcome, chosen=chosen, steps=steps, weighed=weighed)
-    return _held_to_the_end(done), tuple(dropped)
+        outcome = outcome.without(one)
 
 
 def _held_to_the_end(outcome: Outcome) -> Outcome:
@@ -127,10 +128,10 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
         one = step.chosen
         refined = one.candidate is not step.winner.candidate
         effect = one.candidate.effect
-        if refined or not effect.physical or effect.changes_with or _several(setup):
+        if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
             steps.append(step)
             continue
-        others = tuple(each for each in outcome.chosen if each is not one)
+        others = outcome.others(one)
         beside = weighed.evidence.beside([setup.part(each) for each in (*setup.base, *others)])
         own = beside.trials([(one.candidate, one.scope)])
         if own:
@@ -142,10 +143,6 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
     return replace(outcome, steps=tuple(steps))
 
 
-def _several(setup: Setup) -> bool:
-    return len(np.unique(setup.blocks.antenna)) > 1
-
-
 def _of_families(outcome: Outcome) -> Outcome:
     """Choose the members of families anew, each beside the noise that it leaves.
 
@@ -154,7 +151,7 @@ def _of_families(outcome: Outcome) -> Outcome:
     """
     setup = outcome.setup
     for one in outcome.chosen:
-        step = next(each for each in reversed(outcome.steps) if each.chosen is one)
+        step = outcome.step_of(one)
         if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
             continue
         if temporal(setup, one.candidate.effect):
@@ -169,8 +166,7 @@ def _of_families(outcome: Outcome) -> Outcome:
         same.sort(key=lambda each: -round(each.evidence, TIE))
         members = [Chosen(each.candidate, each.scope) for each in same[:MOST_MEMBERS]]
         members = [one, *(each for each in members if each.candidate is not one.candidate)]
-        others = tuple(each for each in outcome.chosen if each is not one)
-        best = likeliest(setup, others, members) if len(members) > 1 else one
+        best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:
             winner = next(each for each in same if each.candidate is best.candidate)
             new = replace(step, winner=winner, chosen=best)
@@ -182,46 +178,39 @@ def _of_families(outcome: Outcome) -> Outcome:
     return outcome
 
 
-def _worst(
-    setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], steps: tuple[Step, ...]
-) -> tuple[Chosen, str] | None:
+def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     """Return the choice that is to be dropped, and why; None where all of them pay.
 
     Of several that do harm the one with the least evidence: the others may do it through it.
     """
-    everywhere = np.ones(len(setup.residual), bool)
-    floor = np.zeros(len(setup.residual))
+    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     gains = []
     for one in chosen:
-        others = tuple(each for each in chosen if each is not one)
         partition = holdout.folds(setup, weighed, (one,))
-        found = unseen(setup, (weighed, weighed), others, chosen, partition)
-        held = found.compared(everywhere, floor)
-        gains.append((held.before - held.after) / max(held.before, 1e-300))
-    evidence = [
-        next(step.winner.evidence for step in reversed(steps) if step.chosen is one)
-        for one in chosen
-    ]
-    if gains and min(gains) <= 0:
-        harm = min((n for n, gain in enumerate(gains) if gain <= 0), key=lambda n: evidence[n])
-        return chosen[harm], (
-            f"data left out are predicted worse with it, by {-100 * gains[harm]:.2g} per cent"
+        found = unseen(setup, (weighed, weighed), outcome.others(one), chosen, partition)
+        before, after = found.rms()
+        gains.append((before - after) / max(before, 1e-300))
+    harm = [n for n, gain in enumerate(gains) if gain <= 0]
+    if harm:
+        worst = min(harm, key=lambda n: outcome.step_of(chosen[n]).winner.evidence)
+        return chosen[worst], (
+            f"data left out are predicted worse with it, by {-100 * gains[worst]:.2g} per cent"
         )
-    if chosen and (worst := _harm_to_all(setup, weighed, chosen)) is not None:
-        return worst, "with everything found data left out are predicted worse than by the model"
+    if chosen and (weakest := _harm_to_all(outcome)) is not None:
+        return weakest, "with everything found data left out are predicted worse than by the model"
     return None
 
 
-def _harm_to_all(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> Chosen | None:
+def _harm_to_all(outcome: Outcome) -> Chosen | None:
     """Return the choice that all others do best without, where all do no better than the model."""
-    everywhere, floor = np.ones(len(setup.residual), bool), np.zeros(len(setup.residual))
+    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     alone = weigh(setup, (), searching=False)
     partition = holdout.folds(setup, weighed, chosen)
 
-    def left(some: tuple[Chosen, ...]) -> HeldOut:
-        return unseen(setup, (alone, weighed), (), some, partition).compared(everywhere, floor)
+    def rms_with(some: tuple[Chosen, ...]) -> tuple[float, float]:
+        return unseen(setup, (alone, weighed), (), some, partition).rms()
 
-    held = left(chosen)
-    if held.after < held.before:
+    before, after = rms_with(chosen)
+    if after < before:
         return None
-    return min(chosen, key=lambda one: left(tuple(c for c in chosen if c is not one)).after)
+    return min(chosen, key=lambda one: rms_with(outcome.others(one))[1])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from pyport.diagnosis.case import Chosen, Setup, Weighed
 from pyport.diagnosis.evidence import Beside, Trial
@@ -33,6 +35,12 @@ class Step:
     beside: Beside
     p_value: float
 
+    @property
+    def price(self) -> float:
+        """Return what the choice of the winner among its family cost, in twice the log odds."""
+        known = self.winner.dof * float(np.log(max(self.beside.evidence.pointings, 3)))
+        return max(0.0, self.winner.gain - self.winner.delta_bic - known)
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -49,3 +57,16 @@ class Outcome:
     weighed: Weighed
     p_value: float
     last: tuple[Trial, ...]
+
+    def step_of(self, one: Chosen) -> Step:
+        """Return the last turn in which something was chosen."""
+        return next(step for step in reversed(self.steps) if step.chosen is one)
+
+    def others(self, one: Chosen) -> tuple[Chosen, ...]:
+        """Return what else was chosen."""
+        return tuple(each for each in self.chosen if each is not one)
+
+    def without(self, one: Chosen) -> Outcome:
+        """Return the end with something dropped, its turn too; nothing is weighed anew."""
+        steps = tuple(step for step in self.steps if step.chosen is not one)
+        return replace(self, chosen=self.others(one), steps=steps)
