@@ -4,7 +4,8 @@ A fault is an exception that no part of the program expects, raised where one of
 its functions is called: the first call, the last, and some drawn between them.
 Each must end the command with status 70, one line on standard error and a report
 with the traceback, and leave every file of its answer the old one or the new one.
-Where a reader takes any error of a library for bad input, status 2 will do.
+Where a reader takes any error of a library for bad input, status 2 will do. `pyport parity` is
+left out: whatever its ports raise is their answer, a broken promise.
 """
 
 from __future__ import annotations
@@ -114,7 +115,7 @@ def main() -> int:
         folder = Path(name)
         prepare(folder)
         for victim in victims(folder).values():
-            if told.commands and victim.name not in told.commands:
+            if victim.name == "parity" or (told.commands and victim.name not in told.commands):
                 continue
             bad += bool(_fail(victim, told.faults, seed, folder))
     print("every fault is one line and a report" if not bad else f"{bad} commands end wrongly")
