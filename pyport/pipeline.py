@@ -21,7 +21,7 @@ from pyport.models.model import Model
 from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
-from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
 from pyport.stages import stage, timed
 from pyport.workers import Spread, workers
@@ -36,7 +36,7 @@ class Request:
     refit: tuple[str, ...] | None
     seed: int
     folder: Path | None
-    given: Given = NOTHING
+    given: FileOptions = NOTHING
     survey: Survey | None = None
     save: Path | None = None
 
@@ -61,7 +61,7 @@ def requests(
     refit: str,
     seed: int,
     out: Path | None,
-    given: Given = NOTHING,
+    given: FileOptions = NOTHING,
     survey: Survey | None = None,
     save: Path | None = None,
 ) -> list[Request]:

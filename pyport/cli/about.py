@@ -34,7 +34,7 @@ def _columns(
 
 
 def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add options on a file of recordings; the command gets them as `given`, a `Given`."""
+    """Add options on a file of recordings; the command gets them as `given`, a `FileOptions`."""
 
     @functools.wraps(command)
     def bundled(
@@ -45,12 +45,12 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
         mount: str | None,
         **others: Any,  # noqa: ANN401 - whatever the command takes
     ) -> Any:  # noqa: ANN401 - whatever the command returns
-        from pyport.recordings.given import Given
+        from pyport.recordings.options import FileOptions
 
         names, mapping = columns
         if mount is not None:
             about = about | {"mount": mount}
-        return command(given=Given(about, names, read_as, where, mapping), **others)
+        return command(given=FileOptions(about, names, read_as, where, mapping), **others)
 
     for option in reversed(_OPTIONS):
         bundled = option(bundled)

@@ -12,7 +12,7 @@ from pyport.cli.manners import in_json, models, say
 
 if TYPE_CHECKING:
     from pyport.correction.apply import Applied
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def command(
     model: str,
     targets: str,
-    given: Given,
+    given: FileOptions,
     out: Path | None,
     *,
     inverse: bool,

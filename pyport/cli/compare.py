@@ -12,7 +12,7 @@ from pyport.cli.manners import in_json, models, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -47,7 +47,7 @@ def command(
     recordings: str | None,
     beam_arcsec: float | None,
     picture: Path | None,
-    given: Given,
+    given: FileOptions,
     *,
     accept: bool,
     as_json: bool,

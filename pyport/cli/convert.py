@@ -11,7 +11,7 @@ from pyport.cli.about import about_file
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
@@ -51,7 +51,7 @@ def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # 
 def command(
     source: str,
     target: Path,
-    given: Given,
+    given: FileOptions,
     to: str,
     model: str,
     rest_as: Path | None,

@@ -12,7 +12,7 @@ from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -66,7 +66,7 @@ def command(
     cluster: str | None,
     each: str | None,
     out: Path | None,
-    given: Given,
+    given: FileOptions,
     save: Path | None,
     antennas: Path | None,
     *,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pyport.page.picture import Picture
     from pyport.page.story import Story
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
     Drawn: TypeAlias = Callable[[], tuple[Picture, Story]]
 
@@ -76,7 +76,7 @@ def command(
     drop: tuple[str, ...],
     weights: str,
     per: str | None,
-    given: Given,
+    given: FileOptions,
     save: Path | None,
     out: Path | None,
     *,
@@ -146,7 +146,7 @@ def _write_page(drawn: Drawn, out: Path | None) -> None:
 
 
 def _fit_rt32(
-    recordings: str, given: Given, method: str, choice: str, level_deg: float, *, exact: bool
+    recordings: str, given: FileOptions, method: str, choice: str, level_deg: float, *, exact: bool
 ) -> tuple[dict[str, object], str, Drawn]:
     """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG

@@ -13,10 +13,10 @@ from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
-def _proposed(name: str, given: Given) -> dict[str, str]:
+def _proposed(name: str, given: FileOptions) -> dict[str, str]:
     """Return a map of columns for a table that is none of the contract; empty for one that is."""
     from pyport.files import is_file
     from pyport.recordings.columns import angle_of
@@ -98,7 +98,7 @@ def command(
     count: int,
     elevations: tuple[float, float] | None,
     save_columns: Path | None,
-    given: Given,
+    given: FileOptions,
     out: Path | None,
     *,
     sources: bool,

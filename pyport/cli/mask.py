@@ -11,7 +11,7 @@ from pyport.cli.about import about_file
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
     from pyport.recordings.raw import Raw
 
 
@@ -33,7 +33,7 @@ def command(
     lines: str,
     outliers: str,
     reason: str,
-    given: Given,
+    given: FileOptions,
     *,
     unmask: bool,
     undo: bool,
@@ -74,7 +74,7 @@ def command(
     say("\n".join(told), answer, as_json=as_json)
 
 
-def _chosen(raw: Raw, lines: str, outliers: str, given: Given) -> tuple[int, ...]:
+def _chosen(raw: Raw, lines: str, outliers: str, given: FileOptions) -> tuple[int, ...]:
     """Return the lines that the options name."""
     from pyport.recordings import masks
     from pyport.recordings.interpret import interpret

@@ -13,7 +13,7 @@ from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -65,7 +65,7 @@ def command(
     names: tuple[str, ...],
     kinds: tuple[str, ...],
     seed: int,
-    given: Given,
+    given: FileOptions,
     out: Path,
     *,
     quiet: bool,

@@ -13,7 +13,7 @@ from pyport.cli.manners import models
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -59,7 +59,7 @@ def command(
     against: tuple[str, ...],
     nights: tuple[str, ...],
     seed: int,
-    given: Given,
+    given: FileOptions,
     grid: Path | None,
     out: Path | None,
     *,

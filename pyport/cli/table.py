@@ -84,7 +84,7 @@ def command(
     from pyport import steering
     from pyport.progress import working
     from pyport.steering.grid import span
-    from pyport.steering.tabulate import Beside
+    from pyport.steering.tabulate import Conditions
 
     if not (output or check or against or recordings or refractions):
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
@@ -107,7 +107,7 @@ def command(
             span(az) if az else steering.RT32_GRID.az_deg,
             span(zd) if zd else steering.RT32_GRID.zd_deg,
         )
-        beside = Beside(azimuth_zero, _columns(conditions))
+        beside = Conditions(azimuth_zero, _columns(conditions))
         with working("tabulating"):
             table = steering.tabulate(model, refraction, grid, reading, beside)
         lines += _twice(model, table.refraction)

@@ -14,7 +14,7 @@ from pyport.cli.manners import recordings as named
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
 
 
 @click.command(
@@ -92,7 +92,7 @@ def command(
     sun_deg: float,
     form: str,
     out: Path | None,
-    given: Given,
+    given: FileOptions,
     *,
     as_json: bool,
 ) -> None:

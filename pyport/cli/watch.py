@@ -14,7 +14,7 @@ from pyport.cli.manners import in_json, models
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pyport.recordings.given import Given
+    from pyport.recordings.options import FileOptions
     from pyport.watch.run import Process
     from pyport.watch.watch import Event, Seen
 
@@ -97,7 +97,7 @@ def command(
     command_line: str,
     host: str,
     port: int,
-    given: Given,
+    given: FileOptions,
     *,
     as_json: bool,
     once: bool,

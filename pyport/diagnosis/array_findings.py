@@ -9,7 +9,7 @@ import numpy as np
 from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array import ENOUGH_ANTENNAS, SIGNIFICANT, Split, split
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Setup
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.finding import Evidence, Finding, Where
 from pyport.diagnosis.joint import sigmas, visible
 from pyport.diagnosis.scene import (
@@ -18,9 +18,9 @@ from pyport.diagnosis.scene import (
     centred,
     evidence_of,
     held_out,
+    noisy_antennas,
     scaled,
     size,
-    wild_antennas,
 )
 from pyport.diagnosis.steps import Step
 
@@ -129,9 +129,9 @@ def taken_apart(scene: Scene, choice: int) -> Split | None:
     blocks = np.unique(groups, return_index=True)[1]
     where = scene.joint.slice(choice)
     sigma = sigmas(scene.joint, len(setup.residual))[where]
-    wild = wild_antennas(setup, scene.floor)
+    noisy = noisy_antennas(setup, scene.floor)
     good = scene.joint.solution.known[where] & (sigma > 0)
-    good &= ~np.isin(setup.blocks.antenna[blocks], wild)
+    good &= ~np.isin(setup.blocks.antenna[blocks], noisy)
     if len(np.unique(setup.blocks.antenna[blocks][good])) < ENOUGH_ANTENNAS:
         return None
     session = setup.blocks.session[blocks]
@@ -158,7 +158,7 @@ def _partner(scene: Scene, candidate: Candidate) -> Candidate:
     return candidate
 
 
-def _ratio(setup: Setup, partner: Candidate, candidate: Candidate) -> float:
+def _ratio(setup: Problem, partner: Candidate, candidate: Candidate) -> float:
     """Return how many of the candidate's units one unit of the partner's coefficient is worth."""
     column = setup.columns[:, candidate.columns[0]]
     return float(setup.columns[:, partner.columns[0]] @ column / (column @ column))

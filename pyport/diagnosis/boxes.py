@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.view import FEWEST, plain_view
@@ -23,7 +23,7 @@ _FIRST, _HALVED = 6 * DEG, 6
 Edges = tuple[float, float, float, float]
 
 
-def boxes(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> list[Field]:
+def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
     """Return the box of each axis whose offset explains most of what a model leaves."""
     seen = plain_view(setup, weighed, chosen)
     at, row = setup.recordings.at, setup.stack.row

@@ -48,7 +48,7 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class Setup:
+class Problem:
     """What does not change while a diagnosis goes on.
 
     Attributes
@@ -151,7 +151,7 @@ class Setup:
 
 
 @dataclass(frozen=True)
-class Weighed:
+class WhitenedData:
     """The evidence, weighed with the noise that a choice of effects leaves.
 
     Attributes
@@ -187,7 +187,7 @@ class Weighed:
 @stage("preparing columns")
 def prepare(
     recordings: Recordings, model: Model, refit: Collection[str] | None = None, seed: int = 0
-) -> Setup:
+) -> Problem:
     """Bring recordings and a model into the form that the search works on.
 
     Parameters
@@ -210,7 +210,7 @@ def prepare(
     first = base_columns.shape[1]
     sessions, session_names = group(recordings, ("session",))
     block_of_row, names = group(recordings, _block_labels(recordings, terms, len(session_names)))
-    return Setup(
+    return Problem(
         recordings=recordings,
         model=model,
         stack=data,
@@ -247,7 +247,7 @@ def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) 
 
 
 @stage("whitening")
-def weigh(setup: Setup, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> Weighed:
+def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> WhitenedData:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it.
 
     See `noise` for `searching`.
@@ -257,7 +257,7 @@ def weigh(setup: Setup, chosen: Sequence[Chosen] = (), *, searching: bool = True
 
 
 @stage("whitening")
-def weigh_model(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
+def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
     """Return what `weigh` does for what looks at the model and the data alone.
 
     No other column is whitened: they are zero. An array's common mode asks for all.
@@ -276,8 +276,8 @@ def weigh_model(setup: Setup, chosen: Sequence[Chosen] = ()) -> Weighed:
 
 
 def _weighed(
-    setup: Setup, chosen: Sequence[Chosen], covariance: Covariance, white: Array
-) -> Weighed:
+    setup: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array
+) -> WhitenedData:
     evidence = Evidence(
         white,
         np.concatenate([setup.block, setup.block]),
@@ -289,11 +289,11 @@ def _weighed(
         dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
         rng=np.random.default_rng(setup.seed),
     )
-    return Weighed(covariance, white, evidence)
+    return WhitenedData(covariance, white, evidence)
 
 
 @stage("whitening")
-def weigh_alike(setup: Setup, chosen: Sequence[Chosen], known: Covariance) -> Weighed:
+def weigh_alike(setup: Problem, chosen: Sequence[Chosen], known: Covariance) -> WhitenedData:
     """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
     design = setup.expanded([*setup.base, *chosen])
     covariance = reweighed(known, setup.residual, design)
@@ -306,7 +306,7 @@ def _key(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
 
 
 @stage("fitting noise")
-def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
+def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
     """Estimate the noise beside some effects, or remember it.
 
     Columns that join the design later do not touch it. While a search goes on, what its
@@ -322,7 +322,7 @@ def noise(setup: Setup, chosen: Sequence[Chosen], *, searching: bool = True) -> 
     return setup.known[key][1]
 
 
-def temporal(setup: Setup, effect: Effect) -> bool:
+def temporal(setup: Problem, effect: Effect) -> bool:
     """Tell whether an effect changes with time alone, and the noise may do what it does.
 
     In an array a change is each antenna's, and the others show what the noise does.
@@ -341,7 +341,7 @@ def _scans(recordings: Recordings, data: Stack) -> Codes:
 
 
 def _common_excess(
-    setup: Setup,
+    setup: Problem,
     fitted: Sequence[Chosen],
     white: Array,
     covariance: Covariance,

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
 from pyport.diagnosis.confirm import CONFIRMED
-from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
+from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
 from pyport.effects import CATALOGUE
 from pyport.noise.covariance import Covariance
@@ -26,12 +26,12 @@ MOST_CHANGES = 2
 
 @stage("proposing changes")
 def proposed(
-    setup: Setup,
-    weighed: Weighed,
+    setup: Problem,
+    weighed: WhitenedData,
     chosen: Sequence[Chosen],
-    trials: Sequence[Trial],
+    trials: Sequence[CandidateFit],
     banned: Collection[str],
-) -> tuple[Weighed, list[Trial]]:
+) -> tuple[WhitenedData, list[CandidateFit]]:
     """Return the case beside noise that holds still, and the best change of each kind there.
 
     `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
@@ -55,7 +55,7 @@ def proposed(
     white = np.zeros((2 * len(setup.columns), setup.columns.shape[1] + 1))
     own = np.concatenate([setup.columns[:, places], setup.residual[:, None]], axis=1)
     white[:, np.append(places, setup.columns.shape[1])] = still.whiten(own)
-    beside = Weighed(still, white, weighed.evidence)
+    beside = WhitenedData(still, white, weighed.evidence)
     if not wanted:
         return beside, []
     of_change = [one.candidate.columns for one in wanted]
@@ -63,7 +63,7 @@ def proposed(
     model = setup.expanded((*setup.base, *chosen), of=white)
     both = np.concatenate([seen, white[:, -1:]], axis=1)
     left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
-    best: dict[str, Trial] = {}
+    best: dict[str, CandidateFit] = {}
     start = 0
     for trial, places in zip(wanted, of_change, strict=True):
         where = slice(start, start + len(places))
@@ -85,7 +85,7 @@ def proposed(
     return beside, ranked[:MOST_CHANGES]
 
 
-def _of_every_session(trial: Trial) -> bool:
+def _of_every_session(trial: CandidateFit) -> bool:
     """Tell whether a change has coefficients of its own in every session but one.
 
     Among sessions that depart at random that is no change but their scatter.
@@ -94,7 +94,7 @@ def _of_every_session(trial: Trial) -> bool:
     return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)
 
 
-def _still(setup: Setup, covariance: Covariance) -> Covariance:
+def _still(setup: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
     A longer memory shows within a session by the share of its variance that it changes there.
@@ -113,7 +113,7 @@ def _still(setup: Setup, covariance: Covariance) -> Covariance:
     return replace(covariance, noises=noises, departures=())
 
 
-def _session_s(setup: Setup) -> float:
+def _session_s(setup: Problem) -> float:
     """Return how long a session usually takes [s]; of a single one a quarter."""
     spans = []
     for part in setup.parts:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Setup, Weighed
+from pyport.diagnosis.case import Problem, WhitenedData
 from pyport.diagnosis.identify import agrees
 from pyport.diagnosis.joint import Joint, contribution
 from pyport.least_squares.gram import Gram
@@ -26,7 +26,7 @@ class Check:
     words: str
 
 
-def halves(setup: Setup, weighed: Weighed, joint: Joint, choice: int) -> list[Check]:
+def halves(setup: Problem, weighed: WhitenedData, joint: Joint, choice: int) -> list[Check]:
     """Compare an effect's strength in halves of the data, with everything else refitted.
 
     The fitted curve of the effect gets a second coefficient that acts in one
@@ -60,7 +60,7 @@ def _compare(white: Array, label: str) -> Check | None:
     return Check(not differs, words)
 
 
-def _halves(setup: Setup) -> dict[str, NDArray[np.bool_]]:
+def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:
     """Return the halves that the readings can be split into."""
     at, row = setup.recordings.at, setup.stack.row
     found = {

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Chosen, Setup, noise, temporal
+from pyport.diagnosis.case import Chosen, Problem, noise, temporal
 from pyport.diagnosis.evidence import VISIBLE, at_best
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate
@@ -25,7 +25,7 @@ CONFIRMED = 6.0
 
 
 @stage("confirming")
-def confirmed(setup: Setup, others: Sequence[Chosen], one: Chosen, price: float) -> float:
+def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: float) -> float:
     """Return twice the log of how much likelier the data are with an effect than without.
 
     The coefficients of the effect come from one normal of the best width, those of everything
@@ -50,7 +50,7 @@ def confirmed(setup: Setup, others: Sequence[Chosen], one: Chosen, price: float)
     return _lack(without, model, own[:, :0], value)[0] - lack + gained - price - _among(setup, one)
 
 
-def likeliest(setup: Setup, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
+def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
     """Return the member of a family that makes the data likeliest, each beside its own noise."""
     model = setup.expanded((*setup.base, *others))
 
@@ -62,7 +62,7 @@ def likeliest(setup: Setup, others: Sequence[Chosen], members: Sequence[Chosen])
     return max(members, key=worth)
 
 
-def _among(setup: Setup, one: Chosen) -> float:
+def _among(setup: Problem, one: Chosen) -> float:
     """Return what it costs that an effect is one of many: changes with time, or all the others."""
     kind = temporal(setup, one.candidate.effect)
     ids = {each.effect.id for each in setup.candidates if temporal(setup, each.effect) == kind}

@@ -12,9 +12,9 @@ from pyport.diagnosis import enough, holdout, joint
 from pyport.diagnosis import findings as reading
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Setup, Weighed, prepare, weigh
+from pyport.diagnosis.case import Problem, WhitenedData, prepare, weigh
 from pyport.diagnosis.edge_paths import averaged
-from pyport.diagnosis.evidence import Trial
+from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.search import search
 from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
@@ -71,8 +71,8 @@ class Diagnosis:
         What is known of coefficients that are not known alone, the model's and those found.
     """
 
-    setup: Setup
-    weighed: Weighed
+    setup: Problem
+    weighed: WhitenedData
     findings: tuple[Finding, ...]
     p_value: float
     detection_limits: dict[str, float]
@@ -162,7 +162,7 @@ def diagnose(
         before=before,
         after=after,
         share=scene.share,
-        noisy=tuple(scenes.wild_antennas(setup, scene.floor)),
+        noisy=tuple(scenes.noisy_antennas(setup, scene.floor)),
         heldout=held.compared(np.ones(len(setup.residual), bool), weighed.covariance.floor),
         unseen=held,
         dropped=dropped,
@@ -173,16 +173,16 @@ def diagnose(
     )
 
 
-def _unsearched(setup: Setup, few: enough.TooFew) -> Outcome:
+def _unsearched(setup: Problem, few: enough.TooFew) -> Outcome:
     """Return the end of a search that was not made: what would have been seen is known."""
     weighed = weigh(setup, (), searching=False)
-    last: tuple[Trial, ...] = ()
+    last: tuple[CandidateFit, ...] = ()
     if few.scatter_known:
         last = tuple(trials_of(setup, weighed.evidence.beside([setup.part(b) for b in setup.base])))
     return Outcome(setup, (), (), weighed, 1.0, last)
 
 
-def _limits(setup: Setup, outcome: Outcome) -> dict[str, float]:
+def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     needed = threshold(outcome.last, FAMILY_ERROR)
     powers = np.einsum("mk,mk->k", setup.columns, setup.columns) / len(setup.columns)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 from pyport.diagnosis.view import FEWEST, View
 from pyport.effects import Effect
 from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
@@ -27,7 +27,7 @@ CLIMB = 0.7
 ROUNDS = 12
 
 
-def edges_of(setup: Setup, view: View, effect: Effect) -> list[tuple[Effect, float]]:
+def edges_of(setup: Problem, view: View, effect: Effect) -> list[tuple[Effect, float]]:
     """Return the step across the curve that fits best, and how many numbers the curve has.
 
     The curve waves once and twice with azimuth; its five numbers are moved one

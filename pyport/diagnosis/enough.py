@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 
 #: Measured numbers that must be left beyond all coefficients.
 SPARE = 20
@@ -63,13 +63,13 @@ def lacking(numbers: int, coefficients: int) -> int:
     return max(0, coefficients + SPARE - numbers)
 
 
-def measured(setup: Setup, rows: NDArray[np.bool_] | None = None) -> int:
+def measured(setup: Problem, rows: NDArray[np.bool_] | None = None) -> int:
     """Return how many numbers some readings (m,) measured; repeats of a pointing are one."""
     number = setup.pointing * 2 + setup.stack.is_y
     return len(np.unique(number if rows is None else number[rows]))
 
 
-def too_few(setup: Setup) -> TooFew | None:
+def too_few(setup: Problem) -> TooFew | None:
     """Return how few recordings there are beside the model's own terms; None for enough."""
     design = setup.expanded(setup.base)
     rank = int(np.linalg.matrix_rank(design)) if design.size else 0

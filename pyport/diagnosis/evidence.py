@@ -23,7 +23,7 @@ VISIBLE = 1e-5
 
 
 @dataclass(frozen=True)
-class Trial:
+class CandidateFit:
     """What a candidate gains when it joins a model and the model is refitted.
 
     Attributes
@@ -115,7 +115,7 @@ class Evidence:
         return self._drawn[0]
 
     @property
-    def luck(self) -> Array:
+    def common_mode_scale(self) -> Array:
         """Return by what each draw's gain is off because the common mode is, shape (draws,)."""
         return self._drawn[1]
 
@@ -125,11 +125,11 @@ class Evidence:
         """Return products with drawn noise and the common-mode scales; let the columns go."""
         assert self.gram is not None  # noqa: S101 - made before they are gone
         noise = self._draw(self._slabs, self._given[0].shape[1] - 1, self._draws, self._rng)
-        luck = np.ones(self._draws)
+        common_mode_scale = np.ones(self._draws)
         if np.isfinite(self.common.dof):
-            luck = self.common.dof / self._rng.chisquare(self.common.dof, self._draws)
+            common_mode_scale = self.common.dof / self._rng.chisquare(self.common.dof, self._draws)
         del self._given, self._slabs
-        return noise, luck
+        return noise, common_mode_scale
 
     def _draw(self, cut: Sequence[Slab], size: int, draws: int, rng: np.random.Generator) -> Array:
         """Return products of the columns with drawn noise, shape (blocks, size, draws).
@@ -152,10 +152,10 @@ class Evidence:
             out[one] *= scale[antenna[one]]
         return out
 
-    def beside(self, model: Sequence[Part], only: Codes | None = None) -> Beside:
+    def beside(self, model: Sequence[Part], only: Codes | None = None) -> Projection:
         """Return what is left of everything, or `only` some columns, when a model is refitted."""
         size = self.gram.matrices.shape[1] - 1
-        return Beside(self, model, np.arange(size) if only is None else np.sort(only))
+        return Projection(self, model, np.arange(size) if only is None else np.sort(only))
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class _Left:
         return out.reshape(groups * len(some), groups * len(others))
 
 
-class Beside:
+class Projection:
     """Everything beside one model: scope by scope, what each column still shows."""
 
     def __init__(self, evidence: Evidence, model: Sequence[Part], columns: Codes):
@@ -242,12 +242,12 @@ class Beside:
         return _Left(own, cross, solved, seen, drawn)
 
     @stage("trying candidates")
-    def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[Trial]:
+    def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[CandidateFit]:
         """Return what each (candidate, scope) would gain, if it shows at all."""
         found = (self._trial(candidate, scope) for candidate, scope in wanted)
         return [trial for trial in found if trial is not None]
 
-    def _trial(self, candidate: Candidate, scope: str) -> Trial | None:
+    def _trial(self, candidate: Candidate, scope: str) -> CandidateFit | None:
         evidence, left = self.evidence, self.left(scope)
         columns = self._places(candidate)
         information = left.between(columns, columns)
@@ -267,7 +267,7 @@ class Beside:
         excess = evidence.common.factor if shared else 1.0
         gain = float(seen @ seen) / excess
         total = float(evidence.dof.sum())
-        return Trial(
+        return CandidateFit(
             candidate,
             scope,
             gain,
@@ -277,14 +277,14 @@ class Beside:
             min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
             root.T @ seen,
             information / excess,
-            (drawn**2).sum(axis=0) * (evidence.luck if shared else 1.0),
+            (drawn**2).sum(axis=0) * (evidence.common_mode_scale if shared else 1.0),
         )
 
     def _places(self, candidate: Candidate) -> Codes:
         """Return where a candidate's columns stand among those that are looked at."""
         return np.searchsorted(self.columns, candidate.columns)
 
-    def share(self, winner: Trial, other: Trial) -> float:
+    def share(self, winner: CandidateFit, other: CandidateFit) -> float:
         """Return how much of the winner's fitted curve another of its scope can draw, 0 to 1.
 
         Both are seen with the model projected out, so this is the squared

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.shapes import numbers
 from pyport.effects import fields
@@ -64,7 +64,7 @@ class Field:
     which: tuple[int, ...] = ()
 
 
-def families(setup: Setup) -> Iterator[tuple[int, Field]]:
+def families(setup: Problem) -> Iterator[tuple[int, Field]]:
     """Yield every field that these recordings could show, as if both axes measured it alike.
 
     With each comes how many there are of its kind.
@@ -84,7 +84,7 @@ def families(setup: Setup) -> Iterator[tuple[int, Field]]:
 
 
 def _field(
-    setup: Setup,
+    setup: Problem,
     family: str,
     variant: str,
     kind: str,
@@ -103,7 +103,7 @@ def _wave_name(m: int, n: int) -> str:
     return f"goes with {m} A" + (f" and {n} E" if n else "")
 
 
-def _curves(setup: Setup) -> Iterator[Field]:
+def _curves(setup: Problem) -> Iterator[Field]:
     """Yield bumps along azimuth, elevation and every column of numbers."""
     at, row = setup.recordings.at, setup.stack.row
     az, el = at.az[row], at.el[row]
@@ -121,11 +121,11 @@ def _curves(setup: Setup) -> Iterator[Field]:
             yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
 
 
-def _curve(setup: Setup, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
+def _curve(setup: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
     return _field(setup, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
 
 
-def _in_time(setup: Setup) -> Iterator[Field]:
+def _in_time(setup: Problem) -> Iterator[Field]:
     """Yield bumps in time, where there are recordings."""
     at, row = setup.recordings.at, setup.stack.row
     if "time" not in at or not np.isfinite(at.numbers("time")).all():

@@ -16,7 +16,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field, families
 from pyport.diagnosis.finding import Interval
@@ -59,7 +59,7 @@ class Worth:
 class Ground:
     """The data beside a model, as fields meet them: whitened, the model projected out."""
 
-    def __init__(self, setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]):
+    def __init__(self, setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]):
         model = setup.expanded((*setup.base, *chosen), of=weighed.white)
         length = np.linalg.norm(model, axis=0)
         model = model[:, length > 0] / length[length > 0]

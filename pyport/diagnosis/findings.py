@@ -10,7 +10,6 @@ from pyport.diagnosis import check, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where, beyond
-from pyport.diagnosis.honest import honest
 from pyport.diagnosis.joint import contribution, largest_offset, visible
 from pyport.diagnosis.scene import (
     Scene,
@@ -23,6 +22,7 @@ from pyport.diagnosis.scene import (
     size,
 )
 from pyport.diagnosis.steps import Step
+from pyport.diagnosis.verdict import honest
 from pyport.effects.mounts import declared
 from pyport.stages import stage
 

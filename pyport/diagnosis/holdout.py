@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
@@ -40,7 +40,7 @@ class Folds:
     departing: bool = False
 
 
-def folds(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Folds:
+def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Folds:
     """Choose what is left out together.
 
     Whole sessions where there are enough of them and nothing that is fitted
@@ -85,7 +85,9 @@ def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
 
 
 @stage("holding data out")
-def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds) -> Array:
+def residuals(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
+) -> Array:
     """Return each reading less what a fit without its fold predicts [rad], shape (m,).
 
     NaN where the other folds do not determine the prediction.
@@ -103,7 +105,7 @@ def residuals(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partitio
 
 
 def _solutions(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
 ) -> Iterator[tuple[int, Solution, Covariance | None]]:
     """Yield each fold, the solution without it and the covariance of the others.
 
@@ -126,7 +128,7 @@ def _solutions(
 
 @stage("holding data out")
 def unseen_misfit(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], partition: Folds
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
 ) -> float:
     """Return the whitened sum of squares of predictions of data left out, each at most `CLIP`.
 
@@ -156,7 +158,7 @@ def _left_open(solution: Solution, columns: Array) -> NDArray[np.bool_]:
 
 
 def _whitened(
-    setup: Setup, covariance: Covariance, chosen: Sequence[Chosen]
+    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]
 ) -> tuple[Array, list[Chosen]]:
     """Return the whitened columns of the model and the data, and the choices of those columns."""
     choices = (*setup.base, *chosen)
@@ -172,7 +174,7 @@ def _whitened(
 
 
 def _without_each(
-    setup: Setup, white: Array, choices: Sequence[Chosen], partition: Folds
+    setup: Problem, white: Array, choices: Sequence[Chosen], partition: Folds
 ) -> Iterator[tuple[int, Solution, Codes]]:
     """Yield each fold, the solution without it, and the fold's rows of the whitened columns.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.diagnosis.evidence import Beside, Trial
+from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.effects import degeneracies
 from pyport.least_squares.gram import inverted
 
@@ -51,11 +51,11 @@ class Name:
     """
 
     members: tuple[str, ...]
-    runner_up: Trial | None
+    runner_up: CandidateFit | None
     others: tuple[str, ...] = ()
 
 
-def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
+def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projection) -> Name:
     """Return the class of the winner of a turn and the best effect outside it."""
     inside = [winner]
     members = [winner.candidate.effect.id]
@@ -63,7 +63,7 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
         (t for t in trials if t.candidate.effect.physical),
         key=lambda t: -round(t.evidence, TIE),
     )
-    outside: list[Trial] = []
+    outside: list[CandidateFit] = []
     others: list[str] = []
     for rival in rivals:
         effect = rival.candidate.effect.id
@@ -92,17 +92,17 @@ def name(winner: Trial, trials: Sequence[Trial], beside: Beside) -> Name:
     return Name(tuple(members), outside[0] if outside else None, tuple(dict.fromkeys(others)))
 
 
-def _follows_another(winner: Trial, rival: Trial) -> bool:
+def _follows_another(winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival of the winner's family has another driver and is not excluded."""
     one, other = winner.candidate.effect, rival.candidate.effect
     close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, WORTHLESS)
     return close and one.id == other.id and one.driver != other.driver
 
 
-def _only_adds_to(beside: Beside, one: Trial, rival: Trial) -> bool:
+def _only_adds_to(beside: Projection, one: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival is a simpler effect and more, which the model has already.
 
-    Beside zeros, skew and sag a receiver on a platform is the sine of elevation alone: as a
+    Projection zeros, skew and sag a receiver on a platform is the sine of elevation alone: as a
     second name for that it would widen every class of curves in elevation.
     """
     return (
@@ -110,12 +110,12 @@ def _only_adds_to(beside: Beside, one: Trial, rival: Trial) -> bool:
     )
 
 
-def _same(beside: Beside, winner: Trial, rival: Trial) -> bool:
+def _same(beside: Projection, winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether two effects draw one and the same curve."""
     return rival.scope == winner.scope and beside.share(winner, rival) >= IDENTICAL
 
 
-def fits_physics(trial: Trial) -> bool:
+def fits_physics(trial: CandidateFit) -> bool:
     """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
     candidate = trial.candidate
     known_of = [candidate.effect.coefficients[n].expected for n in candidate.coefficients]
@@ -134,7 +134,7 @@ def fits_physics(trial: Trial) -> bool:
     return True
 
 
-def seen(trial: Trial) -> bool:
+def seen(trial: CandidateFit) -> bool:
     """Tell whether a trial's coefficients of known size come out with the right sign, and large."""
     candidate = trial.candidate
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))

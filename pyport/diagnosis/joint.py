@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.fitting import sizes
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.least_squares.gram import Solution
@@ -41,7 +41,7 @@ class Joint:
         return slice(int(self.starts[choice]), int(self.starts[choice + 1]))
 
 
-def fit(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> Joint:
+def fit(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Joint:
     """Fit the base and the chosen effects together."""
     choices = (*setup.base, *chosen)
     columns = setup.expanded(choices)
@@ -61,7 +61,7 @@ def excess_of(joint: Joint, readings: int) -> float:
     return max(1.0, joint.solution.residual / max(1, readings - joint.solution.rank))
 
 
-def combined(setup: Setup, joint: Joint) -> tuple[Combination, ...]:
+def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
     """Return what a joint fit knows of coefficients that it does not know alone.
 
     What a search drew freely (fields, curves of no name) has coefficients that nobody reads.
@@ -92,17 +92,17 @@ def combined(setup: Setup, joint: Joint) -> tuple[Combination, ...]:
     return tuple(replace(one, places=tuple(kept[n] for n in one.places)) for one in found)
 
 
-def largest_offset(setup: Setup) -> float:
+def largest_offset(setup: Problem) -> float:
     """Return the largest offset that was measured [rad]: no effect is said to be larger."""
     return sizes.largest_offset(setup.stack, setup.recordings.at)
 
 
-def contribution(setup: Setup, joint: Joint, choice: int) -> Array:
+def contribution(setup: Problem, joint: Joint, choice: int) -> Array:
     """Return what one choice adds to each reading [rad], shape (m,)."""
     return setup.expanded([joint.choices[choice]]) @ joint.solution.values[joint.slice(choice)]
 
 
-def visible(setup: Setup, weighed: Weighed, curve: Array) -> Array:
+def visible(setup: Problem, weighed: WhitenedData, curve: Array) -> Array:
     """Return what is left of a curve (m,) after the base took its share."""
     base = setup.expanded(setup.base)
     if base.shape[1] == 0:

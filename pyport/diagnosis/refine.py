@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.edges import edges_of
-from pyport.diagnosis.evidence import Trial
+from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.view import FEWEST, View, plain_view
 from pyport.effects import Effect, catalogue
 from pyport.effects.epochs import clock, epoch_step
@@ -22,8 +22,8 @@ STRETCHES = 24
 
 @stage("refining steps and edges")
 def refine(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], winner: Trial
-) -> tuple[Setup, Chosen, float, float]:
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], winner: CandidateFit
+) -> tuple[Problem, Chosen, float, float]:
     """Move a winner's moment or edge to where it fits best, beside the rest of the model.
 
     Returns
@@ -68,7 +68,7 @@ def refine(
 
 
 def _gains(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen], some: Sequence[Array]
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], some: Sequence[Array]
 ) -> list[float]:
     """Return what each of some blocks of columns (m, k) gains beside the model."""
     model = setup.expanded((*setup.base, *chosen), of=weighed.white)
@@ -84,7 +84,7 @@ def _gains(
     return gains
 
 
-def _moments(setup: Setup, view: View, effect: Effect) -> list[Effect]:
+def _moments(setup: Problem, view: View, effect: Effect) -> list[Effect]:
     """Return steps at the moments between two recordings that fit best, one in each stretch."""
     at = setup.recordings.at
     # With every row after the step its columns are those of the effect everywhere.

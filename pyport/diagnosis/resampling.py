@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.case import Chosen, Setup
-from pyport.diagnosis.evidence import VISIBLE, Trial, at_best
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE, fits_physics
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.stability import Stability
@@ -88,9 +88,9 @@ def _fitted(model: Array, columns: Array) -> Array:
     return np.asarray(inverse_of(model.T @ model)[0] @ (model.T @ columns))
 
 
-def _rivals(step: Step, taken: Collection[str]) -> list[Trial]:
+def _rivals(step: Step, taken: Collection[str]) -> list[CandidateFit]:
     """Return the best trials of the nearest other names."""
-    found: dict[str, Trial] = {}
+    found: dict[str, CandidateFit] = {}
     for trial in sorted(step.trials, key=lambda one: -round(one.evidence, TIE)):
         effect = trial.candidate.effect
         if trial.evidence < step.winner.evidence - NEAR or len(found) == RIVALS:
@@ -106,7 +106,7 @@ def _excess(scene: Scene, one: Chosen) -> float:
     return scene.weighed.evidence.common.factor if "antenna" not in one.scope else 1.0
 
 
-def _units(setup: Setup, own: Chosen) -> tuple[str, Codes]:
+def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
     """Return what is drawn together, and the number of the unit of each reading, shape (m,)."""
     sessions = setup.session
     effect = own.candidate.effect

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis import holdout, identify
 from pyport.diagnosis.array import ENOUGH_ANTENNAS
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.joint import Joint, combined, rms, sigmas
 from pyport.diagnosis.settle import unseen
@@ -34,7 +34,7 @@ class Scene:
     `share` says how much: one, less where an antenna is noisier than is usual.
     """
 
-    setup: Setup
+    setup: Problem
     outcome: Outcome
     joint: Joint
     counted: NDArray[np.bool_]
@@ -43,7 +43,7 @@ class Scene:
     seed: int
 
     @property
-    def weighed(self) -> Weighed:
+    def weighed(self) -> WhitenedData:
         """Return the last weighing."""
         return self.outcome.weighed
 
@@ -59,10 +59,10 @@ class Scene:
         return next((c for c in self.combinations if any(n in own for n in c.places)), None)
 
 
-def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
+def scene(setup: Problem, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     """Return the scene of a finished search."""
     floor = outcome.weighed.covariance.scatter
-    quiet = np.isin(setup.blocks.antenna[setup.block], wild_antennas(setup, floor), invert=True)
+    quiet = np.isin(setup.blocks.antenna[setup.block], noisy_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
     # Plain within an antenna: only one that is noisier than usual counts less in an array's rms.
     antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
@@ -76,7 +76,7 @@ def scene(setup: Setup, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     return Scene(setup, outcome, joint, counted, share, floor, seed)
 
 
-def wild_antennas(setup: Setup, floor: Array) -> list[str]:
+def noisy_antennas(setup: Problem, floor: Array) -> list[str]:
     """Name the antennas whose noise drowns whatever the others show."""
     antennas = setup.blocks.antenna[setup.block]
     names = np.unique(antennas)
@@ -138,7 +138,7 @@ def centred(scene: Scene, curve: Array) -> Array:
     return out
 
 
-def axes(setup: Setup, seen: Array) -> tuple[str, ...]:
+def axes(setup: Problem, seen: Array) -> tuple[str, ...]:
     """Name the axes in which a curve shows."""
     across, along = rms(seen[~setup.stack.is_y]), rms(seen[setup.stack.is_y])
     most = max(across, along)

@@ -8,19 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis import identify
-from pyport.diagnosis.case import Chosen, Setup, temporal, weigh
+from pyport.diagnosis.case import Chosen, Problem, temporal, weigh
 from pyport.diagnosis.confirm import CONFIRMED, confirmed
-from pyport.diagnosis.instead import IMPERFECTION, field_instead
+from pyport.diagnosis.nonparametric import IMPERFECTION, field_instead
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
 
 MOST_FINDINGS = 8
 #: An earlier choice makes way for another that has so much more evidence beside the later ones.
-EXCHANGED_FOR = 6.0
+MIN_LOG_BAYES_FACTOR_TO_SWAP = 6.0
 
 
-def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:
     """Add effects to the model, the best first, while noise alone would not look like that.
 
     An effect is added only when it also predicts what the fit had not seen;
@@ -47,7 +47,7 @@ def search(setup: Setup, tell: Callable[[str], None] = lambda _: None) -> Outcom
         banned |= wrong
 
 
-def _searched(setup: Setup, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
+def _searched(setup: Problem, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
     """Return the end of one search that does without the effects that are banned."""
     outcome = _walk(Outcome(setup, (), (), weigh(setup), 1.0, ()), banned, tell)
     turn = 0
@@ -166,7 +166,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
             now.weighed,
             others,
             trials,
-            own.evidence + EXCHANGED_FOR,
+            own.evidence + MIN_LOG_BAYES_FACTOR_TO_SWAP,
             banned=banned,
             changes=False,
         )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import holdout
-from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal, weigh
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, weigh
 from pyport.diagnosis.confirm import likeliest
 from pyport.diagnosis.finding import HeldOut
 from pyport.diagnosis.identify import TIE
@@ -70,8 +70,8 @@ class Unseen:
 
 
 def unseen(
-    setup: Setup,
-    weighed: tuple[Weighed, Weighed],
+    setup: Problem,
+    weighed: tuple[WhitenedData, WhitenedData],
     before: tuple[Chosen, ...],
     after: tuple[Chosen, ...],
     partition: holdout.Folds,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.evidence import Trial
+from pyport.diagnosis.evidence import CandidateFit
 from pyport.stages import stage
 
 #: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
@@ -16,7 +16,7 @@ FAMILY_ERROR = 0.01
 
 
 @stage("significance")
-def family_p_value(trials: Sequence[Trial]) -> float:
+def family_p_value(trials: Sequence[CandidateFit]) -> float:
     """Return the probability that pure noise gives a search as good as the best of these.
 
     Each trial is scored by the chance of its gain under the F distribution; the
@@ -35,7 +35,7 @@ def family_p_value(trials: Sequence[Trial]) -> float:
     return float(min(above, -np.expm1(-independent * np.exp(best))))
 
 
-def _log_chances(trials: Sequence[Trial], gains: Array) -> Array:
+def _log_chances(trials: Sequence[CandidateFit], gains: Array) -> Array:
     """Return log-chances of gains at least this large from noise, shape (trials, ...).
 
     The F distribution's tail is an incomplete beta function; where that
@@ -54,7 +54,7 @@ def _log_chances(trials: Sequence[Trial], gains: Array) -> Array:
 
 
 @stage("significance")
-def threshold(trials: Sequence[Trial], chance: float) -> float:
+def threshold(trials: Sequence[CandidateFit], chance: float) -> float:
     """Return the log-chance that the best of a search falls below in `chance` of all noise."""
     if not trials:
         return float("-inf")
@@ -62,7 +62,7 @@ def threshold(trials: Sequence[Trial], chance: float) -> float:
     return float(np.quantile(drawn, chance))
 
 
-def gain_needed(trial: Trial, log_chance: float) -> float:
+def gain_needed(trial: CandidateFit, log_chance: float) -> float:
     """Return the gain whose chance under noise is `exp(log_chance)`."""
     from scipy.special import betaincinv
 

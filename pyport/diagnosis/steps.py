@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Setup, Weighed
-from pyport.diagnosis.evidence import Beside, Trial
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
+from pyport.diagnosis.evidence import CandidateFit, Projection
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class Step:
         Chance that noise alone gives a search as good as this, over all trials.
     """
 
-    winner: Trial
+    winner: CandidateFit
     chosen: Chosen
-    trials: tuple[Trial, ...]
+    trials: tuple[CandidateFit, ...]
     before: tuple[Chosen, ...]
-    beside: Beside
+    beside: Projection
     p_value: float
 
     @property
@@ -51,12 +51,12 @@ class Outcome:
     `last` holds the trials of the turn that found nothing more.
     """
 
-    setup: Setup
+    setup: Problem
     chosen: tuple[Chosen, ...]
     steps: tuple[Step, ...]
-    weighed: Weighed
+    weighed: WhitenedData
     p_value: float
-    last: tuple[Trial, ...]
+    last: tuple[CandidateFit, ...]
 
     def step_of(self, one: Chosen) -> Step:
         """Return the last turn in which something was chosen."""

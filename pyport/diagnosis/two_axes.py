@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Chosen, Setup, Weighed, weigh
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, weigh
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
 from pyport.stages import stage
 
@@ -74,7 +74,7 @@ class Disagreement:
 
 @stage("comparing axes")
 def disagreements(
-    setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]
 ) -> tuple[Disagreement, ...]:
     """Return the effects of the model, and of what was named, on which the axes disagree.
 
@@ -109,7 +109,7 @@ def disagreements(
 class _Ground:
     """The case weighed beside the model and everything named."""
 
-    def __init__(self, setup: Setup, weighed: Weighed, choices: tuple[Chosen, ...]):
+    def __init__(self, setup: Problem, weighed: WhitenedData, choices: tuple[Chosen, ...]):
         self.setup, self.weighed, self.choices = setup, weighed, choices
         self.is_y = np.concatenate([setup.stack.is_y, setup.stack.is_y])[:, None]
         self.data = self.weighed.white[:, -1]
@@ -187,7 +187,7 @@ def _gain(model: Array, more: Array, data: Array) -> float:
     return float(left @ columns @ np.linalg.lstsq(columns, left, rcond=1e-9)[0])
 
 
-def _halves(setup: Setup) -> Iterator[tuple[tuple[str, str], Mask]]:
+def _halves(setup: Problem) -> Iterator[tuple[tuple[str, str], Mask]]:
     """Yield the names of two halves of the recordings and which rows are of the first, (m,)."""
     at, row = setup.recordings.at, setup.stack.row
     middle = float(np.median(at.el))

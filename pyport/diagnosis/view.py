@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.case import Chosen, Setup, Weighed
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 
 #: Fewer readings than this on either side of a step or an edge decide nothing.
 FEWEST = 8
@@ -36,7 +36,7 @@ class View:
     left: Array
 
 
-def plain_view(setup: Setup, weighed: Weighed, chosen: Sequence[Chosen]) -> View:
+def plain_view(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model, outliers left out."""
     scatter = weighed.covariance.scatter
     rows = np.flatnonzero(weighed.used)

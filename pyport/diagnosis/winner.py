@@ -10,10 +10,10 @@ import numpy as np
 from pyport.diagnosis import identify
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Setup, Weighed, temporal
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
 from pyport.diagnosis.changes import proposed
 from pyport.diagnosis.confirm import CONFIRMED, confirmed
-from pyport.diagnosis.evidence import Beside, Trial
+from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
 
@@ -23,10 +23,10 @@ UNSEEN_SHARE = 0.3
 MOST_TRIED = 4
 #: An effect whose known size does not come out leads for now, because something else may still be
 #: left out, when it beats all others by this much in evidence.
-LEADS_BY = 10.0
+MIN_LOG_BAYES_FACTOR_TO_LEAD = 10.0
 
 
-def trials_of(setup: Setup, beside: Beside) -> list[Trial]:
+def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
     """Try every effect and shape in every scope that makes sense for it."""
     return beside.trials(
         [
@@ -62,17 +62,17 @@ class Winner:
     `price` is what a refined moment or edge costs beyond the choice among the family.
     """
 
-    trial: Trial
-    setup: Setup
+    trial: CandidateFit
+    setup: Problem
     chosen: Chosen
     price: float
 
 
 def winner_of(
-    setup: Setup,
-    weighed: Weighed,
+    setup: Problem,
+    weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
-    trials: Sequence[Trial],
+    trials: Sequence[CandidateFit],
     least: float,
     *,
     banned: Collection[str] = (),
@@ -116,10 +116,10 @@ def winner_of(
 
 
 def _changes(
-    setup: Setup,
-    weighed: Weighed,
+    setup: Problem,
+    weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
-    trials: Sequence[Trial],
+    trials: Sequence[CandidateFit],
     banned: Collection[str],
 ) -> list[Winner]:
     """Return the changes with time that are more than the noise can do."""
@@ -135,10 +135,10 @@ def _changes(
 
 
 def _lasting(
-    setup: Setup,
-    weighed: Weighed,
+    setup: Problem,
+    weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
-    trials: Sequence[Trial],
+    trials: Sequence[CandidateFit],
     least: float,
     banned: Collection[str],
 ) -> list[Winner]:
@@ -155,7 +155,9 @@ def _lasting(
     return found
 
 
-def _refined(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], trial: Trial) -> Winner:
+def _refined(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], trial: CandidateFit
+) -> Winner:
     """Return a trial with its moment or edge moved to where it fits best."""
     wider, new, more, price = refine(setup, weighed, chosen, trial)
     added = trial.gain * (more - 1)
@@ -176,8 +178,8 @@ def _confirmed(one: Winner, chosen: tuple[Chosen, ...]) -> float:
 
 
 def _worth(
-    setup: Setup, trials: Sequence[Trial], least: float, banned: Collection[str]
-) -> list[Trial]:
+    setup: Problem, trials: Sequence[CandidateFit], least: float, banned: Collection[str]
+) -> list[CandidateFit]:
     """Return the named trials that are worth a closer look, the best first.
 
     One whose known size does not come out is among them only where it leads by
@@ -195,14 +197,14 @@ def _worth(
     sound = [trial for trial in named if identify.fits_physics(trial)]
     best = sound[0].evidence if sound else least
     leader = next((t for t in named if identify.seen(t)), None)
-    if leader is not None and leader.evidence > best + LEADS_BY:
+    if leader is not None and leader.evidence > best + MIN_LOG_BAYES_FACTOR_TO_LEAD:
         return [leader, *sound]
     return sound
 
 
 def predicts(
-    setup: Setup,
-    weighed: Weighed,
+    setup: Problem,
+    weighed: WhitenedData,
     before: tuple[Chosen, ...],
     after: tuple[Chosen, ...],
     gain: float,
@@ -216,7 +218,9 @@ def predicts(
     return was - now > UNSEEN_SHARE * min(gain, was)
 
 
-def alone(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], one: Chosen) -> Trial | None:
+def alone(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], one: Chosen
+) -> CandidateFit | None:
     """Return the trial of a choice beside all the others; None where they can draw all of it."""
     others = [setup.part(each) for each in (*setup.base, *chosen) if each is not one]
     beside = weighed.evidence.beside(others, only=one.candidate.columns)
@@ -224,7 +228,9 @@ def alone(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...], one: Chose
     return trials[0] if trials else None
 
 
-def without_idle(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> tuple[Chosen, ...]:
+def without_idle(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]
+) -> tuple[Chosen, ...]:
     """Drop choices that the others have made idle, the idlest first."""
     while len(chosen) > 1:
         trials = [alone(setup, weighed, chosen, one) for one in chosen]
@@ -236,7 +242,7 @@ def without_idle(setup: Setup, weighed: Weighed, chosen: tuple[Chosen, ...]) -> 
     return chosen
 
 
-def joined(setup: Setup, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
     """Add a choice; earlier ones whose every curve it can draw make way for it."""
     columns = setup.columns[:, new.candidate.columns]
     groups = setup.blocks.groups(new.scope)

@@ -83,7 +83,7 @@ class Circumstances:
     el: Array
     site: Site | None = None
     columns: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    fine: Fine | None = None
+    fine: SubPointings | None = None
     mount: Mount = ALTAZ
     sky: Circumstances | None = None
 
@@ -180,7 +180,7 @@ class Circumstances:
 
 
 @dataclass(frozen=True)
-class Fine:
+class SubPointings:
     """What mean pointings are the means of: an effect's mean is not its value at the mean place.
 
     Attributes
@@ -202,13 +202,13 @@ class Fine:
         first = np.flatnonzero(np.diff(self.pointing, prepend=-1))
         return np.asarray(np.add.reduceat(values * self.share[:, None], first, axis=0))
 
-    def take(self, rows: NDArray[np.intp]) -> Fine:
+    def take(self, rows: NDArray[np.intp]) -> SubPointings:
         """Return what some of the pointings, in their new order, are the means of."""
         starts = np.searchsorted(self.pointing, rows)
         counts = np.searchsorted(self.pointing, rows, side="right") - starts
         number = np.repeat(np.arange(len(rows)), counts)
         kept = np.arange(counts.sum()) + np.repeat(starts - np.cumsum(counts) + counts, counts)
-        return Fine(self.at.take(kept), number, self.share[kept])
+        return SubPointings(self.at.take(kept), number, self.share[kept])
 
 
 #: Circumstances -> the offset across and along elevation for one of each coefficient, (n, k) each.

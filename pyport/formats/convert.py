@@ -16,9 +16,9 @@ from pyport.formats.model_file import translated, without_counterpart
 from pyport.formats.models import load as load_model
 from pyport.recordings.files import read_raw
 from pyport.recordings.formats import registry as tables
-from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 from pyport.recordings.where import where
@@ -47,7 +47,7 @@ def convert(
     target: Path,
     *,
     to: str = "",
-    given: Given = NOTHING,
+    given: FileOptions = NOTHING,
     model: str = "",
     leave_out: bool = False,
     rest_as: Path | None = None,

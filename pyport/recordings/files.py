@@ -10,9 +10,9 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import is_file
 from pyport.recordings import nearly, shipped
-from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import tabulate
@@ -45,7 +45,7 @@ def resolve(name: str | Path) -> Path:
 
 def read(
     name: str | Path,
-    given: Given = NOTHING,
+    given: FileOptions = NOTHING,
     spread: Spread[Any, Any] = map,
     beside: Path | None = None,
 ) -> Recordings:
@@ -96,7 +96,7 @@ def _nothing_left(recordings: Recordings, expression: str) -> str:
     return f"no row can be used: {told or 'there is none'}"
 
 
-def read_raw(path: Path, given: Given = NOTHING) -> Raw:
+def read_raw(path: Path, given: FileOptions = NOTHING) -> Raw:
     """Read the cells of a file as they stand, with what was said about it and its mask.
 
     Raises

@@ -14,8 +14,8 @@ from pyport.errors import BadInput
 from pyport.recordings import nearly
 from pyport.recordings.columns import ANGLES, SCAN_RATE, TIME, angle_of
 from pyport.recordings.files import read
-from pyport.recordings.given import Given
 from pyport.recordings.interpret import interpret
+from pyport.recordings.options import FileOptions
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 
@@ -37,7 +37,7 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
     if isinstance(table, Recordings):
         return table
     if isinstance(table, str | Path):
-        return read(table, Given(keys))
+        return read(table, FileOptions(keys))
     return interpret(raw_table(table, keys))
 
 

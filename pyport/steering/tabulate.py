@@ -37,7 +37,7 @@ BLIND_DEG = 0.1
 
 
 @dataclass(frozen=True)
-class Beside:
+class Conditions:
     """What a table holds for: `north` or `south`, where azimuth starts, and conditions.
 
     Attributes
@@ -52,7 +52,7 @@ class Beside:
     columns: Mapping[str, Any] = field(default_factory=dict)
 
 
-NOTHING = Beside()
+NOTHING = Conditions()
 
 #: Azimuth and zenith distance [deg] -> their offsets [deg].
 OffsetsDeg = Callable[[Array, Array], tuple[Array, Array]]
@@ -63,7 +63,7 @@ def tabulate(
     refraction_name: str | None = None,
     grid: Grid = RT32_GRID,
     reading: str = "as-written",
-    beside: Beside = NOTHING,
+    beside: Conditions = NOTHING,
 ) -> Table:
     """Return the table of a model with a refraction.
 
@@ -107,7 +107,7 @@ def base_of(model: str) -> str:
 
 
 def offsets_of(
-    model: str, refraction_name: str, reading: str, beside: Beside = NOTHING
+    model: str, refraction_name: str, reading: str, beside: Conditions = NOTHING
 ) -> OffsetsDeg:
     """Return a model as a function of azimuth and zenith distance; arguments as for `tabulate`."""
     if model in _RT32:
@@ -216,7 +216,7 @@ def _any_offsets(
     model: str,
     refraction_name: str,
     reading: str,
-    beside: Beside,
+    beside: Conditions,
     az_deg: Array,
     zd_deg: Array,
 ) -> tuple[Array, Array]:

@@ -21,8 +21,8 @@ from pyport.errors import BadInput
 from pyport.recordings.files import read_raw
 from pyport.recordings.formats import katpoint_csv
 from pyport.recordings.formats import registry as tables
-from pyport.recordings.given import Given
 from pyport.recordings.interpret import interpret
+from pyport.recordings.options import FileOptions
 from pyport.recordings.schema import Recordings, SetAside
 
 #: Rows that are taken in together: after them the state is kept.
@@ -74,7 +74,7 @@ class Batch:
     lines: tuple[str, ...] = field(default=(), repr=False)
 
 
-def new(path: Path, given: Given, cursor: Cursor, size: int = BATCH) -> Iterator[Batch]:
+def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> Iterator[Batch]:
     """Yield what a log has that was not read before; nothing where it has not grown.
 
     Parameters
@@ -110,7 +110,7 @@ def _files(folder: Path, last: str) -> list[Path]:
     return sorted(one for one in some if one.name >= last)
 
 
-def _file(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _file(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
     cursor = replace(cursor, file=path.name)
     if _by_line(path, given):
         yield from _lines(path, given, cursor, size)
@@ -118,7 +118,7 @@ def _file(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch
         yield from _whole(path, given, cursor, size)
 
 
-def _by_line(path: Path, given: Given) -> bool:
+def _by_line(path: Path, given: FileOptions) -> bool:
     """Tell whether a file is text with a line of names at most above its rows."""
     if given.format:
         return given.format == "csv"
@@ -128,7 +128,7 @@ def _by_line(path: Path, given: Given) -> bool:
     return known.name == "csv" and not (path.is_file() and katpoint_csv.looks_like(path))
 
 
-def _whole(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
     """Read a file that cannot be read by the line; a file with fewer rows is another one."""
     try:
         changed = path.stat().st_mtime
@@ -152,7 +152,7 @@ def _whole(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batc
         yield Batch(part, aside, replace(cursor, lines=last, changed=at))
 
 
-def _lines(path: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _lines(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
     """Read the whole lines that a file has beyond where it was read."""
     if cursor.inode:
         try:
@@ -197,7 +197,9 @@ def _fingerprint(file: Any, offset: int) -> str:  # noqa: ANN401 - a file of byt
     return hashlib.sha256(before).hexdigest()[:16]
 
 
-def _beyond(path: Path, log: Path, given: Given, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _beyond(
+    path: Path, log: Path, given: FileOptions, cursor: Cursor, size: int
+) -> Iterator[Batch]:
     """Yield the whole lines of a file from the cursor on; `log` is what it was called first."""
     with path.open("rb") as file:
         inode = os.fstat(file.fileno()).st_ino
@@ -229,7 +231,7 @@ def _beyond(path: Path, log: Path, given: Given, cursor: Cursor, size: int) -> I
                     yield Batch(recordings, skipped, cursor, tuple(rows))
 
 
-def _split(cursor: Cursor, text: list[str], given: Given) -> tuple[str, list[str]]:
+def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
     """Return the header, completed by lines that belong to it, and the lines of rows."""
     header, rows = cursor.header, list(text)
     complete = any(not one.startswith("#") for one in header.splitlines())
@@ -259,7 +261,7 @@ def _has_number(line: str) -> bool:
 
 
 def _read(
-    path: Path, given: Given, header: str, rows: list[str], lines: int, count: int
+    path: Path, given: FileOptions, header: str, rows: list[str], lines: int, count: int
 ) -> tuple[Recordings | None, tuple[SetAside, ...]]:
     """Return the recordings in some lines; where they cannot be read together, one by one."""
     first = lines + count - len(rows) + 1
@@ -283,7 +285,7 @@ def _read(
     return replace(found, line=found.line - above - 1 + first, set_aside=()), aside
 
 
-def _interpreted(path: Path, given: Given, header: str, rows: list[str]) -> Recordings:
+def _interpreted(path: Path, given: FileOptions, header: str, rows: list[str]) -> Recordings:
     """Read lines as a file of their own would be read, and call it by the log's name."""
     with tempfile.TemporaryDirectory(prefix="pyport-") as folder:
         part = Path(folder) / path.name

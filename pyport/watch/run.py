@@ -11,7 +11,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
-from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
 from pyport.watch.follow import Batch, Cursor
@@ -46,7 +46,7 @@ class Options:
     log: Path
     model: str
     out: Path
-    given: Given = NOTHING
+    given: FileOptions = NOTHING
     history: str | None = None
     burn_in: int = BURN_IN
     pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.honest import judged
 from pyport.diagnosis.stability import NOTICEABLE, STABLE, Stability
+from pyport.diagnosis.verdict import judged
 
 
 def finding(effect="refraction", verdict="named", members=None):

@@ -8,9 +8,9 @@ from pyport.angles import ARCSEC, DEG
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.recordings import read
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 
-LMT = Given(
+LMT = FileOptions(
     {"latitude_deg": "19", "longitude_deg": "-97.3"},
     (
         *("date_utc", "ut_h", "obsnum", "source", "az_deg", "el_deg"),

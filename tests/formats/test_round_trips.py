@@ -12,7 +12,7 @@ from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.convert import convert, table_of
 from pyport.recordings.formats import registry as tables
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 
 DATS = [
     "AT_point_data_20210609_tw003",
@@ -118,7 +118,7 @@ def test_a_table_without_names_keeps_its_digits(tmp_path):
     source = sample("lmt/PointingData.csv")
     names = ("date_utc", "ut_h", "obsnum", "source", "az_deg", "el_deg", "d_xel_arcsec")
     names += ("sigma_xel_arcsec", "d_el_arcsec", "sigma_el_arcsec")
-    given = Given({"latitude_deg": "19"}, names)
+    given = FileOptions({"latitude_deg": "19"}, names)
 
     convert(str(source), tmp_path / "x.csv", given=given)
 
@@ -185,7 +185,7 @@ def test_what_a_format_cannot_hold_is_told(tmp_path):
     with pytest.raises(BadInput, match="no errors sigma_xel_deg"):
         convert(str(tmp_path / "a.csv"), tmp_path / "a.xtr")
 
-    given = Given({"latitude_deg": "53.1"})
+    given = FileOptions({"latitude_deg": "53.1"})
     done = convert(str(tmp_path / "a.csv"), tmp_path / "a.dat", given=given)
 
     assert done.left_out == ("source",)

@@ -18,7 +18,7 @@ from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings.formats import mapped
 from pyport.recordings.from_table import from_table
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 
 LOG = """# a log of pointings
 # id      src     AZd(f0) ELd(f0) T.amb   pnt.X pnt.Y
@@ -48,7 +48,9 @@ def run(*words):
 
 def test_a_map_reads_any_delimited_text(log):
     """Names with formats behind them, a sign turned round, a date out of a label."""
-    given = Given(mapping=MAP | {"session": "id|date", "source": "src", "temperature_c": "T.amb"})
+    given = FileOptions(
+        mapping=MAP | {"session": "id|date", "source": "src", "temperature_c": "T.amb"}
+    )
     found = read(log, given)
 
     np.testing.assert_allclose(np.degrees(found.at.az), [122, -131, -130])
@@ -63,7 +65,7 @@ def test_numbered_columns_by_any_delimiter(tmp_path, sign):
     """Without a line of names columns go by their numbers, from 1."""
     path = tmp_path / "bare.txt"
     path.write_text("".join(sign.join(["x", "10.5", "45", "3.5"]) + "\n" for _ in range(3)))
-    found = read(path, Given(mapping={"az_deg": "2", "el_deg": "3", "d_el_arcsec": "4"}))
+    found = read(path, FileOptions(mapping={"az_deg": "2", "el_deg": "3", "d_el_arcsec": "4"}))
 
     np.testing.assert_allclose(np.degrees(found.at.az), 10.5)
     np.testing.assert_allclose(np.degrees(found.y) * 3600, 3.5)
@@ -78,7 +80,7 @@ def test_other_counts_of_time(tmp_path, part, cell):
     path.write_text(f"when,az,el,dy\n{cell},1,50,2\n{cell},2,60,2\n")
     found = read(
         path,
-        Given(
+        FileOptions(
             mapping={"time_utc": f"when|{part}", "az_deg": "az", "el_deg": "el", "d_el_deg": "dy"}
         ),
     )
@@ -127,7 +129,7 @@ def test_the_map_of_a_real_log():
     """The GISMO log's total offsets, by the map that the contract gives as its example."""
     path = sample("iram/pointing-2015-03.log")
     text = "az_deg=AZd, el_deg=ELd, d_xel_arcsec=pnt.X, d_el_arcsec=pnt.Y, session=id|date"
-    found = read(path, Given(mapping=mapped.parse(text)))
+    found = read(path, FileOptions(mapping=mapped.parse(text)))
     proposed = mapped.propose(mapped.sheet(path))
 
     assert len(found) > 200
@@ -171,7 +173,7 @@ def test_a_key_given_by_hand_is_held_to_the_same(log):
     assert "did you mean 'latitude_deg'" in run(
         "look", log, "--columns", text, "--set", "latitude=30"
     )
-    assert read(log, Given({"latitude_deg": "30"}, mapping=MAP)).at.site is not None
+    assert read(log, FileOptions({"latitude_deg": "30"}, mapping=MAP)).at.site is not None
 
 
 @pytest.mark.parametrize("command", ["fit", "look", "diagnose", "predict", "plot", "convert"])

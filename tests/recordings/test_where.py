@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 from pyport.recordings.where import DEEPEST, parse, where
 
 TEXT = """# latitude_deg: 53
@@ -65,7 +65,7 @@ def test_what_does_not_hold_is_set_aside_with_the_expression(recordings):
 
     assert kept.line.tolist() == [5, 6, 7]
     assert [(one.line, one.reason) for one in kept.set_aside] == [(4, "not where el_deg > 30")]
-    assert read(recordings.file, Given(where="el_deg > 30")).line.tolist() == [5, 6, 7]
+    assert read(recordings.file, FileOptions(where="el_deg > 30")).line.tolist() == [5, 6, 7]
 
 
 BAD = {

@@ -16,12 +16,12 @@ from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.enough import FEWEST
 from pyport.diagnosis.guards import carriers
-from pyport.diagnosis.honest import judged
 from pyport.diagnosis.resampling import DRAWS, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.summary import summary
+from pyport.diagnosis.verdict import judged
 from pyport.formats.models import load
 
 NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))

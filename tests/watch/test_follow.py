@@ -6,7 +6,7 @@ from drawn_nights import text, world
 
 from pyport.errors import BadInput
 from pyport.recordings import read, write
-from pyport.recordings.given import NOTHING, Given
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.watch import follow
 from pyport.watch.follow import Cursor
 
@@ -128,7 +128,7 @@ def test_columns_by_other_names(tmp_path, lines):
     renamed = [one.replace("az_deg,el_deg", "A,E") for one in above]
     same = ("time_utc", "d_xel_arcsec", "d_el_arcsec")
     told = {"az_deg": "A", "el_deg": "E"} | {one: one for one in same}
-    log = Log(tmp_path / "log.txt", Given(mapping=told))
+    log = Log(tmp_path / "log.txt", FileOptions(mapping=told))
     append(log.path, renamed + rows[:5])
 
     assert log.read() == 5

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis import joint
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.effects.base import LASTING, STEP, ZERO
@@ -99,7 +99,7 @@ class Block:
         return np.asarray(rest - self.zeros @ level)
 
 
-def lasting_shapes(setup: Setup) -> tuple[Shape, ...]:
+def lasting_shapes(setup: Problem) -> tuple[Shape, ...]:
     """Return the lasting shapes that these recordings show."""
     return _shown(setup, _that_are(LASTING))
 
@@ -108,12 +108,12 @@ def _that_are(kind: str) -> list[Effect]:
     return [one for one in CATALOGUE.values() if one.in_arrays == kind]
 
 
-def model_shapes(setup: Setup) -> tuple[Shape, ...]:
+def model_shapes(setup: Problem) -> tuple[Shape, ...]:
     """Return the shapes of the model itself, zeros apart."""
     return _shown(setup, [one.candidate.effect for one in setup.base])
 
 
-def _shown(setup: Setup, effects: Sequence[Effect]) -> tuple[Shape, ...]:
+def _shown(setup: Problem, effects: Sequence[Effect]) -> tuple[Shape, ...]:
     """Return the coefficients of some effects that move anything here, zeros apart."""
     found = []
     for effect in effects:
@@ -127,7 +127,7 @@ def _shown(setup: Setup, effects: Sequence[Effect]) -> tuple[Shape, ...]:
     return tuple(found)
 
 
-def shared(setup: Setup, fit: joint.Joint) -> Array:
+def shared(setup: Problem, fit: joint.Joint) -> Array:
     """Return what the whole array shares of the effects found, but for clocks and zeros, (m,)."""
     total = np.zeros(len(setup.residual))
     for n, one in enumerate(fit.choices[len(setup.base) :], len(setup.base)):
@@ -142,7 +142,7 @@ def steps(fit: joint.Joint) -> list[float]:
     return [e.parameter for e in effects if e.in_arrays == STEP and e.parameter is not None]
 
 
-def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
+def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
     """Return every antenna's session that has enough pointings.
 
     Parameters
@@ -179,7 +179,7 @@ def blocks(setup: Setup, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bloc
     return _told(found)
 
 
-def _since(setup: Setup, moments: Sequence[float]) -> Codes:
+def _since(setup: Problem, moments: Sequence[float]) -> Codes:
     """Return for each reading how many of some moments, or rows, were past, shape (m,)."""
     if not moments:
         return np.zeros(len(setup.stack), np.intp)

@@ -8,13 +8,13 @@ from dataclasses import replace
 from pyport.diagnosis.arrays.blocks import Block, blocks
 from pyport.diagnosis.arrays.report import ArrayReport, shared_shapes
 from pyport.diagnosis.arrays.unseen import Unseen, unseen
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
 from pyport.threads import one_thread
 
 
 @one_thread
-def predict(known: ArrayReport, setup: Setup, fit: Joint) -> Unseen:
+def predict(known: ArrayReport, setup: Problem, fit: Joint) -> Unseen:
     """Predict other recordings of an array from recordings that are known.
 
     Own parts come from the known recordings alone, what a session's antennas

@@ -13,7 +13,7 @@ from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
 from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
 from pyport.diagnosis.arrays.repeat import Repeat, repeats
 from pyport.diagnosis.arrays.unseen import Unseen, unseen
-from pyport.diagnosis.case import Setup
+from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
 from pyport.errors import BadInput
 from pyport.recordings.antennas import Survey
@@ -114,7 +114,7 @@ def shared_shapes(shapes: Sequence[Shape]) -> list[int]:
 
 
 @one_thread
-def report(setup: Setup, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
+def report(setup: Problem, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
     """Return what an array's recordings say; None where they are no array's.
 
     Parameters

@@ -16,7 +16,7 @@ from pyport.prediction.compare import Comparison, compare
 from pyport.prediction.contenders import Night
 from pyport.prediction.rehearsal import rehearse
 from pyport.recordings import read
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 from pyport.recordings.schema import Recordings
 
 _SITE = {"longitude_deg": "-70.7477"}
@@ -34,7 +34,7 @@ _SIX_RMS = 3.1416
 
 def lines(folder: Path) -> Iterator[Line]:
     """Yield what was published of each night, refitted, and what each model predicts."""
-    few, many, good = (read(folder / one, Given(_SITE)) for one in (_FEW, _MANY, _GOOD))
+    few, many, good = (read(folder / one, FileOptions(_SITE)) for one in (_FEW, _MANY, _GOOD))
     altaz = load("altaz")
     yield from _published(good, folder / _SIX)
     first = compare(few, altaz, [load(str(folder / _FAUTO))], [good])

@@ -14,7 +14,7 @@ from pyport.examiner.acceptance import auxtel
 from pyport.examiner.acceptance.drawn import Line
 from pyport.examiner.acceptance.said import diagnosed, said
 from pyport.recordings import read
-from pyport.recordings.given import Given
+from pyport.recordings.options import FileOptions
 from pyport.recordings.schema import Recordings
 
 #: The Large Millimeter Telescope's list has no line of names.
@@ -42,7 +42,7 @@ def lines(data: Path) -> Iterator[Line]:
 
 def lmt(file: Path) -> Iterator[Line]:
     """Yield the published terms, refitted, and what is said of the tilt of each axis."""
-    recordings = read(file, Given(_LMT_SITE, _LMT_COLUMNS))
+    recordings = read(file, FileOptions(_LMT_SITE, _LMT_COLUMNS))
     for axis, (names, published) in _LMT_TERMS.items():
         values, covariance, rms = _fitted(recordings, names, axis)
         sigma = np.sqrt(np.diag(covariance))

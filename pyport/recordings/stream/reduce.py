@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import Fine
+from pyport.effects.base import SubPointings
 from pyport.errors import BadInput
-from pyport.recordings.given import NOTHING, Given
 from pyport.recordings.interpret import interpret
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings, Reduction, SetAside
 from pyport.recordings.stream.cells import (
     ALWAYS,
@@ -70,7 +70,7 @@ def is_data_set(path: Path) -> bool:
 
 def read_data_set(
     root: Path,
-    given: Given = NOTHING,
+    given: FileOptions = NOTHING,
     spread: Spread[Any, Any] = map,
     beside: Path | None = None,
 ) -> Recordings:
@@ -123,14 +123,16 @@ def _times(points: Cells) -> Array:
     return np.asarray(time / rows)
 
 
-def _fine(points: Cells, fine: Cells, used: Codes, root: Path, keys: dict[str, str]) -> Fine:
+def _fine(
+    points: Cells, fine: Cells, used: Codes, root: Path, keys: dict[str, str]
+) -> SubPointings:
     """Return the places that the used points, by their number among the cells, are means of."""
     of = places_of(points, fine.label, grown(fine.key, fine.level, points.level))
     order = np.argsort(of, kind="stable")
     rows = fine.totals[:, SUMMED.index("rows")]
     share = rows / np.bincount(of, rows)[of]
     at = interpret(as_raw(fine, root, keys, places_only=True)).at
-    return Fine(at.take(order), of[order], share[order]).take(used)
+    return SubPointings(at.take(order), of[order], share[order]).take(used)
 
 
 def _gone_through(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
-class Given:
+class FileOptions:
     """Header keys and column names that come from the command line.
 
     Attributes
@@ -31,4 +31,4 @@ class Given:
     mapping: Mapping[str, str] = field(default_factory=dict)
 
 
-NOTHING = Given()
+NOTHING = FileOptions()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.boxes import boxes
-from pyport.diagnosis.case import Chosen, Setup, weigh, weigh_model
+from pyport.diagnosis.case import Chosen, Problem, weigh, weigh_model
 from pyport.diagnosis.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
 from pyport.diagnosis.steps import Outcome, Step
@@ -42,7 +42,7 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     return _with_field(setup, before, outcome.steps[:turn], best, outcome.p_value)
 
 
-def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
+def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
     """Return the evidence of several names together; each beyond the first has its price."""
     columns = setup.expanded([step.chosen for step in names])
     prices = sum(step.winner.gain - step.winner.evidence for step in names)
@@ -50,7 +50,7 @@ def _together(ground: Ground, setup: Setup, names: Sequence[Step]) -> float:
 
 
 def _with_field(
-    setup: Setup,
+    setup: Problem,
     before: tuple[Chosen, ...],
     steps: tuple[Step, ...],
     worth: Worth,
