@@ -24,20 +24,25 @@ TREES = {
 FORBIDDEN = {
     *("pickle", "dill", "cloudpickle", "joblib", "marshal", "shelve", "code", "codeop", "cffi"),
     *("socket", "ssl", "http", "urllib", "urllib3", "requests", "httpx", "aiohttp", "ftplib"),
-    *("smtplib", "telnetlib", "xmlrpc", "socketserver", "webbrowser", "asyncio"),
+    *("smtplib", "telnetlib", "xmlrpc", "socketserver", "webbrowser"),
 }
-#: Who alone may import what starts another Python, a compiler, Dask, or calls compiled code.
+#: Who alone may import what starts another Python, a compiler, Dask or the user's command on an
+#: alarm, serves the watch's page, or calls compiled code.
 WHO_MAY = {
     "subprocess": {
         *("examiner/sealed/solve.py", "parity/build.py", "parity/coverage.py"),
-        "examiner/real/sets.py",
+        *("examiner/real/sets.py", "watch/outputs.py"),
     },
+    "asyncio": {"watch/serve.py"},
     "runpy": {"examiner/sealed/cell.py"},
     "distributed": {"workers.py"},
     "ctypes": {"legacy/intrinsics.py", "parity/stored.py"},
 }
 #: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.
-BY_NAME = {"cli/groups.py", "effects/__init__.py", "lazy.py", "parity/functions.py"}
+BY_NAME = {
+    *("__init__.py", "cli/groups.py", "effects/__init__.py", "lazy.py", "mounts/__init__.py"),
+    "parity/functions.py",
+}
 #: Who alone may import compiled code from a file: the module that f2py made of the Fortran.
 COMPILED = {"parity/oracle.py"}
 #: Functions that evaluate text, wherever they come from.
