@@ -98,6 +98,7 @@ def _still(setup: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
     A longer memory shows within a session by the share of its variance that it changes there.
+    Within a single session nothing drifts.
     """
     longest = _session_s(setup)
     noises = tuple(
@@ -106,6 +107,7 @@ def _still(setup: Problem, covariance: Covariance) -> Covariance:
             drifts=tuple(
                 (amplitude * float(np.sqrt(min(1.0, longest / memory))), min(memory, longest))
                 for amplitude, memory in one.drifts
+                if longest > 0
             ),
         )
         for one in covariance.noises
@@ -114,13 +116,15 @@ def _still(setup: Problem, covariance: Covariance) -> Covariance:
 
 
 def _session_s(setup: Problem) -> float:
-    """Return how long a session usually takes [s]; of a single one a quarter."""
-    spans = []
-    for part in setup.parts:
-        if part.time is None:
-            continue
-        session = setup.session[part.first]
-        spans += [float(np.ptp(part.time[session == one])) for one in np.unique(session)]
-    if not spans:
-        return np.inf
-    return float(np.median(spans)) / (4.0 if len(np.unique(setup.session)) == 1 else 1.0)
+    """Return how long a session usually takes [s], 0 of a single one."""
+    sessions = np.unique(setup.session)
+    if len(sessions) == 1:
+        return 0.0
+    spans = [
+        float(np.ptp(part.time[own]))
+        for part in setup.parts
+        if part.time is not None
+        for one in sessions
+        if (own := setup.session[part.first] == one).any()
+    ]
+    return float(np.median(spans)) if spans else 0.0

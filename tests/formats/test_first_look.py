@@ -47,7 +47,7 @@ def test_masked_stars_are_counted():
 
 
 def test_the_classical_fit_agrees_with_the_published_one():
-    """IA, AN and AW of the published TPOINT fit, each with its sign."""
+    """AN and AW of the published TPOINT fit, each with its sign, to two arcsec in its drift."""
     done = fit(read(sample("auxtel/AT_point_data_20220406_tw004_corr.dat")), load("altaz"))
     values = {
         coefficient.name: one.value[n] / ARCSEC
@@ -62,5 +62,5 @@ def test_the_classical_fit_agrees_with_the_published_one():
 
     for name, published in (("tilt_north", 39.16), ("tilt_east", -70.89)):
         assert abs(values[name] - published) < 2 * sigmas[name]
-        assert sigmas[name] < 1
+        assert sigmas[name] < 2
     assert values["azimuth_zero"] == pytest.approx(-292.0, abs=10)

@@ -19,7 +19,7 @@ from pyport.parity.compare import Pair
 from pyport.parity.functions import ask_port
 from pyport.parity.run import over
 
-CHUNKS = [(start, start + 25) for start in range(0, 3000, 25)]
+CHUNKS = [(start, start + 25) for start in range(0, 6000, 25)]
 #: Compares by itself in two processes, so that it can be killed; prints who works.
 RUN = """
 import os, sys
