@@ -144,7 +144,11 @@ class _Projected:
         inner = np.eye(len(root)) + root[:, None] * self.products * root
         if not np.isfinite(inner).all():
             return np.inf
-        triangle = np.linalg.cholesky(inner)
+        try:
+            triangle = np.linalg.cholesky(inner)
+        except np.linalg.LinAlgError:
+            # Rounding of the products outweighs one: the data do not hold so large a variance.
+            return np.inf
         along = np.linalg.solve(triangle, root * self.moments)
         left = max(self.misfit - float(along @ along), 1e-300)
         return 2 * float(np.log(np.diag(triangle)).sum()) + self.dof * float(np.log(left))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pyport.effects import Circumstances
+from pyport.noise import departures
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings
@@ -130,3 +131,12 @@ def test_readings_are_judged_anew_beside_another_model():
 
     assert not alone.used[::10].any()
     assert beside.used.all()
+
+
+def test_a_variance_that_rounding_makes_impossible_is_no_candidate():
+    """Products that rounding left a little below zero end no estimate; small variances stand."""
+    kind = np.zeros(2, np.intp)
+    given = departures._Projected(np.diag([1.0, -1e-6]), np.array([0.1, 0.0]), kind, 10.0, 20)
+
+    assert np.isfinite(given.lack(np.array([1.0])))
+    assert given.lack(np.array([1e8])) == np.inf
