@@ -265,14 +265,19 @@ def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
     if setup.blocks.antennas >= common_mode.ENOUGH_ANTENNAS:
         return weigh(setup, chosen)
     covariance = noise(setup, chosen)
-    size = setup.columns.shape[1]
-    model = [one.candidate.columns for one in (*setup.base, *chosen)]
-    own = np.unique(np.concatenate([np.zeros(0, np.intp), *model]))
-    white = np.zeros((2 * len(setup.columns), size + 1))
-    places = np.append(own, size).astype(np.intp)
-    data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
-    white[:, places] = covariance.whiten(data)
+    white = whiten_model(setup, covariance, (*setup.base, *chosen))
     return _weighed(setup, chosen, covariance, white)
+
+
+def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chosen]) -> Array:
+    """Return some choices' columns and the data, whitened, all others zero, (2 m, K + 1)."""
+    size = setup.columns.shape[1]
+    columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
+    own = np.unique(np.concatenate(columns))
+    data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
+    white = np.zeros((2 * len(setup.columns), size + 1))
+    white[:, np.append(own, size)] = covariance.whiten(data)
+    return white
 
 
 def _weighed(

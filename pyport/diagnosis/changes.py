@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
 from pyport.diagnosis.confirm import CONFIRMED
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
@@ -50,11 +50,7 @@ def proposed(
         and one.candidate.effect.change_of in has
     ]
     still = _still(setup, weighed.covariance)
-    columns = [one.candidate.columns for one in (*setup.base, *chosen)]
-    places = np.unique(np.concatenate([np.zeros(0, np.intp), *columns]))
-    white = np.zeros((2 * len(setup.columns), setup.columns.shape[1] + 1))
-    own = np.concatenate([setup.columns[:, places], setup.residual[:, None]], axis=1)
-    white[:, np.append(places, setup.columns.shape[1])] = still.whiten(own)
+    white = whiten_model(setup, still, (*setup.base, *chosen))
     beside = WhitenedData(still, white, weighed.evidence)
     if not wanted:
         return beside, []

@@ -72,16 +72,7 @@ def judged(one: Finding, stability: Stability) -> Finding:
             sentence=f"{one.sentence}; the name is not certain: {counts}",
             decide_by=decide_by(members) or f"more recordings like these: {counts}",
         )
-    shape = f" ({one.variant})" if one.variant else ""
-    return replace(
-        one,
-        effect="unknown",
-        members=("unknown",),
-        verdict="unknown",
-        sentence=f"something is left that these recordings cannot name: {counts}",
-        looks_like=f"{_sentence(one)}: {one.effect}{shape}",
-        decide_by=decide_by(members) or "record more pointings where it is seen",
-    )
+    return _nameless(one, counts, decide_by(members) or "record more pointings where it is seen")
 
 
 def _refusal(scene: Scene, one: Finding) -> Refusal | None:
@@ -98,14 +89,19 @@ def _sentence(one: Finding) -> str:
 
 def _refused(one: Finding, why: Refusal) -> Finding:
     """Return a finding without its name, and why."""
+    checks = (*one.checks, f"not named: {why.reason}")
+    return replace(_nameless(one, why.reason, why.decide_by), checks=checks)
+
+
+def _nameless(one: Finding, reason: str, next_: str) -> Finding:
+    """Return a finding whose name became what it looks like; `next_` is what would decide."""
     shape = f" ({one.variant})" if one.variant else ""
     return replace(
         one,
         effect="unknown",
         members=("unknown",),
         verdict="unknown",
-        sentence=f"something is left that these recordings cannot name: {why.reason}",
+        sentence=f"something is left that these recordings cannot name: {reason}",
         looks_like=f"{_sentence(one)}: {one.effect}{shape}",
-        decide_by=why.decide_by,
-        checks=(*one.checks, f"not named: {why.reason}"),
+        decide_by=next_,
     )

@@ -18,10 +18,10 @@ from pyport.angles import Array, Codes
 from pyport.noise.whitening import (
     Noise,
     Series,
-    by_pointing,
     factor,
     series_errors,
     unwhiten_series,
+    variance_of_means,
     whiten_series,
 )
 
@@ -224,11 +224,11 @@ class Covariance:
         """Return the logarithm of the covariance's determinant, that of replicates left out."""
         total = 0.0
         for part, noise in zip(self.parts, self.noises, strict=True):
-            none = np.zeros((len(part.rows), 0))
-            means, variance, _ = by_pointing(
-                none, self.weights[part.rows], self.precision[part.rows], part, noise
+            variance = variance_of_means(
+                self.weights[part.rows], self.precision[part.rows], part, noise
             )
-            total += float(np.log(factor(means, variance, part.time, noise.drifts)[0]).sum())
+            none = np.zeros((len(variance), 0))
+            total += float(np.log(factor(none, variance, part.time, noise.drifts)[0]).sum())
         for x, _, correlation in self._coupled:
             total += len(x) * float(np.log1p(-(correlation**2)))
         for _, _, shrinkage in self._departing:

@@ -213,6 +213,11 @@ def by_pointing(
     return means, np.where(heaviest < OUTLIER, FAR, variance), deviations
 
 
+def variance_of_means(weights: Array, precision: Array, part: Series, noise: Noise) -> Array:
+    """Return the variance of each pointing's mean, drift apart [rad^2], shape (p,)."""
+    return by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+
+
 def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> Array:
     """Divide by the scatter, after taking out what the past of the drift predicts."""
     return factor(columns, variance, part.time, noise.drifts)[1]
@@ -272,7 +277,7 @@ def unwhiten_series(
     noise: Noise,
 ) -> Array:
     """Return the transpose of `whiten_series`: columns (n, K) of means (p, K) and deviations."""
-    variance = by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+    variance = variance_of_means(weights, precision, part, noise)
     if part.time is None or not noise.drifts:
         inner = means / np.sqrt(variance)[:, None]
     else:
@@ -298,7 +303,7 @@ def series_errors(
 
     Those of the pointings' means, (p, K), and of the deviations from them, (n, K).
     """
-    variance = by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+    variance = variance_of_means(weights, precision, part, noise)
     pooled = _pooled(estimators, part)
     if part.time is None or not noise.drifts:
         outer = pooled * np.sqrt(variance)[:, None]
