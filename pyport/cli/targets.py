@@ -110,9 +110,12 @@ def command(
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
     rows = read(recordings, given)
     start_s = _seconds(start)
-    if hours is None and rows.at.site is None:
+    if hours is not None:
+        ends = start_s + 3600 * hours
+    elif rows.at.site is not None:
+        ends = sunrise(rows.at.site, start_s)
+    else:
         raise BadInput("no latitude_deg, expected one: --set latitude_deg=...", rows.file)
-    ends = start_s + 3600 * hours if hours else sunrise(rows.at.site, start_s)  # type: ignore[arg-type]
     limits = Limits(*elevations, start_s, ends, dwell_s, *slew, sun_deg)
     sources = [] if catalogue is None else read_catalogue(catalogue)
     found = targets(rows, load(model), limits, count, sources)

@@ -7,11 +7,14 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pyport.examiner import program
 
-Case = TypeVar("Case")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Case = TypeVar("Case", bound="DataclassInstance")
 Outcome = dict[str, Any]
 
 
@@ -59,6 +62,6 @@ def read(file: Path, kind: type[Case]) -> dict[Case, Outcome]:
         except ValueError:
             continue
         if outcome.get("program") == program.version():
-            names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]
+            names = [field.name for field in dataclasses.fields(kind)]
             found[kind(*(outcome[name] for name in names))] = outcome
     return found
