@@ -8,6 +8,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import click
@@ -24,6 +25,17 @@ STATUSES = (
 def in_json(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--json` (as `as_json`) to a command."""
     return click.option("--json", "as_json", is_flag=True, help="Print JSON.")(command)
+
+
+def resumable(folder: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return what adds `--out` to a long command: where its results so far are, `folder` if not."""
+    return click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=Path(folder),
+        show_default=True,
+        help="Folder of the results so far; an interrupted run continues there.",
+    )
 
 
 def say(text: str | Callable[[], str], told: object, *, as_json: bool) -> None:

@@ -34,7 +34,7 @@ class Options:
     model
         A name or a file.
     out
-        Folder of the state and of what is told.
+        Folder of the state, the events, the status and the metrics.
     given
         What the log itself does not say.
     history

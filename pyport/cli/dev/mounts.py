@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from pyport.cli.manners import resumable
 from pyport.errors import BadInput
 
 
@@ -17,13 +18,7 @@ from pyport.errors import BadInput
 @click.option("--parts", help="empty, one, two, unknown, separated by commas; all by default.")
 @click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
 @click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/mounts"),
-    show_default=True,
-    help="Folder of the results so far; an interrupted run continues there.",
-)
+@resumable("out/mounts")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON lines.")
 def command(
     *,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import in_json
+from pyport.cli.manners import in_json, resumable
 
 
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
@@ -23,13 +23,7 @@ from pyport.cli.manners import in_json
     metavar="POINTINGS",
     help="What the watch promises.",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/nights"),
-    show_default=True,
-    help="Folder of the results so far; an interrupted run continues there.",
-)
+@resumable("out/nights")
 @in_json
 def command(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_json: bool) -> None:
     """Count false alarms in twenty kinds of noise, and measure delays beside the best possible.

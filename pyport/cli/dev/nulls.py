@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from pyport.cli.manners import resumable
 from pyport.errors import BadInput
 
 
@@ -30,13 +31,7 @@ from pyport.errors import BadInput
     type=click.Choice(["rows", "sessions", "sky", "cause"]),
     help="Another table: one line for each of these, over all kinds.",
 )
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/nulls"),
-    show_default=True,
-    help="Folder of the results so far; an interrupted run continues there.",
-)
+@resumable("out/nulls")
 @click.option("--json", "as_json", is_flag=True, help="Print the results as JSON lines.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
 def command(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from pyport.cli.manners import resumable
 from pyport.errors import BadInput
 
 
@@ -21,13 +22,7 @@ from pyport.errors import BadInput
 @click.option("--sets", help="Sets whose names begin so, separated by commas; all by default.")
 @click.option("--subsets", default=200, show_default=True, help="Subsets of few rows of each set.")
 @click.option("--jobs", default=1, show_default=True, help="Sets at the same time.")
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path, file_okay=False),
-    default=Path("out/real"),
-    show_default=True,
-    help="Folder of the results so far; an interrupted run continues there.",
-)
+@resumable("out/real")
 @click.option("--markdown", type=click.Path(path_type=Path), help="Write the table as a page.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON line a set.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors.")
