@@ -9,12 +9,8 @@ from collections.abc import Callable, Mapping
 def loader(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
     """Return the `__getattr__` of a package (PEP 562) some of whose names wait in its modules.
 
-    Parameters
-    ----------
-    package
-        The package's name.
-    homes
-        For each such name the module of the package that defines it.
+    `package`: the package's name.
+    `homes`: for each such name the module of the package that defines it.
     """
 
     def get(name: str) -> object:

@@ -67,11 +67,8 @@ def requests(
 ) -> list[Request]:
     """Check the arguments and return what is to be done.
 
-    Raises
-    ------
-    BadInput
-        A file or model is missing, two files would share a folder, or `refit`
-        names an effect that the model does not hold.
+    Raises `BadInput`: a file or model is missing, two files would share a folder, or `refit` names
+      an effect that the model does not hold.
     """
     held = ids_of(load(model), refit)
     files = [resolve(name) for name in names]
@@ -102,10 +99,7 @@ def ids_of(model: Model, refit: str) -> tuple[str, ...] | None:
 def apart(names: Sequence[str], label: str) -> list[str]:
     """Return the parts of data sets whose folders are named by a label, `LABEL=VALUE`.
 
-    Raises
-    ------
-    BadInput
-        A name is no such data set.
+    Raises `BadInput`: a name is no such data set.
     """
     found = []
     for name in names:

@@ -33,18 +33,10 @@ PATIENCE_S = 20
 def workers(jobs: int = 1, cluster: str | None = None) -> Iterator[Spread[Any, Any]]:
     """Provide what calls a function for each item.
 
-    Parameters
-    ----------
-    jobs
-        Processes of this machine.
-    cluster
-        Address of a Dask scheduler; its workers need pyport, and the same files under the
-        same names.
-
-    Raises
-    ------
-    BadInput
-        There is no such cluster, or no Dask.
+    `jobs`: processes of this machine.
+    `cluster`: address of a Dask scheduler; its workers need pyport, and the same files under the
+      same names.
+    Raises `BadInput`: there is no such cluster, or no Dask.
     """
     if cluster is not None:
         with _cluster(cluster) as spread:

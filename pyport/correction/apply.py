@@ -26,28 +26,17 @@ from pyport.recordings.where import parse
 
 @dataclass(frozen=True)
 class Applied:
-    """A table with what a model says in each row.
+    """A table with what a model says in each row."""
 
-    Attributes
-    ----------
-    table
-        The columns of the file and the new ones.
-    added
-        Names of those.
-    rows, skipped
-        How many rows, and how many of them tell no direction.
-    unknown
-        Conditions that the model follows, with the number of rows that do not tell them: what
-        follows them counts as zero there.
-    rms
-        Of what is left of recordings, by axis and over the sky [arcsec]; empty without offsets.
-    """
-
-    table: Table
-    added: tuple[str, ...]
+    table: Table  #: the columns of the file and the new ones
+    added: tuple[str, ...]  #: names of those
+    #: `rows`, `skipped`: how many rows, and how many of them tell no direction.
     rows: int
     skipped: int
+    #: Conditions that the model follows, with the number of rows that do not tell them: what
+    #: follows them counts as zero there.
     unknown: dict[str, int]
+    #: Of what is left of recordings, by axis and over the sky [arcsec]; empty without offsets.
     rms: dict[str, float]
 
 
@@ -61,24 +50,13 @@ def applied(
 ) -> Applied:
     """Return a table with a model's offsets, and where to drive, in each row.
 
-    Parameters
-    ----------
-    model
-        With coefficients.
-    raw
-        A file's cells: directions, and whatever the model needs beside them.
-    inverse
-        The file's azimuth and elevation are the mount's readings: the true ones are added.
-    residuals
-        The file holds measured offsets: what the model leaves of them is added.
-    where
-        An expression: rows for which it does not hold are left out.
-
-    Raises
-    ------
-    BadInput
-        The file tells no directions, `where` holds for none of them, or the file lacks something
-        that the model needs.
+    `model`: with coefficients.
+    `raw`: a file's cells: directions, and whatever the model needs beside them.
+    `inverse`: the file's azimuth and elevation are the mount's readings: the true ones are added.
+    `residuals`: the file holds measured offsets: what the model leaves of them is added.
+    `where`: an expression: rows for which it does not hold are left out.
+    Raises `BadInput`: the file tells no directions, `where` holds for none of them, or the file
+      lacks something that the model needs.
     """
     at = targets(raw)
     if at.mount is ALTAZ:

@@ -30,26 +30,17 @@ HORIZON_DEG, ZENITH_DEG = (5.0, 15.0), (80.0, 89.0)
 
 @dataclass(frozen=True)
 class Sky:
-    """How far commanded positions move over the sky.
+    """How far commanded positions move over the sky."""
 
-    Attributes
-    ----------
-    az_deg, el_deg
-        Directions, shape (n,).
-    x_arcsec, y_arcsec
-        New minus old, across and along elevation, shape (n,).
-    observed
-        Whether a recording is near; all True where there are none to tell.
-    conditions
-        What the comparison is for beside directions, by column.
-    """
-
+    #: `az_deg`, `el_deg`: directions, shape (n,).
     az_deg: Array
     el_deg: Array
+    #: `x_arcsec`, `y_arcsec`: new minus old, across and along elevation, shape (n,).
     x_arcsec: Array
     y_arcsec: Array
+    #: Whether a recording is near; all True where there are none to tell.
     observed: NDArray[np.bool_]
-    conditions: Mapping[str, str]
+    conditions: Mapping[str, str]  #: what the comparison is for beside directions, by column
 
     @property
     def size_arcsec(self) -> Array:
@@ -69,21 +60,14 @@ class Sky:
 
 @dataclass(frozen=True)
 class Rows:
-    """What both models leave of recordings.
+    """What both models leave of recordings."""
 
-    Attributes
-    ----------
-    line
-        Of the file, shape (n,).
-    before_arcsec, after_arcsec
-        Size of what is left of each recording, both axes together, shape (n,).
-    rms_before, rms_after
-        By axis, and `sky` over both by the recording [arcsec].
-    """
-
-    line: NDArray[np.int64]
+    line: NDArray[np.int64]  #: of the file, shape (n,)
+    #: `before_arcsec`, `after_arcsec`: size of what is left of each recording, both axes together,
+    #: shape (n,).
     before_arcsec: Array
     after_arcsec: Array
+    #: `rms_before`, `rms_after`: by axis, and `sky` over both by the recording [arcsec].
     rms_before: dict[str, float]
     rms_after: dict[str, float]
 
@@ -149,19 +133,10 @@ def compare(
 ) -> Comparison:
     """Return how far a new model moves commanded positions, and what it does to recordings.
 
-    Parameters
-    ----------
-    old, new
-        Models with coefficients.
-    recordings
-        Measured offsets; also where the sky was observed and in which conditions.
-    conditions
-        What holds for the whole sky beside directions, by column.
-
-    Raises
-    ------
-    BadInput
-        A model needs a condition that neither the recordings nor `conditions` tell.
+    `old`, `new`: models with coefficients.
+    `recordings`: measured offsets; also where the sky was observed and in which conditions.
+    `conditions`: what holds for the whole sky beside directions, by column.
+    Raises `BadInput`: a model needs a condition that neither the recordings nor `conditions` tell.
     """
     recordings = None if recordings is None else with_nights(recordings)
     rows = None if recordings is None else _rows(old, new, recordings)

@@ -16,26 +16,16 @@ from pyport.models.conditions import Columns, columns_of, has_unit, location_of,
 
 @dataclass(frozen=True)
 class Pointing:
-    """Directions as they were given: radians, shape, and what gives the answer its form.
+    """Directions as they were given: radians, shape, and what gives the answer its form."""
 
-    Attributes
-    ----------
-    az, el
-        From north through east, and up [rad], shape (n,).
-    shape
-        Of the answer.
-    columns, site
-        What is known beside the direction, shape (n,) each.
-    frame
-        Astropy's, of which the answer is one, too; None for numbers.
-    """
-
+    #: `az`, `el`: from north through east, and up [rad], shape (n,).
     az: Array
     el: Array
-    shape: tuple[int, ...]
+    shape: tuple[int, ...]  #: of the answer
+    #: `columns`, `site`: what is known beside the direction, shape (n,) each.
     columns: Columns
     site: Site | None
-    frame: Any = None
+    frame: Any = None  #: astropy's, of which the answer is one, too; None for numbers
 
 
 def directions(
@@ -46,21 +36,11 @@ def directions(
 ) -> Pointing:
     """Return directions as they were given, in radians.
 
-    Parameters
-    ----------
-    where
-        Azimuth and elevation; one coordinate of astropy's; or one table.
-    conditions
-        What is known beside them, by name, `location` among it.
-    site
-        Where the telescope stands, if nothing else tells.
-    others
-        Columns beyond the contract's that `conditions` may name.
-
-    Raises
-    ------
-    BadInput
-        Something is not what it can be; the message says what was expected.
+    `where`: azimuth and elevation; one coordinate of astropy's; or one table.
+    `conditions`: what is known beside them, by name, `location` among it.
+    `site`: where the telescope stands, if nothing else tells.
+    `others`: columns beyond the contract's that `conditions` may name.
+    Raises `BadInput`: something is not what it can be; the message says what was expected.
     """
     told = dict(conditions)
     site = site_of(told.pop("location", None)) or site

@@ -42,24 +42,14 @@ Numbers = NDArray[Any]
 
 @dataclass(frozen=True)
 class Kernel:
-    """A model with one set of coefficients.
+    """A model with one set of coefficients."""
 
-    Attributes
-    ----------
-    waves
-        (m, n, x, y): how often around and up, and the complex amplitudes on both axes [rad].
-    rest
-        Effects that are no sum of waves, each with its values.
-    model
-        The model itself, for directions in plunge or below the horizon where `folded`.
-    folded
-        Whether the waves hold between the horizon and the zenith only: the RT32's do.
-    """
-
+    #: (m, n, x, y): how often around and up, and the complex amplitudes on both axes [rad].
     waves: tuple[tuple[int, int, complex, complex], ...]
+    #: Effects that are no sum of waves, each with its values.
     rest: tuple[tuple[Effect, Array], ...]
-    model: Model
-    folded: bool
+    model: Model  #: the model itself, for directions in plunge or below the horizon where `folded`
+    folded: bool  #: whether the waves hold between the horizon and the zenith only: the RT32's do
 
     def one(
         self, az: float, el: float, columns: dict[str, Any], site: Site | None
@@ -175,10 +165,7 @@ def _arrays(columns: dict[str, Any]) -> dict[str, Numbers]:
 def kernel(model: Model, labels: dict[str, str], site: Site | None) -> Kernel:
     """Return a model made ready, for one value of each label.
 
-    Raises
-    ------
-    BadInput
-        A term has no coefficients for these labels.
+    Raises `BadInput`: a term has no coefficients for these labels.
     """
     nobody = {name: np.array([labels.get(name, "")]) for term in model.terms for name in term.per}
     total = np.zeros((2 * HIGHEST + 2, 2 * HIGHEST + 2, 2), complex)

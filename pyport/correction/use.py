@@ -45,15 +45,9 @@ class Offsets(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class PointingModel:
-    """A pointing model with coefficients, ready to be asked.
+    """A pointing model with coefficients, ready to be asked."""
 
-    Attributes
-    ----------
-    model
-        Its terms.
-    """
-
-    model: Model
+    model: Model  #: its terms
     _ready: dict[tuple[tuple[str, str], ...], Kernel] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -88,27 +82,14 @@ class PointingModel:
     def offsets(self, *where: Any, **conditions: Any) -> Offsets:  # noqa: ANN401 - see below
         """Return what has to be added to true directions.
 
-        Parameters
-        ----------
-        where
-            Azimuth (from north through east) and elevation: Quantities, or bare numbers in
-            degrees, scalars or arrays that broadcast. Or an astropy `AltAz` or `SkyCoord`, which
-            knows its time and location or is given them. Or a table with the columns of
-            recordings.
-        conditions
-            What else the model needs, by name: `time`, `temperature`, `wind_speed`, `wind_az`,
-            `antenna`, `session`, `location`, ...; Quantities, or bare numbers in the units of
-            the columns of recordings (deg C, m/s, deg, ...).
-
-        Returns
-        -------
-        d_xel, d_el
-            Quantities, on the sky across elevation, and along it.
-
-        Raises
-        ------
-        BadInput
-            The model needs something that was not given; the message names it all.
+        `where`: azimuth (from north through east) and elevation: Quantities, or bare numbers in
+          degrees, scalars or arrays that broadcast. Or an astropy `AltAz` or `SkyCoord`, which
+          knows its time and location or is given them. Or a table with the columns of recordings.
+        `conditions`: what else the model needs, by name: `time`, `temperature`, `wind_speed`,
+          `wind_az`, `antenna`, `session`, `location`, ...; Quantities, or bare numbers in the units
+          of the columns of recordings (deg C, m/s, deg, ...).
+        Returns `d_xel`, `d_el`: quantities, on the sky across elevation, and along it.
+        Raises `BadInput`: the model needs something that was not given; the message names it all.
         """
         from astropy import units
 
@@ -186,26 +167,12 @@ class PointingModel:
     ) -> Rest:
         """Write the model: .toml whole, or in another program's format by its suffix.
 
-        Parameters
-        ----------
-        path
-            The file: .toml .mod .ctl .txt .xml .json.
-        rest_as
-            A CSV file for the corrections, on a grid, by terms that the format cannot name.
-        leave_out
-            Leave those out.
-        conditions
-            What holds for that grid beside directions, such as `temperature_c`.
-
-        Returns
-        -------
-        Rest
-            What the file does not hold, with its rms.
-
-        Raises
-        ------
-        BadInput
-            The format cannot hold a term, which is named.
+        `path`: the file: .toml .mod .ctl .txt .xml .json.
+        `rest_as`: a CSV file for the corrections, on a grid, by terms that the format cannot name.
+        `leave_out`: leave those out.
+        `conditions`: what holds for that grid beside directions, such as `temperature_c`.
+        Returns what the file does not hold, with its rms.
+        Raises `BadInput`: the format cannot hold a term, which is named.
         """
         from pyport.formats.completed import write_model
 
@@ -344,10 +311,7 @@ def _missing(effect: Effect, site: Site | None) -> list[str]:
 def model_of(model: str | Path | Model | PointingModel) -> Model:
     """Return a model by the name of a built-in one, from a file, or as it is.
 
-    Raises
-    ------
-    BadInput
-        There is no such model or file.
+    Raises `BadInput`: there is no such model or file.
     """
     from pyport.formats.models import load
 

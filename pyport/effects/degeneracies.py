@@ -12,27 +12,13 @@ from pyport.mounts import ALTAZ, BY_MODEL
 
 @dataclass(frozen=True)
 class Alike:
-    """Two effects that recordings may not distinguish.
+    """Two effects that recordings may not distinguish."""
 
-    Attributes
-    ----------
-    ids
-        The two.
-    where
-        Under which circumstances, one of :data:`WHERE`.
-    decide
-        The observation that distinguishes them.
-    beside
-        Effects that are fitted together with them, as most models do.
-    exact
-        True where the two draw the same curves, False where nearly the same.
-    """
-
-    ids: tuple[str, str]
-    where: str
-    decide: str
-    beside: tuple[str, ...] = ()
-    exact: bool = True
+    ids: tuple[str, str]  #: the two
+    where: str  #: under which circumstances, one of :data:`WHERE`
+    decide: str  #: the observation that distinguishes them
+    beside: tuple[str, ...] = ()  #: effects that are fitted together with them, as most models do
+    exact: bool = True  #: true where the two draw the same curves, False where nearly the same
 
 
 #: Circumstances under which effects look alike, in words.

@@ -38,10 +38,7 @@ those of the model `altaz`. Both are held to the curves themselves by tests.
 def listing(names: Sequence[str] = ()) -> str:
     """Return some effects, by default all, as text for a terminal.
 
-    Raises
-    ------
-    BadInput
-        There is no effect of such a name.
+    Raises `BadInput`: there is no effect of such a name.
     """
     return "\n".join(_paragraph(effect) for effect in _called(names))
 
@@ -49,10 +46,7 @@ def listing(names: Sequence[str] = ()) -> str:
 def entries(names: Sequence[str] = ()) -> list[dict[str, object]]:
     """Return some effects, by default all, for other programs.
 
-    Raises
-    ------
-    BadInput
-        There is no effect of such a name.
+    Raises `BadInput`: there is no effect of such a name.
     """
     return [
         {

@@ -88,32 +88,16 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Driver:
-    """A condition that a term may follow.
+    """A condition that a term may follow."""
 
-    Attributes
-    ----------
-    name
-        The column as the contract spells it, or what is computed.
-    unit
-        Of its value.
-    values
-        Circumstances -> its values, one or more columns of shape (n,), NaN where unknown.
-    labels
-        What is added to a coefficient's name for each of them.
-    terms
-        Which of the terms may follow it.
-    follows
-        The `driver` of the effects.
-    centre
-        What is taken off the values; None for a median of the recordings at hand, or nothing.
-    """
-
-    name: str
-    unit: str
+    name: str  #: the column as the contract spells it, or what is computed
+    unit: str  #: of its value
+    #: Circumstances -> its values, one or more columns of shape (n,), NaN where unknown.
     values: Callable[[Circumstances], tuple[Array, ...]]
-    labels: tuple[str, ...] = ("",)
-    terms: tuple[str, ...] = tuple(_TERMS)
-    follows: str = THE_HOUR
+    labels: tuple[str, ...] = ("",)  #: what is added to a coefficient's name for each of them
+    terms: tuple[str, ...] = tuple(_TERMS)  #: which of the terms may follow it
+    follows: str = THE_HOUR  #: the `driver` of the effects
+    #: What is taken off the values; None for a median of the recordings at hand, or nothing.
     centre: float | None = None
 
 

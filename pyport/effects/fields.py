@@ -130,21 +130,12 @@ def field(
 ) -> Effect:
     """Return a field as an effect that nobody may name.
 
-    Parameters
-    ----------
-    bumps
-        See `values`.
-    axes, which
-        Of each of k terms the axis that it acts on (0 across, 1 along elevation), and its bump.
-    directions
-        How many of each term one of each coefficient is, shape (k, dof).
-    family, variant
-        What kind of field it is, and which of its kind.
-
-    Raises
-    ------
-    ValueError
-        There are no such bumps, or more than any recordings determine.
+    `bumps`: see `values`.
+    `axes`, `which`: of each of k terms the axis that it acts on (0 across, 1 along elevation), and
+      its bump.
+    `directions`: how many of each term one of each coefficient is, shape (k, dof).
+    `family`, `variant`: what kind of field it is, and which of its kind.
+    Raises `ValueError`: there are no such bumps, or more than any recordings determine.
     """
     if bumps["kind"] not in KINDS:
         raise ValueError(f"no field is made of {bumps['kind']!r}")

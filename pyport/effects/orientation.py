@@ -35,10 +35,7 @@ def ut1_minus_utc(at: Circumstances) -> Array:
 def _around(at: Circumstances) -> tuple[Array, NDArray[np.intp], Array]:
     """Return distinct times [MJD], which is each row's, and the days of the series around them.
 
-    Raises
-    ------
-    MissingColumn
-        No times, or times that the series does not cover.
+    Raises `MissingColumn`: no times, or times that the series does not cover.
     """
     time, row = np.unique(days(at) + _UNIX_EPOCH_MJD, return_inverse=True)
     series = _series()

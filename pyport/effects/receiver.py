@@ -66,10 +66,7 @@ def _splits(at: Circumstances, names: Sequence[str]) -> list[Split]:
 
     `names` has the columns. The values of a label are in the order of how many rows have them.
 
-    Raises
-    ------
-    MissingColumn
-        None of the columns is there, or they have one value each.
+    Raises `MissingColumn`: none of the columns is there, or they have one value each.
     """
     there = [column for column in names if column in at]
     if not there:

@@ -101,24 +101,12 @@ def _rt32_table(altitude_deg: Array) -> Array:
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula of mean refraction.
+    """A formula of mean refraction."""
 
-    Attributes
-    ----------
-    name
-        How it is asked for.
-    citation
-        Whose it is.
-    arcmin
-        Altitude [deg] -> refraction [arcmin].
-    of
-        "true" or "apparent": the altitude that the formula takes.
-    """
-
-    name: str
-    citation: str
-    arcmin: Callable[[Array], Array]
-    of: str
+    name: str  #: how it is asked for
+    citation: str  #: whose it is
+    arcmin: Callable[[Array], Array]  #: altitude [deg] -> refraction [arcmin]
+    of: str  #: "true" or "apparent": the altitude that the formula takes
 
 
 FORMULAE = {
@@ -143,20 +131,11 @@ ITERATIONS = 12
 def refraction(name: str, altitude: ArrayLike, iterations: int = ITERATIONS) -> Array:
     """Return how much higher a source stands than its true altitude [rad].
 
-    Parameters
-    ----------
-    name
-        One of :data:`FORMULAE`.
-    altitude
-        True altitude [rad], 0 to pi/2, any shape.
-    iterations
-        How often a formula of the apparent altitude is evaluated anew with the
-        altitude that it gave; 0 takes the true altitude for the apparent one.
-
-    Raises
-    ------
-    BadInput
-        There is no formula of this name.
+    `name`: one of :data:`FORMULAE`.
+    `altitude`: true altitude [rad], 0 to pi/2, any shape.
+    `iterations`: how often a formula of the apparent altitude is evaluated anew with the altitude
+      that it gave; 0 takes the true altitude for the apparent one.
+    Raises `BadInput`: there is no formula of this name.
     """
     if name not in FORMULAE:
         raise BadInput(f"no refraction is called {name!r}; there are {', '.join(FORMULAE)}")

@@ -31,19 +31,12 @@ def subreflector_jump(
 ) -> Effect:
     """Return a step in elevation above a curve in the sky.
 
-    Parameters
-    ----------
-    edge
-        Azimuth (from north through east, unwrapped) -> elevation of the curve [rad].
-    name
-        What to call this curve in a report.
-    parameter
-        Where a straight edge stands [rad].
-    member
-        The curve as a file holds it: see `Effect`.
-    share
-        Azimuth, elevation -> how much of the step is there, for an edge that is known only so
-        well; by default all of it at the curve and above.
+    `edge`: azimuth (from north through east, unwrapped) -> elevation of the curve [rad].
+    `name`: what to call this curve in a report.
+    `parameter`: where a straight edge stands [rad].
+    `member`: the curve as a file holds it: see `Effect`.
+    `share`: azimuth, elevation -> how much of the step is there, for an edge that is known only so
+      well; by default all of it at the curve and above.
     """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -126,14 +119,9 @@ def _nearest_turn(az: Array, low: float, high: float) -> Array:
 
 @dataclass(frozen=True)
 class FreeEdge:
-    """A curve of any form: straight pieces between elevations given at azimuths.
+    """A curve of any form: straight pieces between elevations given at azimuths."""
 
-    Attributes
-    ----------
-    az, el
-        Azimuths (unwrapped, growing) and elevations of its corners [rad].
-    """
-
+    #: `az`, `el`: azimuths (unwrapped, growing) and elevations of its corners [rad].
     az: tuple[float, ...]
     el: tuple[float, ...]
 
@@ -149,19 +137,13 @@ class FreeEdge:
 
 @dataclass(frozen=True)
 class SoftEdge:
-    """How much of a step is there, where its edge is known only so well.
+    """How much of a step is there, where its edge is known only so well."""
 
-    Attributes
-    ----------
-    start, width
-        Azimuth at which the first column begins, and how wide each is [rad].
-    share
-        For each column and degree of elevation the share of the step, shape (columns, levels):
-        level n holds elevations from n - 1 to n degrees.
-    """
-
+    #: `start`, `width`: azimuth at which the first column begins, and how wide each is [rad].
     start: float
     width: float
+    #: For each column and degree of elevation the share of the step, shape (columns, levels): level
+    #: n holds elevations from n - 1 to n degrees.
     share: Array
 
     @classmethod

@@ -59,24 +59,15 @@ class Direction:
 
 @dataclass(frozen=True)
 class Combination:
-    """Coefficients of which these data know combinations only.
+    """Coefficients of which these data know combinations only."""
 
-    Attributes
-    ----------
-    places
-        Of the coefficients among all.
-    names, coefficients
-        What they are called, and what they are.
-    visible
-        Share of the rms of each one's column that the other columns leave.
-    known
-        The combinations that the data know, first the one that adds most to the offsets.
-    """
-
-    places: tuple[int, ...]
+    places: tuple[int, ...]  #: of the coefficients among all
+    #: `names`, `coefficients`: what they are called, and what they are.
     names: tuple[str, ...]
     coefficients: tuple[Coefficient, ...]
+    #: Share of the rms of each one's column that the other columns leave.
     visible: tuple[float, ...]
+    #: The combinations that the data know, first the one that adds most to the offsets.
     known: tuple[Direction, ...]
 
     @property
@@ -144,17 +135,11 @@ def combinations(
 ) -> tuple[Combination, ...]:
     """Return the combinations that data know where they do not know coefficients alone.
 
-    Parameters
-    ----------
-    names, coefficients
-        What the P coefficients are called, and what they are.
-    columns
-        What one unit of each adds to each number, (m, P).
-    values, covariance
-        Coefficients (P,) and their covariance (P, P), internal units; pseudo-inverse where the
-        columns do not determine all.
-    largest
-        The largest offset in the data [rad]: what comes out bigger is not known.
+    `names`, `coefficients`: what the P coefficients are called, and what they are.
+    `columns`: what one unit of each adds to each number, (m, P).
+    `values`, `covariance`: coefficients (P,) and their covariance (P, P), internal units;
+      pseudo-inverse where the columns do not determine all.
+    `largest`: the largest offset in the data [rad]: what comes out bigger is not known.
     """
     if not 1 < columns.shape[1] <= MOST_COEFFICIENTS:
         return ()

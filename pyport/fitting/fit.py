@@ -29,56 +29,32 @@ WEIGHTS: dict[str, Callable[[Array, Array, Frame], Covariance]] = {
 
 @dataclass(frozen=True)
 class Coefficients:
-    """The fitted coefficients of one term for one group of rows.
+    """The fitted coefficients of one term for one group of rows."""
 
-    Attributes
-    ----------
-    term
-        What they are of.
-    labels
-        Values of the labels that the term is split by.
-    value, sigma
-        In internal units, shape (k,), what the model gave included; NaN where
-        the data leave them open.
-    """
-
-    term: Term
-    labels: tuple[str, ...]
+    term: Term  #: what they are of
+    labels: tuple[str, ...]  #: values of the labels that the term is split by
+    #: `value`, `sigma`: in internal units, shape (k,), what the model gave included; NaN where the
+    #: data leave them open.
     value: Array
     sigma: Array
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model.
+    """A fitted model."""
 
-    Attributes
-    ----------
-    recordings, model, stack
-        What was fitted to what.
-    coefficients
-        Of every term and group.
-    covariance
-        Of all coefficients in their order, shape (P, P).
-    noise
-        The covariance of the readings that they were estimated under.
-    residual, weight
-        What is left of each number [rad] and its robust weight, shape (m,).
-    condition
-        Condition number of the design, columns scaled to unit length.
-    two_axes
-        Terms that act on both axes, with what each axis alone says of their coefficients.
-    """
-
+    #: `recordings`, `model`, `stack`: what was fitted to what.
     recordings: Recordings
     model: Model
     stack: Stack
-    coefficients: tuple[Coefficients, ...]
-    covariance: Array
-    noise: Covariance
+    coefficients: tuple[Coefficients, ...]  #: of every term and group
+    covariance: Array  #: of all coefficients in their order, shape (P, P)
+    noise: Covariance  #: the covariance of the readings that they were estimated under
+    #: `residual`, `weight`: what is left of each number [rad] and its robust weight, shape (m,).
     residual: Array
     weight: Array
-    condition: float
+    condition: float  #: condition number of the design, columns scaled to unit length
+    #: Terms that act on both axes, with what each axis alone says of their coefficients.
     two_axes: tuple[tuple[Term, Difference], ...] = ()
 
 
@@ -94,10 +70,7 @@ def fit(
     The noise is estimated with it: scatter and its tails, drift, departures of sessions and
     sources. Sigmas hold all of them. With `weights` "equal" all readings count alike instead.
 
-    Raises
-    ------
-    BadInput
-        There are fewer measured offsets than coefficients.
+    Raises `BadInput`: there are fewer measured offsets than coefficients.
     """
     recordings, model = with_nights(recordings), model.on(recordings.at.mount)
     data = stack(recordings)

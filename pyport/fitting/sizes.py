@@ -45,12 +45,8 @@ def axis_rms(
 def sky_rms(data: Stack, residual: Array, used: NDArray[np.bool_]) -> tuple[float, int] | None:
     """Return the rms on the sky [rad] and over how many pointings; None where none has both axes.
 
-    Parameters
-    ----------
-    data
-        The m measured numbers.
-    residual, used
-        What is left of each [rad], and whether it is no outlier, shape (m,).
+    `data`: the m measured numbers.
+    `residual`, `used`: what is left of each [rad], and whether it is no outlier, shape (m,).
     """
     across = np.flatnonzero(used & ~data.is_y)
     along = np.flatnonzero(used & data.is_y)

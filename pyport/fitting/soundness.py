@@ -19,18 +19,11 @@ def doubts(
 ) -> Iterator[str]:
     """Yield a sentence for everything that is wrong with a fit as a whole.
 
-    Parameters
-    ----------
-    condition
-        Condition number of the design, columns scaled to unit length.
-    covariance
-        Of the coefficients that the data determine, shape (P, P).
-    numbers
-        Measured numbers that count: those of some weight.
-    rank
-        Independent coefficients.
-    settled
-        Whether the weights of a robust fit came to rest.
+    `condition`: condition number of the design, columns scaled to unit length.
+    `covariance`: of the coefficients that the data determine, shape (P, P).
+    `numbers`: measured numbers that count: those of some weight.
+    `rank`: independent coefficients.
+    `settled`: whether the weights of a robust fit came to rest.
     """
     if not settled:
         yield "the fit did not converge: its weights still change with every round"

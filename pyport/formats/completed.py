@@ -48,31 +48,16 @@ def write_model(
 ) -> tuple[str, int, Rest]:
     """Write a model by suffix: as pyport has it, or in the vocabulary of another program.
 
-    Parameters
-    ----------
-    model
-        With values in its terms.
-    path
-        The file.
-    to
-        The format, where the suffix does not tell.
-    rest_as
-        A CSV file for the corrections by terms that the format has no name for.
-    leave_out
-        Leave those terms out.
-    conditions
-        What holds for `rest_as` beside directions, by name: `temperature_c`, `time_utc`, ...
-
-    Returns
-    -------
-    format, number, rest
-        What was written, how many terms, and what was not.
-
-    Raises
-    ------
-    BadInput
-        The suffix is none of a model, coefficients differ between antennas or are not
-        determined, or a term has no name in that format.
+    `model`: with values in its terms.
+    `path`: the file.
+    `to`: the format, where the suffix does not tell.
+    `rest_as`: a CSV file for the corrections by terms that the format has no name for.
+    `leave_out`: leave those terms out.
+    `conditions`: what holds for `rest_as` beside directions, by name: `temperature_c`, `time_utc`,
+      ...
+    Returns `format`, `number`, `rest`: what was written, how many terms, and what was not.
+    Raises `BadInput`: the suffix is none of a model, coefficients differ between antennas or are
+      not determined, or a term has no name in that format.
     """
     chosen = models.FORMATS.get(to) if to else models.BY_SUFFIX.get(path.suffix.lower())
     if chosen is None or chosen.write is None:

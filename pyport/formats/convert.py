@@ -54,25 +54,13 @@ def convert(
 ) -> Done:
     """Convert a file of recordings or of a model; the suffixes tell which, or the names given.
 
-    Parameters
-    ----------
-    source, target
-        The files; `FILE.xml#RECEIVER` picks one of several models.
-    to
-        The format to write, where the suffix does not tell.
-    given
-        What the source does not say itself, its format included.
-    model
-        For the Field System's err: the mdlpo.ctl that says what to fit.
-    leave_out
-        Leave out a model's terms that the target has no counterpart of.
-    rest_as
-        A CSV file for the corrections, on a grid, by those terms.
-
-    Raises
-    ------
-    BadInput
-        A file is not of its format, or the target cannot hold what the source has.
+    `source`, `target`: the files; `FILE.xml#RECEIVER` picks one of several models.
+    `to`: the format to write, where the suffix does not tell.
+    `given`: what the source does not say itself, its format included.
+    `model`: for the Field System's err: the mdlpo.ctl that says what to fit.
+    `leave_out`: leave out a model's terms that the target has no counterpart of.
+    `rest_as`: a CSV file for the corrections, on a grid, by those terms.
+    Raises `BadInput`: a file is not of its format, or the target cannot hold what the source has.
     """
     if Path(source).suffix.lower() == ".toml" and not given.format and _lists_effects(source):
         model_of = load_model(source)

@@ -21,10 +21,7 @@ _SPACE = "urn:schemas-cosylab-com:PointingModel:1.0"
 def read(path: Path, receiver: str = "") -> ModelFile:
     """Read the model of a receiver.
 
-    Raises
-    ------
-    BadInput
-        The file is none of these, or has several receivers and none is named.
+    Raises `BadInput`: the file is none of these, or has several receivers and none is named.
     """
     text = read_text(path)
     if "<!DOCTYPE" in text or "<!ENTITY" in text:

@@ -43,66 +43,32 @@ MOUNT_OF = {"tpoint-equatorial": "equatorial"}
 
 @dataclass(frozen=True)
 class Entry:
-    """A term of a model file.
+    """A term of a model file."""
 
-    Attributes
-    ----------
-    name
-        In the file's vocabulary.
-    value
-        Digit for digit as the file has it, in `unit`.
-    unit
-        "arcsec", "deg", or "" for a ratio.
-    sigma
-        One sigma, None where the file tells none.
-    fixed
-        Not to be fitted.
-    used
-        False for a term that the model has switched off.
-    parallel
-        TPOINT's `&`: applied beside the term before it, not after it.
-    """
-
-    name: str
-    value: Decimal
-    unit: str
-    sigma: Decimal | None = None
-    fixed: bool = False
-    used: bool = True
-    parallel: bool = False
+    name: str  #: in the file's vocabulary
+    value: Decimal  #: digit for digit as the file has it, in `unit`
+    unit: str  #: "arcsec", "deg", or "" for a ratio
+    sigma: Decimal | None = None  #: one sigma, None where the file tells none
+    fixed: bool = False  #: not to be fitted
+    used: bool = True  #: false for a term that the model has switched off
+    parallel: bool = False  #: TPOINT's `&`: applied beside the term before it, not after it
 
 
 @dataclass(frozen=True)
 class ModelFile:
-    """A pointing model in a program's own vocabulary.
+    """A pointing model in a program's own vocabulary."""
 
-    Attributes
-    ----------
-    vocabulary
-        One of `WORDS`.
-    entries
-        Its terms, in the file's order.
-    title
-        The caption, "" without one.
-    phi_deg
-        The Field System's; 90 for an alt-azimuth mount.
-    details
-        What else the file holds, for writing it again.
-    """
-
-    vocabulary: str
-    entries: tuple[Entry, ...]
-    title: str = ""
-    phi_deg: Decimal = Decimal(90)
+    vocabulary: str  #: one of `WORDS`
+    entries: tuple[Entry, ...]  #: its terms, in the file's order
+    title: str = ""  #: the caption, "" without one
+    phi_deg: Decimal = Decimal(90)  #: the Field System's; 90 for an alt-azimuth mount
+    #: What else the file holds, for writing it again.
     details: Mapping[str, Any] = field(default_factory=dict)
 
     def word(self, entry: Entry) -> Word:
         """Return what a term means.
 
-        Raises
-        ------
-        BadInput
-            The vocabulary has no such term.
+        Raises `BadInput`: the vocabulary has no such term.
         """
         if self.vocabulary == "field-system" and self.phi_deg != Decimal(90):
             word = field_system.word(entry.name, float(self.phi_deg))
@@ -115,10 +81,7 @@ class ModelFile:
     def model(self, name: str) -> Model:
         """Return the model with these values, each term fitted unless it is fixed.
 
-        Raises
-        ------
-        BadInput
-            A term is used whose formula is not known.
+        Raises `BadInput`: a term is used whose formula is not known.
         """
         told: dict[str, Any] = {
             key: float(one) for key, one in self.details.get("statistics", {}).items()
@@ -144,10 +107,7 @@ def translated(file: ModelFile, vocabulary: str, *, leave_out: bool = False) -> 
 
     Terms that mean the same there are added up; switched-off ones are left out.
 
-    Raises
-    ------
-    BadInput
-        Terms have no counterpart, unless `leave_out`; the message names them.
+    Raises `BadInput`: terms have no counterpart, unless `leave_out`; the message names them.
     """
     if file.vocabulary == vocabulary:
         return file

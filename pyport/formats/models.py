@@ -50,10 +50,7 @@ def load(name: str) -> Model:
     Files are TOML; TPOINT's .mod, the Field System's .ctl and .err, katpoint's, SKA-Mid's .json and
     DISCOS's .xml, of which `FILE#RECEIVER` picks one.
 
-    Raises
-    ------
-    BadInput
-        There is no such model or file, or the file does not describe a model.
+    Raises `BadInput`: there is no such model or file, or the file does not describe a model.
     """
     if name in BUILT_IN:
         return BUILT_IN[name]()
@@ -81,10 +78,7 @@ def split(name: str | Path) -> tuple[Path, str]:
 def read(name: str | Path, chosen: str = "") -> ModelFile:
     """Read a model file, of a named format, of its suffix's, or of what its content looks like.
 
-    Raises
-    ------
-    BadInput
-        There is no such file, or it is none of a model.
+    Raises `BadInput`: there is no such file, or it is none of a model.
     """
     path, receiver = split(name)
     if not is_file(path):

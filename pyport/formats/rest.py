@@ -24,23 +24,13 @@ GRID_STEP_DEG, LOWEST_DEG = 2.0, 2.0
 
 @dataclass(frozen=True)
 class Rest:
-    """What a format cannot hold of a model.
+    """What a format cannot hold of a model."""
 
-    Attributes
-    ----------
-    names
-        The terms, and the RT32's exact form where the model has it.
-    rms_arcsec
-        Their rms on the sky, both axes together, None where it depends on more than directions.
-    grid
-        Where they were written to, None where they were left out.
-    waves
-        What stands in the file for fields without a name.
-    """
-
-    names: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()  #: the terms, and the RT32's exact form where the model has it
+    #: Their rms on the sky, both axes together, None where it depends on more than directions.
     rms_arcsec: float | None = 0.0
-    grid: Path | None = None
+    grid: Path | None = None  #: where they were written to, None where they were left out
+    #: What stands in the file for fields without a name.
     waves: Waves = field(default_factory=Waves)
 
     @property
@@ -77,10 +67,7 @@ def rest_of(
 ) -> Rest:
     """Return what a file lacks of a model, and write it where a path is given.
 
-    Raises
-    ------
-    BadInput
-        It has to be written and depends on more than directions.
+    Raises `BadInput`: it has to be written and depends on more than directions.
     """
     if not lost:
         return Rest()

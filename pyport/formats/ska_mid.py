@@ -21,10 +21,7 @@ LARGEST = 2000
 def read(path: Path) -> ModelFile:
     """Read a global pointing model; `used` false means fixed.
 
-    Raises
-    ------
-    BadInput
-        The file is no JSON, or lacks one of the eighteen coefficients.
+    Raises `BadInput`: the file is no JSON, or lacks one of the eighteen coefficients.
     """
     try:
         tree = json.loads(read_text(path), parse_float=Decimal, parse_int=Decimal)
@@ -62,10 +59,7 @@ def _entry(name: str, told: Any, path: Path) -> Entry:  # noqa: ANN401 - whateve
 def write(file: ModelFile, path: Path) -> None:
     """Write a model in SKA-Mid's vocabulary.
 
-    Raises
-    ------
-    BadInput
-        A coefficient is beyond what the dish structure takes.
+    Raises `BadInput`: a coefficient is beyond what the dish structure takes.
     """
     by_name = {entry.name: entry for entry in file.entries}
     nothing = {name: Entry(name, Decimal(0), unit, fixed=True) for name, unit in UNITS.items()}

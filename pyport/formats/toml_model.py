@@ -30,10 +30,7 @@ def names_terms(path: Path) -> bool:
 def read(path: Path) -> ModelFile:
     """Read a model in the vocabulary that the file names.
 
-    Raises
-    ------
-    BadInput
-        The file is no such TOML, or a term is none of its vocabulary.
+    Raises `BadInput`: the file is no such TOML, or a term is none of its vocabulary.
     """
     try:
         tree = tomllib.loads(read_text(path), parse_float=Decimal)

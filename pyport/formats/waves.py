@@ -55,16 +55,10 @@ def waves(
     Each wave that is added takes most off what is left, all fitted again (orthogonal matching
     pursuit: Pati, Rezaiifar & Krishnaprasad 1993).
 
-    Parameters
-    ----------
-    fields
-        Terms with values; those that follow more than azimuth and elevation have no waves.
-    vocabulary
-        One of `NAMES`.
-    scatter_arcsec
-        What the model leaves of its recordings.
-    at
-        Directions all over the sky, shape (n,), each weighted by its area.
+    `fields`: terms with values; those that follow more than azimuth and elevation have no waves.
+    `vocabulary`: one of `NAMES`.
+    `scatter_arcsec`: what the model leaves of its recordings.
+    `at`: directions all over the sky, shape (n,), each weighted by its area.
     """
     bumps = [term.effect.member["bumps"] for term in fields]
     if any(one["kind"] not in KINDS for one in bumps):

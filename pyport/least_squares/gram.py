@@ -26,18 +26,10 @@ PLAIN = 1e-4
 
 @dataclass(frozen=True)
 class Part:
-    """Some columns of the Gram matrices, and which blocks share their coefficients.
+    """Some columns of the Gram matrices, and which blocks share their coefficients."""
 
-    Attributes
-    ----------
-    columns
-        Indices of the columns, shape (k,).
-    groups
-        For each block the number of its set of coefficients, shape (blocks,).
-    """
-
-    columns: Codes
-    groups: Codes
+    columns: Codes  #: indices of the columns, shape (k,)
+    groups: Codes  #: for each block the number of its set of coefficients, shape (blocks,)
 
     @property
     def size(self) -> int:
@@ -52,28 +44,15 @@ class Part:
 
 @dataclass(frozen=True)
 class Solution:
-    """The least-squares solution of a choice of parts.
+    """The least-squares solution of a choice of parts."""
 
-    Attributes
-    ----------
-    values, covariance
-        Coefficients (P,) and their covariance (P, P) for unit weight.
-    known
-        Whether the data determine each coefficient, shape (P,).
-    residual
-        Sum of squares that is left.
-    rank
-        Number of independent columns.
-    normal
-        Products of the columns, shape (P, P).
-    """
-
+    #: `values`, `covariance`: coefficients (P,) and their covariance (P, P) for unit weight.
     values: Array
     covariance: Array
-    known: NDArray[np.bool_]
-    residual: float
-    rank: int
-    normal: Array
+    known: NDArray[np.bool_]  #: whether the data determine each coefficient, shape (P,)
+    residual: float  #: sum of squares that is left
+    rank: int  #: number of independent columns
+    normal: Array  #: products of the columns, shape (P, P)
 
     @classmethod
     def of(cls, products: Array) -> Solution:

@@ -17,19 +17,10 @@ def most_different(columns: Array, room: int, least: float) -> Array:
     Gram and Schmidt with pivoting. The columns' products tell which to pick, so
     that they are read once and not once for each pick.
 
-    Parameters
-    ----------
-    columns
-        Columns of about unit length, shape (n, k).
-    room
-        No more directions than this.
-    least
-        What must be left of a column's length for it to count as different.
-
-    Returns
-    -------
-    Array
-        Shape (n, at most room).
+    `columns`: columns of about unit length, shape (n, k).
+    `room`: no more directions than this.
+    `least`: what must be left of a column's length for it to count as different.
+    Returns shape (n, at most room).
     """
     room = min(room, *columns.shape)
     left = (columns**2).sum(axis=0)

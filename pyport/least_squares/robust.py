@@ -58,14 +58,9 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> W
     ends with the biweight; the weights are flat (one) inside the bulk's three
     sigmas so that ordinary noise is not thinned.
 
-    Parameters
-    ----------
-    columns, value
-        The design (m, K) and the data (m,).
-    reach
-        Sigmas beyond which a reading has no weight.
-    floor
-        The smallest sigma to believe, in the units of `value`.
+    `columns`, `value`: the design (m, K) and the data (m,).
+    `reach`: sigmas beyond which a reading has no weight.
+    `floor`: the smallest sigma to believe, in the units of `value`.
     """
     if len(value) == 0:
         return Weights(np.ones(0), value, settled=True)

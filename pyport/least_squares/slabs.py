@@ -15,34 +15,21 @@ EMPTY = 1e-9
 
 @dataclass(frozen=True)
 class Slab:
-    """Rows of one block that leave the same columns empty, without those columns.
+    """Rows of one block that leave the same columns empty, without those columns."""
 
-    Attributes
-    ----------
-    block
-        The block.
-    rows, columns
-        Where they stand in the whole, shapes (n,) and (k,).
-    values
-        What stands there, shape (n, k).
-    """
-
-    block: int
+    block: int  #: the block
+    #: `rows`, `columns`: where they stand in the whole, shapes (n,) and (k,).
     rows: Codes
     columns: Codes
-    values: Array
+    values: Array  #: what stands there, shape (n, k)
 
 
 def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
     """Cut a matrix into slabs, block by block and kind by kind.
 
-    Parameters
-    ----------
-    whole
-        The columns, shape (m, K).
-    blocks, kinds
-        The block of each row and, within it, the kind: rows of one kind (one
-        axis, say) have much the same columns empty, shape (m,) each.
+    `whole`: the columns, shape (m, K).
+    `blocks`, `kinds`: the block of each row and, within it, the kind: rows of one kind (one axis,
+      say) have much the same columns empty, shape (m,) each.
     """
     power = np.einsum("nk,nk->n", whole, whole)
     most = np.zeros(int(blocks.max(initial=-1)) + 1)

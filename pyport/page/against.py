@@ -51,14 +51,9 @@ def columns(
 ) -> tuple[Column, ...]:
     """Return the columns to draw residuals against.
 
-    Parameters
-    ----------
-    recordings
-        Where, when and in which conditions.
-    layers
-        The effects found; the stretches they are confined to come with the columns.
-    residuals
-        Residuals on each axis, shape (n,) each; what they follow most comes first.
+    `recordings`: where, when and in which conditions.
+    `layers`: the effects found; the stretches they are confined to come with the columns.
+    `residuals`: residuals on each axis, shape (n,) each; what they follow most comes first.
     """
     at = recordings.at
     az, regions = _azimuth(at.az / DEG, _regions("az", layers))

@@ -24,25 +24,17 @@ LARGEST_FILE = 150_000
 
 @dataclass(frozen=True)
 class Linear:
-    """A completed model's coefficients and what one unit of each adds to n recordings.
+    """A completed model's coefficients and what one unit of each adds to n recordings."""
 
-    Attributes
-    ----------
-    names, labels
-        The coefficient, and the same with the antenna or session that it holds for.
-    units, values
-        As the model's file has them.
-    free
-        Whether it was fitted.
-    x, y
-        Offsets of one unit [rad], shape (P, n) each.
-    """
-
+    #: `names`, `labels`: the coefficient, and the same with the antenna or session that it holds
+    #: for.
     names: tuple[str, ...]
     labels: tuple[str, ...]
+    #: `units`, `values`: as the model's file has them.
     units: tuple[str, ...]
     values: tuple[float, ...]
-    free: tuple[bool, ...]
+    free: tuple[bool, ...]  #: whether it was fitted
+    #: `x`, `y`: offsets of one unit [rad], shape (P, n) each.
     x: Array
     y: Array
 

@@ -19,24 +19,13 @@ from pyport.recordings.stacking import Stack
 
 @dataclass(frozen=True)
 class Side:
-    """One axis of n recordings; NaN where it was not measured.
+    """One axis of n recordings; NaN where it was not measured."""
 
-    Attributes
-    ----------
-    before
-        Residuals of the model alone [rad], shape (n,).
-    layers
-        What each effect takes off them, the model refitted [rad], shape (n,) each.
-    share
-        How much each counts in an rms, 0 to 1; 0 for an outlier, shape (n,).
-    floor
-        Rms of the noise alone [rad], None where it is not known.
-    """
-
-    before: Array
+    before: Array  #: residuals of the model alone [rad], shape (n,)
+    #: What each effect takes off them, the model refitted [rad], shape (n,) each.
     layers: tuple[Array, ...]
-    share: Array
-    floor: float | None = None
+    share: Array  #: how much each counts in an rms, 0 to 1; 0 for an outlier, shape (n,)
+    floor: float | None = None  #: rms of the noise alone [rad], None where it is not known
 
     @property
     def after(self) -> Array:
@@ -51,22 +40,15 @@ class Side:
 
 @dataclass(frozen=True)
 class Column:
-    """Something to draw residuals against: numbers in a unit, or labels.
+    """Something to draw residuals against: numbers in a unit, or labels."""
 
-    Attributes
-    ----------
-    name, label, unit
-        As the recordings spell it, in words, and the unit, "" for none.
-    values
-        Shape (n,), numbers (NaN where unknown) or text.
-    regions
-        Stretches (low, high) to which a finding is confined, and the number of its layer.
-    """
-
+    #: `name`, `label`, `unit`: as the recordings spell it, in words, and the unit, "" for none.
     name: str
     label: str
     unit: str
+    #: Shape (n,), numbers (NaN where unknown) or text.
     values: NDArray[np.float64] | NDArray[np.str_]
+    #: Stretches (low, high) to which a finding is confined, and the number of its layer.
     regions: tuple[tuple[float, float, int], ...] = ()
 
     @property

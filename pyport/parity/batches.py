@@ -34,10 +34,7 @@ def joined(batches: Sequence[Batch]) -> Batch:
 def inputs_of(routine: Routine, batch: Batch) -> Batch:
     """Return of a batch what a routine takes, each as its kind.
 
-    Raises
-    ------
-    BadInput
-        An input is missing or has another shape.
+    Raises `BadInput`: an input is missing or has another shape.
     """
     result = {}
     for one in routine.inputs:

@@ -69,10 +69,7 @@ def version(compiler: str) -> str:
 def sources(description: Description, build: Build) -> dict[str, str]:
     """Return the patched text of each file by its name.
 
-    Raises
-    ------
-    BadInput
-        A file is missing, is no text, or a patch does not apply.
+    Raises `BadInput`: a file is missing, is no text, or a patch does not apply.
     """
     texts: dict[str, str] = {}
     for path in (*description.include, *description.files):
@@ -90,17 +87,9 @@ def sources(description: Description, build: Build) -> dict[str, str]:
 def library(description: Description, build: Build, changed: dict[str, str] | None = None) -> Path:
     """Return the compiled library, from the cache where the same text was compiled before.
 
-    Parameters
-    ----------
-    description, build
-        What to compile and how.
-    changed
-        Texts that stand in for files, as mutants do; these are not cached.
-
-    Raises
-    ------
-    BadInput
-        There is no compiler, or it refuses: its first message.
+    `description`, `build`: what to compile and how.
+    `changed`: texts that stand in for files, as mutants do; these are not cached.
+    Raises `BadInput`: there is no compiler, or it refuses: its first message.
     """
     texts = sources(description, build) | (changed or {})
     texts[LOOPS] = loops = driver.source(description, build)

@@ -36,28 +36,15 @@ class Worst:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How one output of one routine compares.
+    """How one output of one routine compares."""
 
-    Attributes
-    ----------
-    routine, output
-        The routine's name and the label of its output.
-    counts
-        Distance -> number of points; by powers of two from ``EXACT_BELOW`` on.
-    worst
-        The input that is farthest off, None where all answers are equal.
-    physical
-        The greatest distance in the output's physical unit, where it has one.
-    unit
-        That unit.
-    """
-
+    #: `routine`, `output`: the routine's name and the label of its output.
     routine: str
     output: str
-    counts: Counter[int]
-    worst: Worst | None
-    physical: float = 0.0
-    unit: str = ""
+    counts: Counter[int]  #: distance -> number of points; by powers of two from ``EXACT_BELOW`` on
+    worst: Worst | None  #: the input that is farthest off, None where all answers are equal
+    physical: float = 0.0  #: the greatest distance in the output's physical unit, where it has one
+    unit: str = ""  #: that unit
 
     @property
     def points(self) -> int:

@@ -21,10 +21,8 @@ from pyport.parity.description import Description
 def coverage(description: Description, random_points: int) -> dict[str, Any]:
     """Compile with counters, ask every routine at every group's points, and count.
 
-    Returns
-    -------
-    dict
-        For each branch its line, text, and whether each way was taken; the lines never reached.
+    Returns for each branch its line, text, and whether each way was taken; the lines never
+      reached.
     """
     gcov = shutil.which("gcov")
     if gcov is None:

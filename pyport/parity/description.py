@@ -107,34 +107,19 @@ class Variable:
 
 @dataclass(frozen=True)
 class Routine:
-    """A subroutine or function and the ports of it.
+    """A subroutine or function and the ports of it."""
 
-    Attributes
-    ----------
-    name
-        The Fortran name; that of an ENTRY too.
-    variables
-        Arguments in their order, then the result and members of COMMON blocks.
-    ports
-        Port -> ``module:function``.
-    call, returns
-        Names of what a port takes and returns, in its order.
-    sequence
-        Whether it remembers (SAVE): points are asked in order, from a fresh start.
-    reset
-        ``module:function`` that makes the ports forget, "" where nothing does.
-    note
-        For the report: why the port differs on purpose.
-    """
-
-    name: str
+    name: str  #: the Fortran name; that of an ENTRY too
+    #: Arguments in their order, then the result and members of COMMON blocks.
     variables: tuple[Variable, ...]
-    ports: dict[str, str]
+    ports: dict[str, str]  #: port -> ``module:function``
+    #: `call`, `returns`: names of what a port takes and returns, in its order.
     call: tuple[str, ...]
     returns: tuple[str, ...]
+    #: Whether it remembers (SAVE): points are asked in order, from a fresh start.
     sequence: bool = False
-    reset: str = ""
-    note: str = ""
+    reset: str = ""  #: ``module:function`` that makes the ports forget, "" where nothing does
+    note: str = ""  #: for the report: why the port differs on purpose
 
     @cached_property
     def by_key(self) -> dict[str, Variable]:
@@ -203,29 +188,17 @@ class Build:
 
 @dataclass(frozen=True)
 class Group:
-    """A set of inputs.
-
-    Attributes
-    ----------
-    make
-        "edges", "random", or ``module:function``.
-    draws
-        Whether the function is called with a number of points and a seed.
-    sample
-        ``module:function`` of the points whose answers are stored, "" for all of them.
-    keep, seed
-        How many random points are stored, and their seed.
-    digest
-        Points that share a digest where all answers are held by digests, else 0.
-    """
+    """A set of inputs."""
 
     name: str
-    make: str
-    draws: bool = False
+    make: str  #: "edges", "random", or ``module:function``
+    draws: bool = False  #: whether the function is called with a number of points and a seed
+    #: ``module:function`` of the points whose answers are stored, "" for all of them.
     sample: str = ""
+    #: `keep`, `seed`: how many random points are stored, and their seed.
     keep: int = 200
     seed: int = 0
-    digest: int = 0
+    digest: int = 0  #: points that share a digest where all answers are held by digests, else 0
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,7 @@ def resolve(description: Description, name: str) -> Function:
 
     Modules beside the description come first: its folder is put on Python's path.
 
-    Raises
-    ------
-    BadInput
-        There is no such module or function.
+    Raises `BadInput`: there is no such module or function.
     """
     folder = str(description.folder.resolve())
     if folder not in sys.path:
@@ -63,12 +60,8 @@ def ask_port(
 
     An exception of a port that is called point by point is its answer there.
 
-    Parameters
-    ----------
-    description, port, routine, batch
-        Whom to ask about what.
-    function
-        The port's function; the one that the description names unless given.
+    `description`, `port`, `routine`, `batch`: whom to ask about what.
+    `function`: the port's function; the one that the description names unless given.
     """
     function = function or resolve(description, routine.ports[port.name])
     if routine.reset:

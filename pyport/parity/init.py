@@ -59,19 +59,10 @@ class _Unit:
 def described(files: list[Path], out: Path, only: tuple[str, ...] = ()) -> str:
     """Return a first description of the subprograms in some files, to be written to `out`.
 
-    Parameters
-    ----------
-    files
-        Fortran files, all that the routines need.
-    out
-        Where the description will stand: names of files are relative to its folder.
-    only
-        Names of the routines to describe; all of them unless given.
-
-    Raises
-    ------
-    BadInput
-        A file cannot be read, or holds no subprogram.
+    `files`: Fortran files, all that the routines need.
+    `out`: where the description will stand: names of files are relative to its folder.
+    `only`: names of the routines to describe; all of them unless given.
+    Raises `BadInput`: a file cannot be read, or holds no subprogram.
     """
     for path in files:
         if not path.is_file():

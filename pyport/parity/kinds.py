@@ -28,10 +28,7 @@ class Kind:
     def read(cls, text: str) -> Kind:
         """Return the kind that a text names.
 
-        Raises
-        ------
-        ValueError
-            It is none that is supported; the message says which are.
+        Raises `ValueError`: it is none that is supported; the message says which are.
         """
         found = _KIND.match(text.lower().replace(" ", ""))
         if found and (found[1] == "character" or int(found[2]) in _SIZES[found[1]]):

@@ -26,36 +26,25 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Deviation:
-    """One cause: what `routine` does for the example, and what its equations say.
+    """One cause: what `routine` does for the example, and what its equations say."""
 
-    Attributes
-    ----------
-    id, routine, output, fortran, cause
-        Its name, where it is seen, the Fortran line, and why.
-    port
-        Whom the ports that follow the equations follow here: "true" or "oracle".
-    input
-        The example: a hexadecimal literal for each argument, a list for an array.
-    oracle, true
-        What the routine answers (hexadecimal) and the equations (decimal).
-    region
-        ``module:function`` of (inputs, the oracle's answers by output) that tells where the cause
-        is at work, "" where no distance is explained by it.
-    outputs
-        "ROUTINE OUTPUT" for each answer that the region explains.
-    """
-
+    #: `id`, `routine`, `output`, `fortran`, `cause`: its name, where it is seen, the Fortran line,
+    #: and why.
     id: str
     routine: str
     output: str
     fortran: str
     cause: str
-    port: str
+    port: str  #: whom the ports that follow the equations follow here: "true" or "oracle"
+    #: The example: a hexadecimal literal for each argument, a list for an array.
     input: dict[str, Spelling]
+    #: `oracle`, `true`: what the routine answers (hexadecimal) and the equations (decimal).
     oracle: str
     true: str
+    #: ``module:function`` of (inputs, the oracle's answers by output) that tells where the cause is
+    #: at work, "" where no distance is explained by it.
     region: str = ""
-    outputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()  #: "ROUTINE OUTPUT" for each answer that the region explains
 
 
 def deviations(description: Description) -> tuple[Deviation, ...]:

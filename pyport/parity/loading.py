@@ -31,10 +31,8 @@ REFERENCE = ("-O0", "-ffp-contract=off")
 def load(path: str | Path) -> Description:
     """Read a description.
 
-    Raises
-    ------
-    BadInput
-        The file is missing, no TOML, or says what it must not: file, line, what was expected.
+    Raises `BadInput`: the file is missing, no TOML, or says what it must not: file, line, what was
+      expected.
     """
     path = Path(path)
     try:

@@ -45,11 +45,8 @@ class Oracle:
     def ask(self, routine: Routine, batch: Batch) -> Batch:
         """Return what a routine answers: an array for each of its outputs.
 
-        Raises
-        ------
-        BadInput
-            It ends the process, changes an argument that is only its input, or `batch` holds
-            numbers that its kinds cannot hold.
+        Raises `BadInput`: it ends the process, changes an argument that is only its input, or
+          `batch` holds numbers that its kinds cannot hold.
         """
         arrays = self._arrays(routine, batch)
         try:
@@ -139,10 +136,7 @@ class _Child:
     def call(self, path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:
         """Return the arrays after the call.
 
-        Raises
-        ------
-        EOFError
-            The process ended.
+        Raises `EOFError`: the process ended.
         """
         self.copies += fresh
         try:
@@ -238,11 +232,9 @@ def of(description_path: Path, build: str) -> Oracle:
 def available(description: Description) -> bool:
     """Tell whether the Fortran is there, and what compiles and wraps it.
 
-    Raises
-    ------
-    BadInput
-        The Fortran is not there, nor are stored answers that could stand in for it; or there is
-        no compiler, or no header of Python's, and ``PYPORT_ORACLE=required`` in the environment.
+    Raises `BadInput`: the Fortran is not there, nor are stored answers that could stand in for it;
+      or there is no compiler, or no header of Python's, and ``PYPORT_ORACLE=required`` in the
+      environment.
     """
     gone = next((one for one in description.files if not one.is_file()), None)
     if gone is not None:

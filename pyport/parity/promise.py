@@ -95,23 +95,13 @@ def tolerance(port: Port, one: Variable) -> float:
 
 @dataclass(frozen=True)
 class Held:
-    """One port of one routine held to the oracle; a comparison for each output.
+    """One port of one routine held to the oracle; a comparison for each output."""
 
-    Attributes
-    ----------
-    plain
-        The port's answers, where it promises anything.
-    outside
-        The same without the points that the ledger explains.
-    beyond
-        The same, counting only what the promise does not allow already: the spread, a tolerance.
-    explained
-        Entry of the ledger -> number of answers beyond the promise that it explains.
-    """
-
-    plain: list[Comparison]
-    outside: list[Comparison]
+    plain: list[Comparison]  #: the port's answers, where it promises anything
+    outside: list[Comparison]  #: the same without the points that the ledger explains
+    #: The same, counting only what the promise does not allow already: the spread, a tolerance.
     beyond: list[Comparison]
+    #: Entry of the ledger -> number of answers beyond the promise that it explains.
     explained: Counter[str]
 
     def __add__(self, other: Held) -> Held:

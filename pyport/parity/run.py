@@ -32,32 +32,17 @@ Results = dict[tuple[str, str], Held]
 
 @dataclass(frozen=True)
 class Parity:
-    """What `pyport parity` found.
+    """What `pyport parity` found."""
 
-    Attributes
-    ----------
-    description
-        What was compared.
-    source
-        "live" when the compiled routines were asked, "stored" for their answers on paper.
-    provenance
-        Sources, compiler, flags, C library of the oracle.
-    points
-        Group of inputs -> number of points, of the routine that has most.
-    results
-        Every port of every routine over all of them.
-    blocks
-        (port, routine) -> (blocks of points whose digest is not the stored one, all blocks).
-    minimal
-        (port, routine) -> the simplest input that breaks the promise.
-    """
-
-    description: Description
+    description: Description  #: what was compared
+    #: "live" when the compiled routines were asked, "stored" for their answers on paper.
     source: str
-    provenance: dict[str, Any]
-    points: dict[str, int]
-    results: Results
+    provenance: dict[str, Any]  #: sources, compiler, flags, C library of the oracle
+    points: dict[str, int]  #: group of inputs -> number of points, of the routine that has most
+    results: Results  #: every port of every routine over all of them
+    #: (port, routine) -> (blocks of points whose digest is not the stored one, all blocks).
     blocks: dict[tuple[str, str], tuple[int, int]] = field(default_factory=dict)
+    #: (port, routine) -> the simplest input that breaks the promise.
     minimal: dict[tuple[str, str], Minimal] = field(default_factory=dict)
 
     def kept(self, port: Port) -> bool:
@@ -104,20 +89,13 @@ def run(
 ) -> Parity:
     """Compare the ports with the oracle.
 
-    Parameters
-    ----------
-    description
-        What to compare.
-    random_points
-        How many points to draw of each group that draws, where the oracle can be asked.
-    seed
-        Seed of the random points.
-    jobs
-        Processes; all cores by default.
-    live
-        Ask the compiled routines where they can be compiled, instead of their stored answers.
-    kept_in
-        Where to keep how far it has come; who asks removes that when the answer is written.
+    `description`: what to compare.
+    `random_points`: how many points to draw of each group that draws, where the oracle can be
+      asked.
+    `seed`: seed of the random points.
+    `jobs`: processes; all cores by default.
+    `live`: ask the compiled routines where they can be compiled, instead of their stored answers.
+    `kept_in`: where to keep how far it has come; who asks removes that when the answer is written.
     """
     if not (live and oracle.available(description)):
         return _run_stored(description)

@@ -32,24 +32,14 @@ SCHEMA = "pyport.oracle/2"
 
 @dataclass(frozen=True)
 class Stored:
-    """One stored set of n points.
+    """One stored set of n points."""
 
-    Attributes
-    ----------
-    batch, answers
-        The points and what the oracle answered, by variable.
-    spread
-        The least and greatest of its own answers there.
-    provenance
-        Sources, compiler, flags, C library.
-    digests
-        One for each block of the whole group, where the set is but a sample of it, else empty.
-    """
-
+    #: `batch`, `answers`: the points and what the oracle answered, by variable.
     batch: Batch
     answers: Batch
-    spread: Spread
-    provenance: dict[str, Any]
+    spread: Spread  #: the least and greatest of its own answers there
+    provenance: dict[str, Any]  #: sources, compiler, flags, C library
+    #: One for each block of the whole group, where the set is but a sample of it, else empty.
     digests: list[str]
 
 
@@ -61,10 +51,7 @@ def path_of(description: Description, group: Group, routine: Routine) -> Path:
 def load(description: Description, group: Group, routine: Routine) -> Stored:
     """Read a stored set.
 
-    Raises
-    ------
-    BadInput
-        There is none, or it cannot be read.
+    Raises `BadInput`: there is none, or it cannot be read.
     """
     path = path_of(description, group, routine)
     expected = "expected the oracle's stored answers, as `pyport parity golden` writes them"

@@ -17,10 +17,7 @@ _INTEGERS: dict[int, type[np.signedinteger]] = {4: np.int32, 8: np.int64}
 def ordinal(values: NDArray[np.floating]) -> NDArray[np.int64]:
     """Return the rank of each REAL*4 or REAL*8: neighbours differ by one, -0.0 and 0.0 too.
 
-    Parameters
-    ----------
-    values
-        float32 or float64 numbers, no NaN, any shape.
+    `values`: float32 or float64 numbers, no NaN, any shape.
     """
     integer = _INTEGERS[values.dtype.itemsize]
     bits = np.ascontiguousarray(values).view(integer).reshape(values.shape).astype(np.int64)

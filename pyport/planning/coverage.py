@@ -36,12 +36,8 @@ class Coverage:
 def coverage(az: Array, el: Array, lowest_deg: float) -> Coverage:
     """Return the coverage of the sky above an elevation.
 
-    Parameters
-    ----------
-    az, el
-        Where recordings were taken [rad], shape (n,).
-    lowest_deg
-        Sky below this does not count.
+    `az`, `el`: where recordings were taken [rad], shape (n,).
+    `lowest_deg`: sky below this does not count.
     """
     centres = cells(lowest_deg)
     nearest = np.array([separation(a, e, az, el).min() for a, e in centres])

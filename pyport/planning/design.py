@@ -26,28 +26,18 @@ class Column:
 
 @dataclass(frozen=True)
 class Design:
-    """What one antenna's recordings could show.
+    """What one antenna's recordings could show."""
 
-    Attributes
-    ----------
-    recordings, stack
-        The antenna's recordings and their m measured numbers.
-    noise
-        One-sigma noise of each number [rad], shape (m,).
-    how
-        Where the noise is taken from, in words.
-    base, columns
-        Columns of the model, shape (m, P), and what each is.
-    others, candidates, untestable
-        Columns of all effects, shape (m, K), what they are, and what cannot be seen.
-    """
-
+    #: `recordings`, `stack`: the antenna's recordings and their m measured numbers.
     recordings: Recordings
     stack: Stack
-    noise: Array
-    how: str
+    noise: Array  #: one-sigma noise of each number [rad], shape (m,)
+    how: str  #: where the noise is taken from, in words
+    #: `base`, `columns`: columns of the model, shape (m, P), and what each is.
     base: Array
     columns: tuple[Column, ...]
+    #: `others`, `candidates`, `untestable`: columns of all effects, shape (m, K), what they are,
+    #: and what cannot be seen.
     others: Array
     candidates: tuple[Candidate, ...]
     untestable: tuple[Untestable, ...]
@@ -65,13 +55,9 @@ class Design:
 def design(recordings: Recordings, model: Model, noise: float | None = None) -> Design:
     """Return the columns of a model and of the catalogue for recordings of one antenna.
 
-    Parameters
-    ----------
-    recordings, model
-        What was observed, and what would be fitted to it.
-    noise
-        One-sigma error of an offset [rad]; None for the scatter that the model
-        leaves, or the file's own errors where those are larger.
+    `recordings`, `model`: what was observed, and what would be fitted to it.
+    `noise`: one-sigma error of an offset [rad]; None for the scatter that the model leaves, or the
+      file's own errors where those are larger.
     """
     data = stack(recordings)
     base, columns = _base(recordings, data, model)

@@ -83,20 +83,13 @@ def look(
 ) -> Look:
     """Return what recordings could show: coverage, separable effects, what to observe next.
 
-    Parameters
-    ----------
-    recordings, model
-        What was observed, and the model that would be fitted. Of an array, the
-        antenna with the most recordings is looked at.
-    noise_arcsec
-        One-sigma error of an offset; None for the scatter that the model
-        leaves, or the file's own errors where those are larger.
-    count
-        How many directions to suggest.
-    elevations
-        Lowest and highest elevation [deg] that may be suggested.
-    sources
-        Suggest the recorded sources at other hour angles, not just directions.
+    `recordings`, `model`: what was observed, and the model that would be fitted. Of an array, the
+      antenna with the most recordings is looked at.
+    `noise_arcsec`: one-sigma error of an offset; None for the scatter that the model leaves, or the
+      file's own errors where those are larger.
+    `count`: how many directions to suggest.
+    `elevations`: lowest and highest elevation [deg] that may be suggested.
+    `sources`: suggest the recorded sources at other hour angles, not just directions.
     """
     antenna, antennas = busiest(recordings)
     model = model.on(recordings.at.mount)

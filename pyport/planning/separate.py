@@ -19,25 +19,18 @@ VISIBLE = 1e-4
 
 @dataclass(frozen=True)
 class Sight:
-    """How well an effect would be seen.
+    """How well an effect would be seen."""
 
-    Attributes
-    ----------
-    effect, variant
-        Its id, and the member of its family that stands in the middle, by its error.
-    sigma, unit
-        Error of its coefficient, of the worst if it has several, the model fitted too.
-    inflation
-        How many times larger that is than without the model.
-    alike
-        Effects that it could not be told from, and the share of its curves that each draws.
-    """
-
+    #: `effect`, `variant`: its id, and the member of its family that stands in the middle, by its
+    #: error.
     effect: str
     variant: str
+    #: `sigma`, `unit`: error of its coefficient, of the worst if it has several, the model fitted
+    #: too.
     sigma: float
     unit: str
-    inflation: float
+    inflation: float  #: how many times larger that is than without the model
+    #: Effects that it could not be told from, and the share of its curves that each draws.
     alike: tuple[tuple[str, float], ...]
 
 

@@ -82,10 +82,7 @@ def _sexagesimal(value: float, decimals: int, between: str = "") -> str:
 def read_catalogue(path: Path) -> list[Source]:
     """Read sources: a CSV file with `name` (or `source`), `ra_deg` or `ra_h`, and `dec_deg`.
 
-    Raises
-    ------
-    BadInput
-        A column is missing, or a cell is no number.
+    Raises `BadInput`: a column is missing, or a cell is no number.
     """
     raw = csv.read(path)
     name = next((one for one in ("name", "source") if one in raw.columns), "")

@@ -37,30 +37,19 @@ class Source:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the telescope can do, and when.
+    """What the telescope can do, and when."""
 
-    Attributes
-    ----------
-    lowest_deg, highest_deg
-        Elevations.
-    start_s, end_s
-        The time left [s since 1970].
-    dwell_s
-        A pointing takes so long, slewing apart.
-    az_rate, el_rate
-        Of slewing [deg/s].
-    sun_deg
-        No nearer to the Sun.
-    """
-
+    #: `lowest_deg`, `highest_deg`: elevations.
     lowest_deg: float
     highest_deg: float
+    #: `start_s`, `end_s`: the time left [s since 1970].
     start_s: float
     end_s: float
-    dwell_s: float = 180.0
+    dwell_s: float = 180.0  #: a pointing takes so long, slewing apart
+    #: `az_rate`, `el_rate`: of slewing [deg/s].
     az_rate: float = 0.5
     el_rate: float = 0.5
-    sun_deg: float = 0.0
+    sun_deg: float = 0.0  #: no nearer to the Sun
 
 
 @dataclass(frozen=True)
@@ -79,10 +68,7 @@ class Target:
 def seen_from(site: Site, ra: Array, dec: Array, time_s: Array) -> tuple[Array, Array]:
     """Return true azimuth and elevation [rad] of ICRS places, without refraction. ERFA's `atco13`.
 
-    Raises
-    ------
-    BadInput
-        The site's longitude is not known.
+    Raises `BadInput`: the site's longitude is not known.
     """
     import erfa
 
@@ -129,15 +115,8 @@ def targets(
     What decides most between effects that the recordings cannot distinguish, or tells most of the
     model where there are none (`suggest`); from there always the nearest by slewing time.
 
-    Parameters
-    ----------
-    catalogue
-        Sources to choose from; without, directions all over the sky.
-
-    Raises
-    ------
-    BadInput
-        No site is known, or nothing is above the limits.
+    `catalogue`: sources to choose from; without, directions all over the sky.
+    Raises `BadInput`: no site is known, or nothing is above the limits.
     """
     site = recordings.at.site or model.site
     if site is None:

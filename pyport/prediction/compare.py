@@ -25,25 +25,14 @@ PLENTY = 100
 
 @dataclass(frozen=True)
 class Row:
-    """What one contender comes to: rms on the sky [arcsec].
+    """What one contender comes to: rms on the sky [arcsec]."""
 
-    Attributes
-    ----------
-    name, terms
-        Who, and of how many coefficients.
-    fitted
-        Over the readings that it was fitted to.
-    unseen
-        Over readings left out, by the way in which they were.
-    nights
-        Over other files' readings, their zero points refitted.
-    """
-
+    #: `name`, `terms`: who, and of how many coefficients.
     name: str
     terms: float
-    fitted: float
-    unseen: dict[str, float]
-    nights: dict[str, float]
+    fitted: float  #: over the readings that it was fitted to
+    unseen: dict[str, float]  #: over readings left out, by the way in which they were
+    nights: dict[str, float]  #: over other files' readings, their zero points refitted
 
 
 @dataclass(frozen=True)
@@ -81,25 +70,15 @@ def compare(
 ) -> Comparison:
     """Compare models by their predictions of readings that they were not fitted to.
 
-    Parameters
-    ----------
-    recordings, model
-        The measurements, and the model that the choice for prediction starts from.
-    rivals
-        Other models. For each of more terms, where readings are few beside them, there are
-        contenders of as many that pick their own: once from all readings, and anew wherever
-        readings are left out.
-    others
-        Recordings of other nights.
-    seed
-        Of the deal of pointings.
-    tell
-        Called with a line whenever there is news.
-
-    Raises
-    ------
-    BadInput
-        There are several antennas, or too few readings for a model.
+    `recordings`, `model`: the measurements, and the model that the choice for prediction starts
+      from.
+    `rivals`: other models. For each of more terms, where readings are few beside them, there are
+      contenders of as many that pick their own: once from all readings, and anew wherever readings
+      are left out.
+    `others`: recordings of other nights.
+    `seed`: of the deal of pointings.
+    `tell`: called with a line whenever there is news.
+    Raises `BadInput`: there are several antennas, or too few readings for a model.
     """
     night, nights = Night.of(recordings), [Night.of(one) for one in others]
     mount = recordings.at.mount

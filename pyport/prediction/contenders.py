@@ -52,10 +52,7 @@ class Night:
     def of(cls, recordings: Recordings) -> Night:
         """Return the readings of recordings of one antenna.
 
-        Raises
-        ------
-        BadInput
-            There are several antennas.
+        Raises `BadInput`: there are several antennas.
         """
         names = np.unique(recordings.label("antenna").astype(str))
         if len(names) > 1:
@@ -69,10 +66,7 @@ class Night:
     def columns(self, model: Model) -> Array:
         """Return the columns of a model's free terms, shape (m, p).
 
-        Raises
-        ------
-        BadInput
-            A term needs more than these recordings tell.
+        Raises `BadInput`: a term needs more than these recordings tell.
         """
         parts = [term_columns(self.stack, term.effect, self.recordings) for term in model.fitted()]
         return np.concatenate([np.zeros((len(self.stack), 0)), *parts], axis=1)

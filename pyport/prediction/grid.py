@@ -27,10 +27,7 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
     The file is one of recordings as any other. An axis that was not measured is left blank.
     Errors are those of the prediction; the scatter of a single pointing comes on top.
 
-    Raises
-    ------
-    BadInput
-        There are several antennas, or a term asks for more than a direction.
+    Raises `BadInput`: there are several antennas, or a term asks for more than a direction.
     """
     night = Night.of(recordings)
     row = night.stack.row

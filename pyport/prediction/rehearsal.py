@@ -27,20 +27,11 @@ NIGHTS, FRESH = 6, 300
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """What contenders come to on made nights of one telescope: rms on the sky [arcsec].
+    """What contenders come to on made nights of one telescope: rms on the sky [arcsec]."""
 
-    Attributes
-    ----------
-    truth
-        Whose telescope it was.
-    claimed
-        On pointings left out, by contender.
-    fresh
-        On fresh pointings all over the elevations that were observed, with their noise.
-    """
-
-    truth: str
-    claimed: dict[str, float]
+    truth: str  #: whose telescope it was
+    claimed: dict[str, float]  #: on pointings left out, by contender
+    #: On fresh pointings all over the elevations that were observed, with their noise.
     fresh: dict[str, float]
 
 
@@ -50,11 +41,8 @@ def rehearse(
 ) -> tuple[Rehearsal, Rehearsal]:
     """Rehearse on the telescope of a rival model, and on that of the model with waves.
 
-    Raises
-    ------
-    BadInput
-        There are several antennas, or a term asks for more than a direction, which is all
-        that fresh pointings have.
+    Raises `BadInput`: there are several antennas, or a term asks for more than a direction, which
+      is all that fresh pointings have.
     """
     night = Night.of(recordings)
     rng = np.random.default_rng(seed)

@@ -31,24 +31,12 @@ _TURNS, _SETTLED = 60, 1e-5
 
 @dataclass(frozen=True)
 class Known:
-    """Rows of measured offsets as the fit takes them.
+    """Rows of measured offsets as the fit takes them."""
 
-    Attributes
-    ----------
-    model
-        The columns of the model's terms, shape (m, p).
-    waves
-        All waves at each row, shape (m, COUNT).
-    is_y
-        True for an elevation offset, shape (m,).
-    value
-        The offsets, shape (m,).
-    """
-
-    model: Array
-    waves: Array
-    is_y: NDArray[np.bool_]
-    value: Array
+    model: Array  #: the columns of the model's terms, shape (m, p)
+    waves: Array  #: all waves at each row, shape (m, COUNT)
+    is_y: NDArray[np.bool_]  #: true for an elevation offset, shape (m,)
+    value: Array  #: the offsets, shape (m,)
 
     def take(self, rows: NDArray[np.bool_]) -> Known:
         """Return some of the rows."""
@@ -62,27 +50,18 @@ class Known:
 
 @dataclass(frozen=True)
 class Shrunk:
-    """A fitted model with waves.
+    """A fitted model with waves."""
 
-    Attributes
-    ----------
-    values, covariance
-        Of the model's terms, then of the waves in cross-elevation and in elevation.
-    freed
-        How many free coefficients the waves amount to.
-    heights, noise
-        The rms height of each family in each axis, and the scatter that is left there, in
-        the units of the data.
-    logs
-        What the evidence chose: a like fit may start there.
-    """
-
+    #: `values`, `covariance`: of the model's terms, then of the waves in cross-elevation and in
+    #: elevation.
     values: Array
     covariance: Array
-    freed: float
+    freed: float  #: how many free coefficients the waves amount to
+    #: `heights`, `noise`: the rms height of each family in each axis, and the scatter that is left
+    #: there, in the units of the data.
     heights: dict[tuple[str, bool], float]
     noise: dict[bool, float]
-    logs: Array
+    logs: Array  #: what the evidence chose: a like fit may start there
 
     def predict(self, at: Known) -> Array:
         """Return what is predicted at some rows, shape (m,)."""

@@ -23,23 +23,12 @@ UP, AROUND, SKY_UP, SKY_AROUND = 16, 8, 8, 5
 
 @dataclass(frozen=True)
 class Family:
-    """Waves that share a height and a length.
+    """Waves that share a height and a length."""
 
-    Attributes
-    ----------
-    name
-        What they follow.
-    place
-        Where their columns stand among all waves.
-    frequency
-        How quick each is in each direction, shape (K, L) [1/rad].
-    length
-        The usual length of what is left of pointing in each direction, shape (L,) [rad].
-    """
-
-    name: str
-    place: slice
-    frequency: Array
+    name: str  #: what they follow
+    place: slice  #: where their columns stand among all waves
+    frequency: Array  #: how quick each is in each direction, shape (K, L) [1/rad]
+    #: The usual length of what is left of pointing in each direction, shape (L,) [rad].
     length: tuple[float, ...]
 
     def spectrum(self, log_length: Array) -> tuple[Array, Array]:

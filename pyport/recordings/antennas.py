@@ -15,31 +15,18 @@ from pyport.recordings.formats import csv
 
 @dataclass(frozen=True)
 class Survey:
-    """Surveyed places of antennas about the array's reference.
+    """Surveyed places of antennas about the array's reference."""
 
-    Attributes
-    ----------
-    file
-        Where they are from.
-    names
-        Of the n antennas, as the recordings spell them.
-    east_m
-        Toward east of the reference, shape (n,).
-    """
-
-    file: Path
-    names: tuple[str, ...]
-    east_m: Array
+    file: Path  #: where they are from
+    names: tuple[str, ...]  #: of the n antennas, as the recordings spell them
+    east_m: Array  #: toward east of the reference, shape (n,)
 
 
 def read_survey(path: Path) -> Survey:
     """Read a CSV file with the columns `name` and `east_m`; others are ignored.
 
-    Raises
-    ------
-    BadInput
-        With file and line: no such file, a column is missing, a name is blank
-        or there twice, a place is no number.
+    Raises `BadInput`: with file and line: no such file, a column is missing, a name is blank or
+      there twice, a place is no number.
     """
     if not is_file(path):
         raise BadInput("no such file, expected a CSV file with columns name,east_m", path)

@@ -18,12 +18,8 @@ def repeated(raw: Raw, recordings: Recordings) -> dict[int, int]:
     Only rows that tell their time: two measurements of one moment, place, antenna
     and value are one. Without a time equal rows may be two measurements.
 
-    Parameters
-    ----------
-    raw
-        The cells of a file, n rows.
-    recordings
-        What they mean, none of the n excluded yet.
+    `raw`: the cells of a file, n rows.
+    `recordings`: what they mean, none of the n excluded yet.
     """
     at = recordings.at
     if "time" not in at:

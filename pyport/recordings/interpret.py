@@ -49,11 +49,8 @@ DIRECTIONS = (AXES - {"az", "el"}) | {"hour_angle", "ra", "dec", "wind_az", "sun
 def interpret(raw: Raw) -> Recordings:
     """Return the recordings that the cells of a file describe.
 
-    Raises
-    ------
-    BadInput
-        Required columns are missing, two say the same, a cell is no number or
-        out of range, a header key is no number.
+    Raises `BadInput`: required columns are missing, two say the same, a cell is no number or out of
+      range, a header key is no number.
     """
     angles = angles_of(raw)
     at = _circumstances(raw, angles)
@@ -88,10 +85,7 @@ def targets(raw: Raw) -> Circumstances:
 
     Angles are NaN in a row that tells no direction.
 
-    Raises
-    ------
-    BadInput
-        As `interpret`, but for columns of offsets.
+    Raises `BadInput`: as `interpret`, but for columns of offsets.
     """
     return _circumstances(raw, angles_of(raw, measured=False))
 

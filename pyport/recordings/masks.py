@@ -46,10 +46,7 @@ def path_of(file: Path) -> Path:
 def steps(file: Path) -> list[Step]:
     """Return the steps of a file's mask, none where it has no mask.
 
-    Raises
-    ------
-    BadInput
-        A line of the mask is no step.
+    Raises `BadInput`: a line of the mask is no step.
     """
     path = path_of(file)
     if not path.is_file():
@@ -70,10 +67,7 @@ def steps(file: Path) -> list[Step]:
 def parse_lines(text: str, file: Path | None = None, number: int | None = None) -> tuple[int, ...]:
     """Return the lines that `12 40-44` or `12,40-44` lists.
 
-    Raises
-    ------
-    BadInput
-        It is no such list.
+    Raises `BadInput`: it is no such list.
     """
     found: list[int] = []
     for part in text.replace(",", " ").split():
@@ -103,10 +97,7 @@ def spelled(lines: Iterable[int]) -> str:
 def masked(raw: Raw) -> Raw:
     """Return the cells of a file with what its mask masks excluded, each with its reason.
 
-    Raises
-    ------
-    BadInput
-        The mask lists a line that is no recording, or one that has changed since.
+    Raises `BadInput`: the mask lists a line that is no recording, or one that has changed since.
     """
     reasons = standing(raw, steps(raw.file))
     return set_aside(raw, {n: f"masked: {why}" if why else "masked" for n, why in reasons.items()})
@@ -153,10 +144,7 @@ def checksum(raw: Raw, lines: Sequence[int]) -> str:
 def add(raw: Raw, lines: Sequence[int], reason: str, *, masks: bool = True) -> Step:
     """Mask (or unmask) some lines of a file as a further step of its mask.
 
-    Raises
-    ------
-    BadInput
-        One of the lines is no recording.
+    Raises `BadInput`: one of the lines is no recording.
     """
     known = set(raw.line.tolist())
     strange = [line for line in lines if line not in known]
@@ -170,10 +158,7 @@ def add(raw: Raw, lines: Sequence[int], reason: str, *, masks: bool = True) -> S
 def undo(file: Path) -> Step:
     """Take back the last step of a file's mask.
 
-    Raises
-    ------
-    BadInput
-        There is no step.
+    Raises `BadInput`: there is no step.
     """
     taken = steps(file)
     if not taken:

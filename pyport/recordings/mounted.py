@@ -69,10 +69,8 @@ SAME = (
 def mount_of(raw: Raw, quantities: Collection[str]) -> Mount:
     """Return the mount that a file declares or, where it is silent, that its columns tell.
 
-    Raises
-    ------
-    BadInput
-        It declares no mount that is known, or two; its columns are of another, or of one of two.
+    Raises `BadInput`: it declares no mount that is known, or two; its columns are of another, or of
+      one of two.
     """
     words = [ALSO.get(word, word) for word in declared(raw.meta)]
     if wrong := [word for word in words if word not in MOUNTS and word not in KINDS]:
@@ -122,10 +120,8 @@ def axes_of(at: Circumstances) -> tuple[Array, Array]:
 def offsets_of(raw: Raw, angles: dict[str, Array], at: Circumstances) -> tuple[Array, Array]:
     """Return the offsets across and along the mount's axes, shape (n,) each.
 
-    Raises
-    ------
-    BadInput
-        They are across and along elevation on a mount of other axes, and one of them is missing.
+    Raises `BadInput`: they are across and along elevation on a mount of other axes, and one of them
+      is missing.
     """
     names = names_of(at.mount)
     if at.mount is not ALTAZ and not names.offsets & set(angles):

@@ -86,10 +86,7 @@ _KEPT = frozenset(
 def refuse_columns(names: Iterable[str]) -> None:
     """Refuse a column of places, offsets or times whose name is nearly one of the contract's.
 
-    Raises
-    ------
-    BadInput
-        With the right name, and how to read the column under it.
+    Raises `BadInput`: with the right name, and how to read the column under it.
     """
     there = set(names)
     angles = {one[0] for one in map(angle_of, there) if one is not None}
@@ -109,10 +106,7 @@ def refuse_columns(names: Iterable[str]) -> None:
 def refuse_keys(keys: Iterable[str], how: str) -> None:
     """Refuse a header key that is nearly one of the contract's; `how` says where it was given.
 
-    Raises
-    ------
-    BadInput
-        With the right key.
+    Raises `BadInput`: with the right key.
     """
     for key in keys:
         right = _KEY.get(key.lower())

@@ -21,28 +21,15 @@ LONGEST_CELL, LARGEST_COLUMN = 1000, 2**28
 
 @dataclass(frozen=True)
 class Raw:
-    """Columns of n cells as they stand in a file.
+    """Columns of n cells as they stand in a file."""
 
-    Attributes
-    ----------
-    file
-        The file as the user named it.
-    meta
-        Its `key: value` lines, as text.
-    header_line
-        The line of the column names, for errors that concern a whole column.
-    columns
-        Name -> cells, shape (n,): text ("" for blank), of a large file held by Arrow, or
-        numbers (NaN for blank).
-    line
-        The line (or row) of each cell, shape (n,).
-    """
-
-    file: Path
-    meta: dict[str, str]
-    header_line: int
+    file: Path  #: the file as the user named it
+    meta: dict[str, str]  #: its `key: value` lines, as text
+    header_line: int  #: the line of the column names, for errors that concern a whole column
+    #: Name -> cells, shape (n,): text ("" for blank), of a large file held by Arrow, or numbers
+    #: (NaN for blank).
     columns: Mapping[str, NDArray[Any] | TextColumn]
-    line: NDArray[np.int64]
+    line: NDArray[np.int64]  #: the line (or row) of each cell, shape (n,)
 
     def error(self, message: str, row: int | None = None) -> BadInput:
         """Return an error that names the file and the row's line, or the header's."""
@@ -51,10 +38,7 @@ class Raw:
     def words(self, name: str) -> NDArray[np.str_]:
         """Return a column as text without surrounding blanks.
 
-        Raises
-        ------
-        BadInput
-            A cell is so long that it is none.
+        Raises `BadInput`: a cell is so long that it is none.
         """
         cells = self.columns[name]
         if cells.dtype.kind in "fiub":
@@ -74,10 +58,7 @@ class Raw:
     def numbers(self, name: str) -> Array:
         """Return a column as numbers, NaN where it is blank.
 
-        Raises
-        ------
-        BadInput
-            A cell is neither blank nor a finite number.
+        Raises `BadInput`: a cell is neither blank nor a finite number.
         """
         cells = self.columns[name]
         if isinstance(cells, TextColumn):
@@ -115,10 +96,7 @@ class Raw:
     def seconds(self, name: str) -> Array:
         """Return ISO 8601 times as seconds (UTC) since 1970, NaN where blank.
 
-        Raises
-        ------
-        BadInput
-            A cell is neither blank nor an ISO 8601 time.
+        Raises `BadInput`: a cell is neither blank nor an ISO 8601 time.
         """
         cells = self.columns[name]
         if isinstance(cells, TextColumn):

@@ -103,12 +103,8 @@ DOCUMENT = (
 def left_out(at: Circumstances, steps: Collection[str] = DOCUMENT) -> tuple[Array, Array]:
     """Return what positions computed without these steps add to the offsets [rad].
 
-    Raises
-    ------
-    BadInput
-        There is no such step.
-    MissingColumn
-        A step needs a time, a site or the weather.
+    Raises `BadInput`: there is no such step.
+    Raises `MissingColumn`: a step needs a time, a site or the weather.
     """
     x, y = np.zeros(len(at)), np.zeros(len(at))
     for name in steps:
@@ -124,10 +120,8 @@ def reduced(recordings: Recordings, steps: Collection[str] = DOCUMENT) -> Record
 
     The header says under `reduced` what was taken out, and keeps that it was.
 
-    Raises
-    ------
-    BadInput
-        There is no such step, it was taken out before, or the recordings lack what it needs.
+    Raises `BadInput`: there is no such step, it was taken out before, or the recordings lack what
+      it needs.
     """
     before = recordings.meta.get("reduced", "").split()
     again = [name for name in steps if name in before]

@@ -16,21 +16,12 @@ from pyport.recordings.schema import Recordings
 
 @dataclass(frozen=True)
 class Stack:
-    """m measured numbers out of n recordings: cross-elevations first, then elevations.
+    """m measured numbers out of n recordings: cross-elevations first, then elevations."""
 
-    Attributes
-    ----------
-    row
-        Which recording each number belongs to, shape (m,).
-    is_y
-        True for an elevation offset, False for a cross-elevation offset, shape (m,).
-    value
-        The offset [rad], shape (m,).
-    """
-
-    row: Codes
+    row: Codes  #: which recording each number belongs to, shape (m,)
+    #: True for an elevation offset, False for a cross-elevation offset, shape (m,).
     is_y: NDArray[np.bool_]
-    value: Array
+    value: Array  #: the offset [rad], shape (m,)
 
     def __len__(self) -> int:
         """Return m."""
@@ -62,10 +53,7 @@ def stack(recordings: Recordings) -> Stack:
 def term_columns(data: Stack, effect: Effect, recordings: Recordings) -> Array:
     """Return the basis of a model's term for a stack of these recordings, shape (m, k).
 
-    Raises
-    ------
-    BadInput
-        The term needs more than these recordings tell.
+    Raises `BadInput`: the term needs more than these recordings tell.
     """
     try:
         return data.columns(effect, recordings.at)
@@ -77,12 +65,8 @@ def term_columns(data: Stack, effect: Effect, recordings: Recordings) -> Array:
 def group(recordings: Recordings, per: Sequence[str]) -> tuple[Codes, list[tuple[str, ...]]]:
     """Give rows with the same values of some labels the same number.
 
-    Returns
-    -------
-    codes
-        For each row the number of its group, shape (n,).
-    names
-        The label values of each group.
+    Returns for each row the number of its group, shape (n,).
+    Returns the label values of each group.
     """
     codes = np.zeros(len(recordings), dtype=np.intp)
     names: list[tuple[str, ...]] = [()]

@@ -22,14 +22,9 @@ class TextColumn:
 
     What is asked of all cells is answered here only where the answer is that of Python's
     functions, cell by cell; anything doubtful is left to them.
-
-    Attributes
-    ----------
-    cells
-        An Arrow array of strings, without nulls.
     """
 
-    cells: Any
+    cells: Any  #: an Arrow array of strings, without nulls
     dtype = np.dtype(object)
 
     def __len__(self) -> int:

@@ -44,10 +44,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 def where(recordings: Recordings, expression: str) -> Recordings:
     """Return the recordings for which an expression holds; the others are excluded by it.
 
-    Raises
-    ------
-    BadInput
-        The expression is none, or names something that these recordings lack.
+    Raises `BadInput`: the expression is none, or names something that these recordings lack.
     """
     keep = parse(expression)(recordings)
     aside = tuple(SetAside(int(line), f"not where {expression}") for line in recordings.line[~keep])
@@ -57,10 +54,7 @@ def where(recordings: Recordings, expression: str) -> Recordings:
 def parse(expression: str) -> Test:
     """Return what tells for each recording whether an expression holds.
 
-    Raises
-    ------
-    BadInput
-        The expression is none; the message tells where.
+    Raises `BadInput`: the expression is none; the message tells where.
     """
     if len(expression) > LONGEST:
         raise BadInput(f"where: {len(expression)} characters, expected at most {LONGEST}")

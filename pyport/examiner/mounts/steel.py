@@ -29,26 +29,13 @@ FRAME = {"german": "equatorial", "fork": "equatorial", "xy-ns": "xy-ns", "xy-ew"
 
 @dataclass(frozen=True)
 class Flaws:
-    """What is wrong; radians.
+    """What is wrong; radians."""
 
-    Attributes
-    ----------
-    mount
-        In the frame of the first axis.
-    droop
-        How far gravity pulls the tube down at the horizon.
-    fork
-        How far a fork hangs down, in which the tube looks up.
-    tube_end
-        How far the end of the second axis that carries the tube hangs down.
-    pier
-        Zeros of both encoders, plus on one side of the pier and minus on the other.
-    """
-
-    mount: Mount = field(default_factory=Mount)
-    droop: float = 0.0
-    fork: float = 0.0
-    tube_end: float = 0.0
+    mount: Mount = field(default_factory=Mount)  #: in the frame of the first axis
+    droop: float = 0.0  #: how far gravity pulls the tube down at the horizon
+    fork: float = 0.0  #: how far a fork hangs down, in which the tube looks up
+    tube_end: float = 0.0  #: how far the end of the second axis that carries the tube hangs down
+    #: Zeros of both encoders, plus on one side of the pier and minus on the other.
     pier: tuple[Each, Each] = (0.0, 0.0)
 
 
@@ -62,17 +49,11 @@ def offsets(
 ) -> Array:
     """Return readings less true angles on the sky (across, along) [rad], shape (n, 2).
 
-    Parameters
-    ----------
-    kind, latitude
-        Which mount, and where it stands.
-    at
-        Azimuths and elevations that the beam is on, shape (n,) each.
-    side
-        -1 where the mount has turned over, shape (n,). Its readings are turned back before
-        they are compared.
-    flaws
-        What is wrong.
+    `kind`, `latitude`: which mount, and where it stands.
+    `at`: azimuths and elevations that the beam is on, shape (n,) each.
+    `side`: -1 where the mount has turned over, shape (n,). Its readings are turned back before they
+      are compared.
+    `flaws`: what is wrong.
     """
     az, el = at
     true_first, true_second = axes_of(kind, latitude, az, el)

@@ -36,29 +36,19 @@ GMRT = {"name": "GMRT Cygnus A", "format": "shipped", "files": ["gmrt-cyg-a"]}
 
 @dataclass
 class Replay:
-    """What a watch made of a set.
+    """What a watch made of a set."""
 
-    Attributes
-    ----------
-    name
-        The set.
-    past, pointings
-        How many pointings stood for the past, and how many were watched, of all antennas.
-    alarms
-        As they were when they were raised, and in the end.
-    known
-        What is known to have changed, and how many pointings after it an alarm was raised; None
-        where none was.
-    refused
-        Why the set was not watched.
-    """
-
-    name: str
+    name: str  #: the set
+    #: `past`, `pointings`: how many pointings stood for the past, and how many were watched, of all
+    #: antennas.
     past: int = 0
     pointings: int = 0
+    #: As they were when they were raised, and in the end.
     alarms: list[dict[str, Any]] = field(default_factory=list)
+    #: What is known to have changed, and how many pointings after it an alarm was raised; None
+    #: where none was.
     known: list[tuple[str, int | None]] = field(default_factory=list)
-    refused: str = ""
+    refused: str = ""  #: why the set was not watched
 
 
 def replays(data: Path | None, pointings_per_false_alarm: float) -> Iterator[Replay]:

@@ -32,24 +32,14 @@ def _both(at: Pointings, across: Array | float, along: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class Cause:
-    """One cause at its drawn size.
+    """One cause at its drawn size."""
 
-    Attributes
-    ----------
-    effect
-        The id that the program should call it by.
-    offset
-        What it does [arcsec], shape (n, 2).
-    truth
-        Coefficient -> its value in the unit of the program's report. The coefficients of a
-        change between nights are keyed by name alone: see `expected`.
-    begins
-        The first night of the changed state; None for a cause that is always there.
-    """
-
-    effect: str
-    offset: Array
+    effect: str  #: the id that the program should call it by
+    offset: Array  #: what it does [arcsec], shape (n, 2)
+    #: Coefficient -> its value in the unit of the program's report. The coefficients of a change
+    #: between nights are keyed by name alone: see `expected`.
     truth: dict[str, float]
+    #: The first night of the changed state; None for a cause that is always there.
     begins: int | None = None
 
     def expected(self, name: str) -> float | None:

@@ -24,42 +24,25 @@ ROUNDED_TO = 2.0
 
 @dataclass(frozen=True)
 class Drawn:
-    """Noise of n pointings [sigma], and what is known of it.
+    """Noise of n pointings [sigma], and what is known of it."""
 
-    Attributes
-    ----------
-    value
-        Shape (n, 2).
-    sigma
-        The scatter of each reading, where it differs between them; shape (n, 2).
-    """
-
-    value: Array
+    value: Array  #: shape (n, 2)
+    #: The scatter of each reading, where it differs between them; shape (n, 2).
     sigma: Array | None = None
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of noise.
+    """A kind of noise."""
 
-    Attributes
-    ----------
-    draw
-        Random numbers, pointings -> the noise.
-    skies
-        Where it is drawn; the common ones by default.
-    sessions
-        Of how many nights.
-    memory_s
-        How long its drift remembers; None where it has none, infinite for one that never forgets.
-    centred
-        Whether the mean of its noise is what a constant term should come out as.
-    """
-
+    #: Random numbers, pointings -> the noise.
     draw: Callable[[np.random.Generator, Pointings], Drawn]
+    #: Where it is drawn; the common ones by default.
     skies: tuple[str, ...] = ("half", "band", "low")
-    sessions: tuple[int, ...] = (1, 4, 12)
+    sessions: tuple[int, ...] = (1, 4, 12)  #: of how many nights
+    #: How long its drift remembers; None where it has none, infinite for one that never forgets.
     memory_s: float | None = None
+    #: Whether the mean of its noise is what a constant term should come out as.
     centred: bool = True
 
 

@@ -58,28 +58,16 @@ class Case:
 
 @dataclass(frozen=True)
 class World:
-    """What was drawn for a case.
+    """What was drawn for a case."""
 
-    Attributes
-    ----------
-    table, header
-        The recordings as the program is given them.
-    truth
-        Coefficients of the hidden model [arcsec].
-    uncertain
-        Those of them that the noise itself moves, so that they have no truth.
-    cause
-        The one cause, None where nothing is hidden.
-    sigma
-        The white sigma [arcsec].
-    """
-
+    #: `table`, `header`: the recordings as the program is given them.
     table: dict[str, Any]
     header: dict[str, float | str]
-    truth: dict[str, float]
+    truth: dict[str, float]  #: coefficients of the hidden model [arcsec]
+    #: Those of them that the noise itself moves, so that they have no truth.
     uncertain: tuple[str, ...]
-    cause: causes.Cause | None
-    sigma: float
+    cause: causes.Cause | None  #: the one cause, None where nothing is hidden
+    sigma: float  #: the white sigma [arcsec]
 
 
 def draw(case: Case) -> World:

@@ -31,56 +31,39 @@ STABLE = 0.8
 
 @dataclass(frozen=True)
 class Row:
-    """What came out of a set; None and NaN where it cannot be measured.
-
-    Attributes
-    ----------
-    in_fit, in_fit_clipped, across, across_clipped
-        Scatter of `fit` over that of Huber least squares: in the fit, and cross-validated; plain
-        and with residuals cut off at three sigmas.
-    scheme
-        What was left out.
-    rms_z, pairs
-        Of differences between halves of the nights over their sigmas, and how many.
-    findings, worse
-        What was found, as "effect (variant), verdict"; how many predict unseen data worse.
-    total
-        Held-out rms before and after, of all findings.
-    unstable
-        Named findings that came back in less than four of five resamplings.
-    agreement
-        Names shared by halves of the nights, and all names.
-    below_rounding
-        Sigmas smaller than the rounding of the recordings allows.
-    checks
-        What was published, what came out, and whether it did.
-    few, few_worse, few_refused
-        Random subsets of few rows, those whose total is worse, those without an answer.
-    notes
-        What else is to be known.
-    """
+    """What came out of a set; None and NaN where it cannot be measured."""
 
     name: str
     rows: int
     nights: int
+    #: `in_fit`, `in_fit_clipped`, `across`, `across_clipped`: scatter of `fit` over that of Huber
+    #: least squares: in the fit, and cross-validated; plain and with residuals cut off at three
+    #: sigmas.
     in_fit: float = math.nan
     in_fit_clipped: float = math.nan
     across: float = math.nan
     across_clipped: float = math.nan
-    scheme: str = ""
+    scheme: str = ""  #: what was left out
+    #: `rms_z`, `pairs`: of differences between halves of the nights over their sigmas, and how
+    #: many.
     rms_z: float = math.nan
     pairs: int = 0
+    #: `findings`, `worse`: what was found, as "effect (variant), verdict"; how many predict unseen
+    #: data worse.
     findings: tuple[str, ...] = ()
     worse: int = 0
-    total: tuple[float, float] | None = None
-    unstable: int = 0
-    agreement: tuple[int, int] | None = None
-    below_rounding: int = 0
+    total: tuple[float, float] | None = None  #: held-out rms before and after, of all findings
+    unstable: int = 0  #: named findings that came back in less than four of five resamplings
+    agreement: tuple[int, int] | None = None  #: names shared by halves of the nights, and all names
+    below_rounding: int = 0  #: sigmas smaller than the rounding of the recordings allows
+    #: What was published, what came out, and whether it did.
     checks: tuple[published.Check, ...] = ()
+    #: `few`, `few_worse`, `few_refused`: random subsets of few rows, those whose total is worse,
+    #: those without an answer.
     few: int = 0
     few_worse: int = 0
     few_refused: int = 0
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = field(default=())  #: what else is to be known
 
 
 def measure(recordings: Recordings, subsets: int, seed: int = 0) -> Row:

@@ -19,10 +19,7 @@ from pyport.examiner.real.published import Check
 def chosen(names: Sequence[str]) -> list[dict[str, Any]]:
     """Return the sets whose names begin with one of some, all for none.
 
-    Raises
-    ------
-    KeyError
-        No set's name begins so.
+    Raises `KeyError`: no set's name begins so.
     """
     entries = sets.catalogue()
     for name in names:

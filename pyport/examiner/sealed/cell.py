@@ -20,10 +20,7 @@ _LOOKING = frozenset({"open", "os.listdir", "os.scandir", "glob.glob"})
 def forbid(place: Path) -> None:
     """Let this process open nothing in a folder from now on.
 
-    Raises
-    ------
-    PermissionError
-        From then on, where something in the folder is asked for.
+    Raises `PermissionError`: from then on, where something in the folder is asked for.
     """
     forbidden = str(place.resolve())
 

@@ -29,19 +29,10 @@ def draft(
 ) -> dict[str, Any]:
     """Draw the order, seeds and nonces of a set, or return those that were drawn for it before.
 
-    Parameters
-    ----------
-    path
-        Where it is kept.
-    name, specs
-        The set and its cases.
-    solver
-        Tree hash of the solver; that of this program when not given.
-
-    Raises
-    ------
-    BadInput
-        What was drawn before is for another set, or for another program.
+    `path`: where it is kept.
+    `name`, `specs`: the set and its cases.
+    `solver`: tree hash of the solver; that of this program when not given.
+    Raises `BadInput`: what was drawn before is for another set, or for another program.
     """
     asked = {
         "name": name,

@@ -48,11 +48,8 @@ class Score:
 def examine(root: Path, jobs: int = 1, solver_sha256: str | None = None) -> Score:
     """Score a set.
 
-    Raises
-    ------
-    BadInput
-        It was not opened yet, or truths, recordings, reports, solver, examiner or
-        thresholds are not those that were sealed.
+    Raises `BadInput`: it was not opened yet, or truths, recordings, reports, solver, examiner or
+      thresholds are not those that were sealed.
     """
     folder = Folder(root)
     sealed = read_seal(folder.seal)

@@ -14,54 +14,30 @@ WIDEST_CLASS = 6
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one report was worth.
+    """What one report was worth."""
 
-    Attributes
-    ----------
-    case, group, spec
-        Which case it was and what it was made to be.
-    failed
-        Why there is no report, or None.
-    claimed
-        Whether it claims any mismatch.
-    p_value
-        Of a mismatch at all, as reported.
-    said
-        What the first finding names: an id, "unknown", or "nothing".
-    verdict
-        "named", "ambiguous", "unknown", or "silent".
-    width
-        How many names the first finding's class has.
-    first, three
-        Whether the truth is in the class that comes first; among the first three.
-    found
-        For each hidden cause, whether any finding has it.
-    whole_class
-        Whether the first finding lists all that cannot be distinguished, and claims no one name.
-    pulls
-        Reported minus true over the reported sigma, for coefficients that truth knows, and the
-        effect that each belongs to.
-    place
-        Overlap of regions, distance of curves [deg], distance of moments [rows].
-    skill
-        Gained and gainable mean squares on data left out, in units of the noise's.
-    """
-
+    #: `case`, `group`, `spec`: which case it was and what it was made to be.
     case: str
     group: str
     spec: dict[str, Any]
-    failed: str | None
-    claimed: bool
-    p_value: float | None
-    said: str
-    verdict: str
-    width: int
+    failed: str | None  #: why there is no report, or None
+    claimed: bool  #: whether it claims any mismatch
+    p_value: float | None  #: of a mismatch at all, as reported
+    said: str  #: what the first finding names: an id, "unknown", or "nothing"
+    verdict: str  #: "named", "ambiguous", "unknown", or "silent"
+    width: int  #: how many names the first finding's class has
+    #: `first`, `three`: whether the truth is in the class that comes first; among the first three.
     first: bool
     three: bool
-    found: tuple[bool, ...]
+    found: tuple[bool, ...]  #: for each hidden cause, whether any finding has it
+    #: Whether the first finding lists all that cannot be distinguished, and claims no one name.
     whole_class: bool
+    #: Reported minus true over the reported sigma, for coefficients that truth knows, and the
+    #: effect that each belongs to.
     pulls: tuple[tuple[str, str, float], ...] = ()
+    #: Overlap of regions, distance of curves [deg], distance of moments [rows].
     place: dict[str, float] = field(default_factory=dict)
+    #: Gained and gainable mean squares on data left out, in units of the noise's.
     skill: tuple[float, float] | None = None
 
 

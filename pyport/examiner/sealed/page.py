@@ -50,12 +50,8 @@ _WORST = 12
 def write(sets: Sequence[Path], out: Path) -> None:
     """Write the page and, in a folder of its name beside it, pictures, seals and one case each.
 
-    Parameters
-    ----------
-    sets
-        Folders of sets that were scored.
-    out
-        The page, Markdown.
+    `sets`: folders of sets that were scored.
+    `out`: the page, Markdown.
     """
     sections = [
         _section(root, out.with_suffix("") / root.resolve().name, out.parent) for root in sets

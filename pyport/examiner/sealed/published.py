@@ -29,10 +29,8 @@ def read_json(path: Path) -> Any:  # noqa: ANN401 - whatever JSON holds
 def read_seal(path: Path) -> dict[str, Any]:
     """Read the hashes that fix a set, `sealed.json`.
 
-    Raises
-    ------
-    BadInput
-        There is no such file, or something that a seal tells is missing or of another kind.
+    Raises `BadInput`: there is no such file, or something that a seal tells is missing or of
+      another kind.
     """
     sealed = _table(read_json(path), path, "a seal")
     for key in ("name", "solver_sha256", "examiner_sha256"):
@@ -56,10 +54,7 @@ def read_seal(path: Path) -> dict[str, Any]:
 def read_answers(path: Path) -> dict[str, str]:
     """Read the hashes of all reports by case, out of `answers.json`.
 
-    Raises
-    ------
-    BadInput
-        There is no such file, or it is of another shape.
+    Raises `BadInput`: there is no such file, or it is of another shape.
     """
     held = _table(read_json(path), path, "answers").get("reports_sha256")
     hashes = _table(held, path, "reports_sha256")
@@ -72,10 +67,8 @@ def read_answers(path: Path) -> dict[str, str]:
 def read_report(path: Path) -> dict[str, Any]:
     """Read what was kept of a solver's answer, `report.json`.
 
-    Raises
-    ------
-    BadInput
-        There is no such file, or something that scoring relies on is of another kind.
+    Raises `BadInput`: there is no such file, or something that scoring relies on is of another
+      kind.
     """
     report = check_report(read_json(path), path)
     examined = _table(report.get("examined"), path, "examined")
@@ -87,10 +80,7 @@ def read_report(path: Path) -> dict[str, Any]:
 def check_report(value: object, path: Path) -> dict[str, Any]:
     """Return a solver's answer, whoever the solver was.
 
-    Raises
-    ------
-    BadInput
-        Something that scoring relies on is of another kind than a report's.
+    Raises `BadInput`: something that scoring relies on is of another kind than a report's.
     """
     report = _table(value, path, "a report")
     _optional(report, "p_value", path, _is_number, "a number")

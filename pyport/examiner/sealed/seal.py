@@ -87,22 +87,12 @@ def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None
 
     Killed and called again with the same cases it goes on, and seals the set that it began.
 
-    Parameters
-    ----------
-    root
-        Folder of the set, new or empty; the vault is made beside it.
-    name
-        What the set is called in the ledger.
-    specs
-        Its cases, before their seeds are drawn.
-    solver
-        Tree hash of the solver; that of this program when not given.
-
-    Raises
-    ------
-    BadInput
-        The folder holds something already: a set is sealed once. Or sealing was begun there
-        with other cases, or by another program.
+    `root`: folder of the set, new or empty; the vault is made beside it.
+    `name`: what the set is called in the ledger.
+    `specs`: its cases, before their seeds are drawn.
+    `solver`: tree hash of the solver; that of this program when not given.
+    Raises `BadInput`: the folder holds something already: a set is sealed once. Or sealing was
+      begun there with other cases, or by another program.
     """
     folder = Folder(root)
     if folder.seal.exists() or not folder.draft.exists():
@@ -153,10 +143,7 @@ def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
 def reveal(root: Path) -> int:
     """Open a set: fix what was answered, then move the truths out of the vault; return how many.
 
-    Raises
-    ------
-    BadInput
-        A case has no answer yet, or a truth is not the one that was sealed.
+    Raises `BadInput`: a case has no answer yet, or a truth is not the one that was sealed.
     """
     folder = Folder(root)
     sealed = read_seal(folder.seal)

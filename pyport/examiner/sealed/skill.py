@@ -26,19 +26,10 @@ _FOLDS = 10
 def skill(case: Case, recordings: Path, rows: Path) -> tuple[float, float] | None:
     """Return gained and gainable mean squares on held-out readings, in units of the noise's.
 
-    Parameters
-    ----------
-    case
-        The case of one antenna, made again from its seed.
-    recordings
-        What the solver saw.
-    rows
-        The solver's residuals on data left out, by line and axis.
-
-    Returns
-    -------
-    gained, gainable
-        Or None where the rows do not say what was predicted.
+    `case`: the case of one antenna, made again from its seed.
+    `recordings`: what the solver saw.
+    `rows`: the solver's residuals on data left out, by line and axis.
+    Returns `gained`, `gainable`: or None where the rows do not say what was predicted.
     """
     measured = _measured(recordings)
     before, after = _left_out(rows, recordings, measured.shape[1])

@@ -63,10 +63,7 @@ def run(
     Every report is kept as soon as it is there: killed and called again, it goes on.
     The workers of a Dask `cluster` must see the set under the same name.
 
-    Raises
-    ------
-    BadInput
-        The set has been opened, or is not what was sealed.
+    Raises `BadInput`: the set has been opened, or is not what was sealed.
     """
     check_untouched(root, solver_sha256)
     if Folder(root).answers.exists():

@@ -25,30 +25,16 @@ _OPERATORS = ("Ada", "Bolesław", "Chandra", "Dorota")
 
 @dataclass(frozen=True)
 class Case:
-    """What `trials` writes: columns and header of a recordings file, and the truth apart.
+    """What `trials` writes: columns and header of a recordings file, and the truth apart."""
 
-    Attributes
-    ----------
-    columns
-        The contract's columns, shape (n,) each; degrees, labels as text, times as ISO 8601.
-    header
-        What stands before them in the file.
-    truth
-        What was hidden; plain numbers, text, lists and dicts.
-    signature
-        Offsets without noise that the hidden causes add [rad], (x, y), shape (n,) each.
-    clean
-        Offsets without noise [rad], (x, y), shape (n,) each.
-    arguments
-        What the solver is to be called with besides the file.
-    """
-
+    #: The contract's columns, shape (n,) each; degrees, labels as text, times as ISO 8601.
     columns: dict[str, NDArray[Any]]
-    header: dict[str, str]
-    truth: dict[str, Any]
+    header: dict[str, str]  #: what stands before them in the file
+    truth: dict[str, Any]  #: what was hidden; plain numbers, text, lists and dicts
+    #: Offsets without noise that the hidden causes add [rad], (x, y), shape (n,) each.
     signature: tuple[Array, Array]
-    clean: tuple[Array, Array]
-    arguments: tuple[str, ...] = ()
+    clean: tuple[Array, Array]  #: offsets without noise [rad], (x, y), shape (n,) each
+    arguments: tuple[str, ...] = ()  #: what the solver is to be called with besides the file
 
 
 @dataclass(frozen=True)

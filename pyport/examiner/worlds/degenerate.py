@@ -84,16 +84,10 @@ TWINS: dict[str, Twin] = {
 def twins(seed: int, name: str | None = None, rho: float = 0.5, rows: int = 1200) -> Case:
     """Make a case whose cause has a twin.
 
-    Parameters
-    ----------
-    seed
-        What everything is drawn from.
-    name
-        One of `TWINS`; drawn when not given.
-    rho
-        As for every case.
-    rows
-        Number of recordings.
+    `seed`: what everything is drawn from.
+    `name`: one of `TWINS`; drawn when not given.
+    `rho`: as for every case.
+    `rows`: number of recordings.
     """
     streams = Streams.of(seed)
     chosen = str(streams.fault.choice(list(TWINS))) if name is None else name

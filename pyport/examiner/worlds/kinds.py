@@ -52,27 +52,17 @@ def make_case(
 ) -> Case:
     """Make a case; the same arguments give the same case.
 
-    Parameters
-    ----------
-    kind
-        One of `KINDS`.
-    seed
-        What everything is drawn from; plan, mount, cause and noise each from a stream of
-        its own, so that cases of one seed differ in what they hide alone.
-    effect
-        What is hidden, drawn when not given: a cause by its name, two of them or the steps
-        left out of an ablation with plus signs between, a twin for "degenerate".
-    rho
-        Rms of what the altaz base leaves of the cause over the noise, on the axis where it
-        is greater. Where nature gives the size of the cause the noise is scaled to it.
-    rows
-        Number of recordings, 1200 (the RT32's: 5615) when not given.
-    noise
-        One of `NOISES`; drawn for "null", "white" or "drift" for others when not given.
-    site
-        One of `earth.SITES`; drawn when not given.
-    weeks
-        Length of an ablation's campaign; the RT32's own two when not given.
+    `kind`: one of `KINDS`.
+    `seed`: what everything is drawn from; plan, mount, cause and noise each from a stream of its
+      own, so that cases of one seed differ in what they hide alone.
+    `effect`: what is hidden, drawn when not given: a cause by its name, two of them or the steps
+      left out of an ablation with plus signs between, a twin for "degenerate".
+    `rho`: rms of what the altaz base leaves of the cause over the noise, on the axis where it is
+      greater. Where nature gives the size of the cause the noise is scaled to it.
+    `rows`: number of recordings, 1200 (the RT32's: 5615) when not given.
+    `noise`: one of `NOISES`; drawn for "null", "white" or "drift" for others when not given.
+    `site`: one of `earth.SITES`; drawn when not given.
+    `weeks`: length of an ablation's campaign; the RT32's own two when not given.
     """
     _check(kind, effect, noise, site)
     some = {} if rows is None else {"rows": rows}

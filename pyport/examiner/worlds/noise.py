@@ -13,32 +13,18 @@ from pyport.examiner.worlds.weather import wander
 
 @dataclass(frozen=True)
 class Noise:
-    """How a case is noisy.
+    """How a case is noisy."""
 
-    Attributes
-    ----------
-    sigma_x, sigma_y
-        Rms of all of it but the outliers, per axis [rad].
-    drift_share
-        Fraction of the variance that wanders (Ornstein-Uhlenbeck).
-    memory_s
-        Time in which the wandering forgets by e.
-    tail_degrees
-        Degrees of freedom of Student's t for the rest; 0 for a normal one.
-    outlier_share, outlier_sigmas
-        How many rows are bad, and how bad at the worst.
-    step
-        Encoder step that readings are rounded to [rad]; 0 for none.
-    """
-
+    #: `sigma_x`, `sigma_y`: rms of all of it but the outliers, per axis [rad].
     sigma_x: float
     sigma_y: float
-    drift_share: float = 0.0
-    memory_s: float = 7200.0
-    tail_degrees: float = 0.0
+    drift_share: float = 0.0  #: fraction of the variance that wanders (Ornstein-Uhlenbeck)
+    memory_s: float = 7200.0  #: time in which the wandering forgets by e
+    tail_degrees: float = 0.0  #: degrees of freedom of Student's t for the rest; 0 for a normal one
+    #: `outlier_share`, `outlier_sigmas`: how many rows are bad, and how bad at the worst.
     outlier_share: float = 0.0
     outlier_sigmas: float = 30.0
-    step: float = 0.0
+    step: float = 0.0  #: encoder step that readings are rounded to [rad]; 0 for none
 
     def louder(self, factor: float) -> Noise:
         """Return the same noise, `factor` times as great."""

@@ -162,22 +162,13 @@ def draw_plan(
 ) -> Plan:
     """Return a plan for one antenna, all covariates of the contract drawn.
 
-    Parameters
-    ----------
-    rng
-        Where the randomness comes from.
-    site_name, site
-        The telescope's.
-    rows
-        How many measurements in all.
-    observing
-        The sessions, which share the rows evenly.
-    one_axis
-        Whether a row measures one axis, in turn, rather than both.
-    elevations_deg
-        Least and greatest elevation.
-    dwell
-        Fewest and most rows in a row on one source.
+    `rng`: where the randomness comes from.
+    `site_name`, `site`: the telescope's.
+    `rows`: how many measurements in all.
+    `observing`: the sessions, which share the rows evenly.
+    `one_axis`: whether a row measures one axis, in turn, rather than both.
+    `elevations_deg`: least and greatest elevation.
+    `dwell`: fewest and most rows in a row on one source.
     """
     share = np.diff(np.linspace(0, rows, len(observing) + 1).astype(int))
     limits = (elevations_deg[0] * DEG, elevations_deg[1] * DEG)

@@ -70,17 +70,11 @@ def observed(
 ) -> Place:
     """Return where sources are seen.
 
-    Parameters
-    ----------
-    ra, dec
-        ICRS catalogue position [rad], shape (n,).
-    time_s
-        UTC, seconds since 1970, shape (n,).
-    site, air
-        Where, and through what.
-    steps
-        Which of `STEPS` are taken; without precession, nutation is applied to the
-        catalogue's own equinox; without UT1 the Earth turns by UTC.
+    `ra`, `dec`: ICRS catalogue position [rad], shape (n,).
+    `time_s`: UTC, seconds since 1970, shape (n,).
+    `site`, `air`: where, and through what.
+    `steps`: which of `STEPS` are taken; without precession, nutation is applied to the catalogue's
+      own equinox; without UT1 the Earth turns by UTC.
     """
     utc, tt = julian_date(time_s), dynamical(time_s)
     dut1, pole_x, pole_y = orientation(time_s)

@@ -15,14 +15,9 @@ _HOTTEST_DAY = 205.0
 def wander(rng: np.random.Generator, time_s: Array, memory_s: float) -> Array:
     """Return an Ornstein-Uhlenbeck process of unit rms at ascending times.
 
-    Parameters
-    ----------
-    rng
-        Where the randomness comes from.
-    time_s
-        Times [s], ascending, shape (n,).
-    memory_s
-        Its correlation falls by e in this time [s].
+    `rng`: where the randomness comes from.
+    `time_s`: times [s], ascending, shape (n,).
+    `memory_s`: its correlation falls by e in this time [s].
     """
     kick = rng.standard_normal(len(time_s))
     kept = np.exp(-np.diff(time_s, prepend=time_s[:1]) / memory_s)
@@ -39,18 +34,11 @@ def weather(
 ) -> dict[str, Array]:
     """Return the weather columns of the contract for ascending times, shape (n,) each.
 
-    Parameters
-    ----------
-    rng
-        Where the randomness comes from.
-    time_s
-        UTC, seconds since 1970, ascending.
-    longitude
-        East positive [rad]: what time of the day it is.
-    height_m
-        How thin the air is.
-    north
-        Which half of the Earth it is, for the seasons.
+    `rng`: where the randomness comes from.
+    `time_s`: UTC, seconds since 1970, ascending.
+    `longitude`: east positive [rad]: what time of the day it is.
+    `height_m`: how thin the air is.
+    `north`: which half of the Earth it is, for the seasons.
     """
     local_hour = (time_s / 3600 + longitude * 12 / np.pi) % 24
     year_day = (time_s % _YEAR_S) / _DAY_S

@@ -23,28 +23,18 @@ _IONOSPHERE_M3_S2 = 40.308
 
 @dataclass(frozen=True)
 class Steering:
-    """What the steering program believes of the sky.
+    """What the steering program believes of the sky."""
 
-    Attributes
-    ----------
-    steps
-        Which steps of the reduction it takes.
-    clock_s
-        Its clock minus UTC.
-    north, east
-        Assumed minus real place of the telescope, as angles of latitude and longitude [rad].
-    ra, dec
-        Catalogued minus real place of each source [rad].
-    bent, curved, wet
-        What its refraction is multiplied by, see `sky.Air`.
-    """
-
-    steps: frozenset[str] = sky.STEPS
-    clock_s: Each = 0.0
+    steps: frozenset[str] = sky.STEPS  #: which steps of the reduction it takes
+    clock_s: Each = 0.0  #: its clock minus UTC
+    #: `north`, `east`: assumed minus real place of the telescope, as angles of latitude and
+    #: longitude [rad].
     north: Each = 0.0
     east: Each = 0.0
+    #: `ra`, `dec`: catalogued minus real place of each source [rad].
     ra: Each = 0.0
     dec: Each = 0.0
+    #: `bent`, `curved`, `wet`: what its refraction is multiplied by, see `sky.Air`.
     bent: Each = 1.0
     curved: Each = 1.0
     wet: Each = 1.0
@@ -71,29 +61,20 @@ class Drive:
 
 @dataclass(frozen=True)
 class World:
-    """A plan carried out by a telescope under the sky.
+    """A plan carried out by a telescope under the sky."""
 
-    Attributes
-    ----------
-    plan, mount, drive, steering
-        What was scheduled, what it is made of, how it moves, what it believes.
-    near
-        Horizontal parallax of each target [rad]: the Earth's radius over its distance.
-    electrons_m2
-        Free electrons overhead that the steering does not know of.
-    layered
-        Whether the real air is followed layer by layer rather than by ERFA's two coefficients.
-    across, up
-        Offsets [rad] that no part of a telescope is known to make.
-    """
-
+    #: `plan`, `mount`, `drive`, `steering`: what was scheduled, what it is made of, how it moves,
+    #: what it believes.
     plan: Plan
     mount: Mount = field(default_factory=Mount)
     drive: Drive = field(default_factory=Drive)
     steering: Steering = field(default_factory=Steering)
+    #: Horizontal parallax of each target [rad]: the Earth's radius over its distance.
     near: Each = 0.0
-    electrons_m2: Each = 0.0
+    electrons_m2: Each = 0.0  #: free electrons overhead that the steering does not know of
+    #: Whether the real air is followed layer by layer rather than by ERFA's two coefficients.
     layered: bool = False
+    #: `across`, `up`: offsets [rad] that no part of a telescope is known to make.
     across: Each = 0.0
     up: Each = 0.0
 

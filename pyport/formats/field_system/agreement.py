@@ -46,10 +46,8 @@ class Compared:
 def responses(path: Path) -> list[Response]:
     """Compare unit responses with those that the Field System's functions returned.
 
-    Raises
-    ------
-    BadInput
-        The file has not the columns phi_deg, param, az_deg, el_deg, dx_per_unit, dy_per_unit.
+    Raises `BadInput`: the file has not the columns phi_deg, param, az_deg, el_deg, dx_per_unit,
+      dy_per_unit.
     """
     raw = csv.read(path)
     wanted = {"phi_deg", "param", *_GRID_COLUMNS}
@@ -153,10 +151,7 @@ def as_json(folder: Path) -> dict[str, object]:
 def text(folder: Path) -> Iterator[str]:
     """Yield the lines of the comparison: unit responses, then every fit in the folder.
 
-    Raises
-    ------
-    BadInput
-        There is neither a grid of unit responses nor a pair of xtr and err.
+    Raises `BadInput`: there is neither a grid of unit responses nor a pair of xtr and err.
     """
     grid, names = _found(folder)
     if grid.is_file():

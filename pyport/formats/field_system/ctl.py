@@ -26,10 +26,7 @@ _A_LINE = 5
 def read(path: Path) -> ModelFile:
     """Read a mdlpo.ctl.
 
-    Raises
-    ------
-    BadInput
-        A line is missing, or holds something else than numbers.
+    Raises `BadInput`: a line is missing, or holds something else than numbers.
     """
     body = lines_of(path)
     comments = [line.text.rstrip() for line in body if line.text.startswith("*")]
@@ -40,10 +37,7 @@ def read(path: Path) -> ModelFile:
 def read_new_model(path: Path) -> ModelFile:
     """Read the model that a fit gave, out of an err file.
 
-    Raises
-    ------
-    BadInput
-        The file has no `$new_model`.
+    Raises `BadInput`: the file has no `$new_model`.
     """
     return from_lines(section(sections(path), "new_model", path), path)
 

@@ -28,38 +28,22 @@ _A_TRIANGLE_LINE = 10
 
 @dataclass(frozen=True)
 class Err:
-    """What an err file tells.
+    """What an err file tells."""
 
-    Attributes
-    ----------
-    antenna
-        The line of the telescope.
-    observed
-        The data as they came.
-    uncorrected
-        With what the old model had taken off put back.
-    old, fitted, new
-        The models: before, what was fitted, and both together.
-    fit
-        The fit.
-    """
-
-    antenna: str
-    observed: Data
-    uncorrected: Data
+    antenna: str  #: the line of the telescope
+    observed: Data  #: the data as they came
+    uncorrected: Data  #: with what the old model had taken off put back
+    #: `old`, `fitted`, `new`: the models: before, what was fitted, and both together.
     old: ModelFile
     fitted: ModelFile
     new: ModelFile
-    fit: Fit
+    fit: Fit  #: the fit
 
 
 def fitted(raw: Raw, file: ModelFile) -> Err:
     """Fit what a model's flags ask for, as the Field System's program `error` does.
 
-    Raises
-    ------
-    BadInput
-        The data have no errors, or cannot determine the parameters.
+    Raises `BadInput`: the data have no errors, or cannot determine the parameters.
     """
     old = translated(file, "field-system")
     values, marks = ctl.numbered(old)
@@ -101,10 +85,7 @@ def fitted(raw: Raw, file: ModelFile) -> Err:
 def data_of(raw: Raw) -> Data:
     """Return recordings as the Field System's fit takes them, excluded ones included.
 
-    Raises
-    ------
-    BadInput
-        An offset or its error is missing.
+    Raises `BadInput`: an offset or its error is missing.
     """
     rows = replace(raw, columns={k: v for k, v in raw.columns.items() if k != "set_aside"})
     everything = interpret(rows)

@@ -48,47 +48,26 @@ class Data:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit of some of P1..P30.
+    """A fit of some of P1..P30."""
 
-    Attributes
-    ----------
-    numbers
-        Which parameters were fitted.
-    value, sigma
-        [rad], shape (p,).
-    correlation
-        Shape (p, p).
-    condition
-        Condition number of the normal matrix scaled to a unit diagonal, in the 1-norm.
-    inflation
-        By how much each sigma is larger than without the other parameters, shape (p,).
-    noise
-        What was added to the errors in azimuth and elevation [rad].
-    scatter
-        Reduced chi, and its parts in azimuth and elevation.
-    free
-        Degrees of freedom.
-    rounds
-        After how many the noise had come to rest; 0 when it did not.
-    left_az, left_el
-        Residuals of all data [rad], shape (n,).
-    after_az, after_el
-        The one-sigma errors of the residuals [rad], negative where the fit
-        is worse known than the data, shape (n,).
-    """
-
-    numbers: tuple[int, ...]
+    numbers: tuple[int, ...]  #: which parameters were fitted
+    #: `value`, `sigma`: [rad], shape (p,).
     value: Array
     sigma: Array
-    correlation: Array
+    correlation: Array  #: shape (p, p)
+    #: Condition number of the normal matrix scaled to a unit diagonal, in the 1-norm.
     condition: float
+    #: By how much each sigma is larger than without the other parameters, shape (p,).
     inflation: Array
-    noise: tuple[float, float]
-    scatter: tuple[float, float, float]
-    free: int
-    rounds: int
+    noise: tuple[float, float]  #: what was added to the errors in azimuth and elevation [rad]
+    scatter: tuple[float, float, float]  #: reduced chi, and its parts in azimuth and elevation
+    free: int  #: degrees of freedom
+    rounds: int  #: after how many the noise had come to rest; 0 when it did not
+    #: `left_az`, `left_el`: residuals of all data [rad], shape (n,).
     left_az: Array
     left_el: Array
+    #: `after_az`, `after_el`: the one-sigma errors of the residuals [rad], negative where the fit
+    #: is worse known than the data, shape (n,).
     after_az: Array
     after_el: Array
 
@@ -109,11 +88,8 @@ def columns(data: Data, numbers: Sequence[int], phi_deg: float) -> tuple[Array, 
 def fit(data: Data, numbers: Sequence[int], phi_deg: float = field_system.ALTAZ_PHI_DEG) -> Fit:
     """Fit parameters to data that no model was taken off.
 
-    Raises
-    ------
-    BadInput
-        There are too few data in use for so many parameters, or these data
-        cannot distinguish them.
+    Raises `BadInput`: there are too few data in use for so many parameters, or these data cannot
+      distinguish them.
     """
     across, along = columns(data, numbers, phi_deg)
     empty = [

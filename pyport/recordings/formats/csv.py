@@ -29,11 +29,8 @@ _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 def read_text(path: Path) -> str:
     """Return the text of a UTF-8 file, with or without a byte-order mark.
 
-    Raises
-    ------
-    BadInput
-        The file is empty, is no text, or is larger or has a longer line than any
-        that a telescope fills; of such a one no more is read than tells so.
+    Raises `BadInput`: the file is empty, is no text, or is larger or has a longer line than any
+      that a telescope fills; of such a one no more is read than tells so.
     """
     content = _content(path)
     place = content.find(b"\0")
@@ -83,10 +80,7 @@ def comment(line: str) -> tuple[str, str] | None:
 def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     """Read the cells of a CSV file; `names` are those of its columns where it has no header.
 
-    Raises
-    ------
-    BadInput
-        No header, no rows, a row with too few or too many cells, no text.
+    Raises `BadInput`: no header, no rows, a row with too few or too many cells, no text.
     """
     text = read_text(path)
     meta: dict[str, str] = {}

@@ -81,10 +81,7 @@ def plain(value: Decimal) -> Decimal:
 def offsets(table: Table, path: Path) -> tuple[Numbers, Numbers]:
     """Return azimuth (as a coordinate) and elevation offsets in degrees.
 
-    Raises
-    ------
-    BadInput
-        The table has no offset of one of the axes.
+    Raises `BadInput`: the table has no offset of one of the axes.
     """
     along = in_degrees(table, "d_el")
     if along is None and (downward := in_degrees(table, "d_zd")) is not None:
@@ -99,10 +96,7 @@ def offsets(table: Table, path: Path) -> tuple[Numbers, Numbers]:
 def coordinate(table: Table, quantity: str, on_sky: str, path: Path) -> Numbers | None:
     """Return an angle of azimuth as a coordinate, from one on the sky where that is what is told.
 
-    Raises
-    ------
-    BadInput
-        It has to be made from one on the sky, and there is no elevation.
+    Raises `BadInput`: it has to be made from one on the sky, and there is no elevation.
     """
     told = in_degrees(table, quantity)
     if told is not None:
@@ -126,10 +120,7 @@ def over_cos(value: Decimal, el_deg: Decimal) -> Decimal:
 def position(table: Table, path: Path) -> tuple[Numbers, Numbers]:
     """Return azimuth, from north through east, and elevation in degrees.
 
-    Raises
-    ------
-    BadInput
-        The table has no such columns.
+    Raises `BadInput`: the table has no such columns.
     """
     az, el = in_degrees(table, "az"), in_degrees(table, "el")
     if az is None or el is None:

@@ -35,10 +35,7 @@ class Line(NamedTuple):
     def decimal(self, word: str, what: str) -> Decimal:
         """Return a number as it stands, digit for digit.
 
-        Raises
-        ------
-        BadInput
-            It is no finite number, or longer than any measurement is.
+        Raises `BadInput`: it is no finite number, or longer than any measurement is.
         """
         try:
             value = Decimal(word)
@@ -52,10 +49,7 @@ class Line(NamedTuple):
 def lines_of(path: Path) -> list[Line]:
     """Return all lines of a text file.
 
-    Raises
-    ------
-    BadInput
-        The file is empty or is no text.
+    Raises `BadInput`: the file is empty or is no text.
     """
     return [Line(path, n, text) for n, text in enumerate(read_text(path).splitlines(), 1)]
 

@@ -56,10 +56,7 @@ class Sheet:
 def sheet(path: Path) -> Sheet:
     """Read any delimited text with a line of names, behind a # or not, or with none.
 
-    Raises
-    ------
-    BadInput
-        It is no table: rows have different numbers of cells, however they are taken.
+    Raises `BadInput`: it is no table: rows have different numbers of cells, however they are taken.
     """
     meta, remarks, body = _lines(path)
     found = [(one, _consistent(body, one)) for one in DELIMITERS]
@@ -139,10 +136,7 @@ def _is_number(cell: str) -> bool:
 def read(path: Path, columns: Mapping[str, str]) -> Raw:
     """Read the cells of a delimited text by a map of its columns.
 
-    Raises
-    ------
-    BadInput
-        It is no table, or has not what the map says.
+    Raises `BadInput`: it is no table, or has not what the map says.
     """
     table = sheet(path)
     return mapped(
@@ -164,10 +158,7 @@ def read(path: Path, columns: Mapping[str, str]) -> Raw:
 def mapped(raw: Raw, columns: Mapping[str, str], *, numbered: bool = False) -> Raw:
     """Return the cells of a table under the contract's names, those that a map names.
 
-    Raises
-    ------
-    BadInput
-        The map names a column that the table has not, or one that is none here.
+    Raises `BadInput`: the map names a column that the table has not, or one that is none here.
     """
     found: dict[str, NDArray[Any]] = {}
     for ours, theirs in columns.items():
@@ -243,10 +234,7 @@ PARTS: dict[str, Callable[[str], str]] = {
 def parse(text: str) -> dict[str, str]:
     """Return a map from `OURS=THEIRS, ...` or from the TOML file that `look` keeps.
 
-    Raises
-    ------
-    BadInput
-        It is neither.
+    Raises `BadInput`: it is neither.
     """
     if text.endswith(".toml"):
         return load(Path(text))
@@ -262,10 +250,7 @@ def parse(text: str) -> dict[str, str]:
 def load(path: Path) -> dict[str, str]:
     """Return the map that a TOML file keeps.
 
-    Raises
-    ------
-    BadInput
-        There is no such file, or it keeps none.
+    Raises `BadInput`: there is no such file, or it keeps none.
     """
     if not path.is_file():
         raise BadInput("no such file, expected a map of columns", path)

@@ -21,14 +21,9 @@ def columns(
     None where a cell is quoted, a line ends in something else or a row has not as many
     cells as there are names: Python's reader then reads the rows, or says what is wrong.
 
-    Parameters
-    ----------
-    body
-        What stands below the line of names, in UTF-8.
-    names
-        The columns' names.
-    above
-        How many lines stand above the rows.
+    `body`: what stands below the line of names, in UTF-8.
+    `names`: the columns' names.
+    `above`: how many lines stand above the rows.
     """
     if len(body) < LEAST_BYTES or b'"' in body or body.count(b"\r") != body.count(b"\r\n"):
         return None

@@ -92,10 +92,7 @@ def read(
 
     With a `mapping` of its columns any delimited text is read.
 
-    Raises
-    ------
-    BadInput
-        There is no such format, the file is not of it, or names its columns itself.
+    Raises `BadInput`: there is no such format, the file is not of it, or names its columns itself.
     """
     with _collector_paused():
         return _read(path, name, columns, mapping)
@@ -134,10 +131,7 @@ def _read(
 def write(table: Table, path: Path, name: str = "") -> list[str]:
     """Write a table in a named format or its suffix's; return the columns left out.
 
-    Raises
-    ------
-    BadInput
-        There is no such format, or it cannot hold this.
+    Raises `BadInput`: there is no such format, or it cannot hold this.
     """
     one = format_of(path, name)
     if one.write is None:
@@ -148,10 +142,7 @@ def write(table: Table, path: Path, name: str = "") -> list[str]:
 def format_of(path: Path, name: str = "") -> TableFormat:
     """Return a format by its name, or by the suffix of a path.
 
-    Raises
-    ------
-    BadInput
-        There is none.
+    Raises `BadInput`: there is none.
     """
     if name:
         if name not in FORMATS:

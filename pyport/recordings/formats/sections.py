@@ -11,10 +11,7 @@ from pyport.recordings.formats.lines import Line, lines_of
 def sections(path: Path) -> dict[str, list[Line]]:
     """Return the lines of every section under its name; comments (`*`) and blanks are left out.
 
-    Raises
-    ------
-    BadInput
-        The file holds no section, or one of them twice.
+    Raises `BadInput`: the file holds no section, or one of them twice.
     """
     found: dict[str, list[Line]] = {}
     current: list[Line] = []
@@ -35,10 +32,7 @@ def sections(path: Path) -> dict[str, list[Line]]:
 def section(found: dict[str, list[Line]], name: str, path: Path) -> list[Line]:
     """Return a section's lines.
 
-    Raises
-    ------
-    BadInput
-        There is none, or it is empty.
+    Raises `BadInput`: there is none, or it is empty.
     """
     if not found.get(name):
         raise BadInput(f"no section ${name} with lines in it, expected one", path)

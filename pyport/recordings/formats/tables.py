@@ -29,10 +29,7 @@ _SUFFIX = {"hourangle": "h"}
 def read_ecsv(path: Path) -> Raw:
     """Read the cells of an ECSV file; a column's unit may stand in its name or beside it.
 
-    Raises
-    ------
-    BadInput
-        The file is no ECSV, or a column's name and its unit contradict each other.
+    Raises `BadInput`: the file is no ECSV, or a column's name and its unit contradict each other.
     """
     from astropy.table import Table
 
@@ -90,10 +87,7 @@ def _filled(column: Any) -> NDArray[Any]:  # noqa: ANN401 - astropy is not typed
 def read_parquet(path: Path) -> Raw:
     """Read the cells of a Parquet file; lines are its rows, counted from 1.
 
-    Raises
-    ------
-    BadInput
-        The file is no Parquet, or has no rows.
+    Raises `BadInput`: the file is no Parquet, or has no rows.
     """
     import pyarrow
 
@@ -127,10 +121,8 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
     A file of a few kilobytes may stand for any number of equal cells: text is
     read as places in a dictionary, so that a long text is there once.
 
-    Raises
-    ------
-    BadInput
-        The table is larger than any of recordings, or a text is longer than a cell may be.
+    Raises `BadInput`: the table is larger than any of recordings, or a text is longer than a cell
+      may be.
     """
     import pyarrow
     from pyarrow import compute, parquet

@@ -30,10 +30,7 @@ ERR_COLUMNS = XTR_COLUMNS[:4]
 def read_xtr(path: Path) -> Raw:
     """Read the cells of an xtr file.
 
-    Raises
-    ------
-    BadInput
-        No `$data`, or a line of it that is no recording.
+    Raises `BadInput`: no `$data`, or a line of it that is no recording.
     """
     found = sections(path)
     return _tabulated(path, section(found, "data", path), _antenna(found, path), XTR_COLUMNS)
@@ -42,10 +39,7 @@ def read_xtr(path: Path) -> Raw:
 def read_err(path: Path) -> Raw:
     """Read the observations that an err file repeats, rounded as it holds them.
 
-    Raises
-    ------
-    BadInput
-        No `$observed`, or a line of it that is no recording.
+    Raises `BadInput`: no `$observed`, or a line of it that is no recording.
     """
     found = sections(path)
     return _tabulated(path, section(found, "observed", path), _antenna(found, path), ERR_COLUMNS)
@@ -54,10 +48,7 @@ def read_err(path: Path) -> Raw:
 def write(table: Table, path: Path) -> list[str]:
     """Write recordings as an xtr file; return the columns that it has no place for.
 
-    Raises
-    ------
-    BadInput
-        An axis or its errors are missing: the Field System weighs by them.
+    Raises `BadInput`: an axis or its errors are missing: the Field System weighs by them.
     """
     az, el = exact.position(table, path)
     sigma_az = exact.coordinate(table, "sigma_az", "sigma_xel", path)

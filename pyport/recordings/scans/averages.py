@@ -22,29 +22,19 @@ NEAR_ZERO = 1 * ARCMIN
 
 @dataclass(frozen=True)
 class Average:
-    """One antenna's average along one axis in one round of scans; angles in radians.
+    """One antenna's average along one axis in one round of scans; angles in radians."""
 
-    Attributes
-    ----------
-    antenna, axis, round
-        Whose; axis is "az" (across, times cos El) or "el".
-    offset, sigma
-        Mean of the forward mean and the reverse mean, so that what flips with
-        the direction drops out; NaN where one direction is missing. Its error
-        is from the scatter of the scans.
-    half_difference
-        Half of forward minus reverse: slack and time tag.
-    scans
-        How many readings went in.
-    """
-
+    #: `antenna`, `axis`, `round`: whose; axis is "az" (across, times cos El) or "el".
     antenna: str
     axis: str
     round: str
+    #: `offset`, `sigma`: mean of the forward mean and the reverse mean, so that what flips with the
+    #: direction drops out; NaN where one direction is missing. Its error is from the scatter of the
+    #: scans.
     offset: float
     sigma: float
-    half_difference: float
-    scans: int
+    half_difference: float  #: half of forward minus reverse: slack and time tag
+    scans: int  #: how many readings went in
 
     @property
     def near_zero(self) -> bool:

@@ -20,21 +20,14 @@ UNKNOWNS = 5
 
 @dataclass(frozen=True)
 class Peak:
-    """A beam's crossing.
+    """A beam's crossing."""
 
-    Attributes
-    ----------
-    time_s, sigma_s
-        When it was at its height, on the samples' clock, and the one-sigma error [s].
-    width_s
-        Full width at half maximum [s].
-    height, noise
-        In the unit of the power: the beam's height, the scatter of a sample.
-    """
-
+    #: `time_s`, `sigma_s`: when it was at its height, on the samples' clock, and the one-sigma
+    #: error [s].
     time_s: float
     sigma_s: float
-    width_s: float
+    width_s: float  #: full width at half maximum [s]
+    #: `height`, `noise`: in the unit of the power: the beam's height, the scatter of a sample.
     height: float
     noise: float
 
@@ -42,15 +35,8 @@ class Peak:
 def fit_peak(time_s: Array, power: Array) -> Peak | str:
     """Fit a Gaussian and a straight baseline to power against time.
 
-    Parameters
-    ----------
-    time_s, power
-        Samples of one scan, shape (n,); NaN where a sample is missing.
-
-    Returns
-    -------
-    Peak or str
-        The peak, or why there is none.
+    `time_s`, `power`: samples of one scan, shape (n,); NaN where a sample is missing.
+    Returns the peak, or why there is none.
     """
     good = np.isfinite(time_s) & np.isfinite(power)
     if good.sum() <= 2 * UNKNOWNS:

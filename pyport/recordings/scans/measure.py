@@ -40,14 +40,10 @@ def offset_along_scan(
 ) -> float:
     """Return the offset of the scanned axis, encoder minus true, in the rate's unit of angle.
 
-    Parameters
-    ----------
-    observed_s, expected_s
-        When power peaked, and when the axis stood at the source's computed place [s].
-    direction
-        +1 for a scan toward larger angles, -1 for one back.
-    rate_per_s
-        Angle per second, positive; of the axis, so along azimuth not yet times cos El.
+    `observed_s`, `expected_s`: when power peaked, and when the axis stood at the source's computed
+      place [s].
+    `direction`: +1 for a scan toward larger angles, -1 for one back.
+    `rate_per_s`: angle per second, positive; of the axis, so along azimuth not yet times cos El.
     """
     return direction * rate_per_s * (observed_s - expected_s)
 
@@ -60,10 +56,7 @@ def measure(path: str | Path) -> Recordings:
     `scan_direction`, `scan_rate_arcmin_per_min`, besides `antenna`, `channel`
     and whatever else recordings may tell. Scans without a peak are excluded.
 
-    Raises
-    ------
-    BadInput
-        With file and line: what is wrong and what was expected.
+    Raises `BadInput`: with file and line: what is wrong and what was expected.
     """
     samples = csv.read(Path(path))
     for name in REQUIRED:

@@ -53,36 +53,23 @@ class Aside:
 
 @dataclass(frozen=True)
 class Chunk:
-    """n usable rows.
+    """n usable rows."""
 
-    Attributes
-    ----------
-    az, el, x, y
-        Direction as the file counts it and offsets [rad], shape (n,); NaN where an axis was
-        not measured.
-    time
-        Seconds since 1970, shape (n,); zero where no time is told.
-    direction
-        Of the scan, +1, -1 or 0, shape (n,).
-    numbers
-        Further columns of numbers by the name they have in the file, shape (n,) each.
-    label, names
-        Number of each row's set of labels, shape (n,), and what these sets are: values in
-        the order of `label_names`.
-    label_names
-        Which labels there are.
-    """
-
+    #: `az`, `el`, `x`, `y`: direction as the file counts it and offsets [rad], shape (n,); NaN
+    #: where an axis was not measured.
     az: Array
     el: Array
     x: Array
     y: Array
-    time: Array
-    direction: Array
+    time: Array  #: seconds since 1970, shape (n,); zero where no time is told
+    direction: Array  #: of the scan, +1, -1 or 0, shape (n,)
+    #: Further columns of numbers by the name they have in the file, shape (n,) each.
     numbers: dict[str, Array]
+    #: `label`, `names`: number of each row's set of labels, shape (n,), and what these sets are:
+    #: values in the order of `label_names`.
     label: NDArray[np.int64]
     names: list[tuple[str, ...]]
-    label_names: tuple[str, ...]
+    label_names: tuple[str, ...]  #: which labels there are
 
     def take(self, mask: NDArray[np.bool_]) -> Chunk:
         """Return some of the rows."""
@@ -94,10 +81,8 @@ class Chunk:
 def chunk_of(batch: Any, piece: Piece, first_row: int, aside: Aside) -> Chunk:  # noqa: ANN401
     """Return the usable rows of a record batch, note the others.
 
-    Raises
-    ------
-    BadInput
-        A column that is needed is missing, has no unit, or holds what no telescope can have.
+    Raises `BadInput`: a column that is needed is missing, has no unit, or holds what no telescope
+      can have.
     """
     raw, texts = _cells(batch, piece, first_row)
     angles = interpret.angles_of(raw)
@@ -214,10 +199,7 @@ def _numbered(code: NDArray[np.int64], size: int) -> tuple[NDArray[np.int64], ND
 def _words(dictionary: Any, name: str, file: Path) -> list[str]:  # noqa: ANN401
     """Return the texts that a column of labels holds.
 
-    Raises
-    ------
-    BadInput
-        A text is longer than a cell may be, or none.
+    Raises `BadInput`: a text is longer than a cell may be, or none.
     """
     from pyarrow import compute
 

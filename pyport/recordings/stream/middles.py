@@ -20,18 +20,12 @@ _MIXED = np.uint64(0xD1342543DE82EF95)
 
 @dataclass(frozen=True)
 class Middle:
-    """What the first pass found.
+    """What the first pass found."""
 
-    Attributes
-    ----------
-    cells
-        The cells; their totals are the middles on both axes [rad], (c, 2), NaN where none.
-    scale
-        Scatter of a reading about its cell's middle on both axes [rad], for each set of
-        labels of `cells`, shape (labels, 2); infinite where nothing tells it.
-    """
-
+    #: The cells; their totals are the middles on both axes [rad], (c, 2), NaN where none.
     cells: Cells
+    #: Scatter of a reading about its cell's middle on both axes [rad], for each set of labels of
+    #: `cells`, shape (labels, 2); infinite where nothing tells it.
     scale: Array
 
 

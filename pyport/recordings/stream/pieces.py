@@ -23,23 +23,12 @@ CHUNK_ROWS = 1 << 18
 
 @dataclass(frozen=True)
 class Piece:
-    """Some row groups of a file.
+    """Some row groups of a file."""
 
-    Attributes
-    ----------
-    file
-        The file.
-    groups
-        Numbers of its row groups.
-    first_row
-        Number of the first row in the file, counted from 1.
-    labels
-        What the names of the folders say of all rows: `antenna=W01`, `session=march`.
-    """
-
-    file: Path
-    groups: tuple[int, ...]
-    first_row: int
+    file: Path  #: the file
+    groups: tuple[int, ...]  #: numbers of its row groups
+    first_row: int  #: number of the first row in the file, counted from 1
+    #: What the names of the folders say of all rows: `antenna=W01`, `session=march`.
     labels: tuple[tuple[str, str], ...]
 
     def batches(self) -> Iterator[Any]:
@@ -61,10 +50,7 @@ def files_of(root: Path) -> list[Path]:
 def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
     """Return the pieces of a data set, and the header keys that its files have in common.
 
-    Raises
-    ------
-    BadInput
-        A file is no Parquet, or two files disagree about a header key.
+    Raises `BadInput`: a file is no Parquet, or two files disagree about a header key.
     """
     found: list[Piece] = []
     keys: dict[str, str] = {}

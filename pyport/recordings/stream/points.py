@@ -27,17 +27,11 @@ SUMMED = (
 def as_raw(points: Cells, root: Path, meta: dict[str, str], *, places_only: bool = False) -> Raw:
     """Return normal points in the contract's columns, as lines numbered from 1.
 
-    Parameters
-    ----------
-    points
-        Sums of the second pass; further columns are summed as `NAME:count`, `NAME:sum`, or
-        `NAME:sine` and `NAME:cosine`.
-    root
-        The data set, for errors.
-    meta
-        Header keys.
-    places_only
-        Whether the offsets do not matter: they are zero then.
+    `points`: sums of the second pass; further columns are summed as `NAME:count`, `NAME:sum`, or
+      `NAME:sine` and `NAME:cosine`.
+    `root`: the data set, for errors.
+    `meta`: header keys.
+    `places_only`: whether the offsets do not matter: they are zero then.
     """
     of = dict(zip(points.sums, points.totals.T, strict=True))
     columns: dict[str, NDArray[Any]] = {

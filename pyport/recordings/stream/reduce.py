@@ -76,27 +76,13 @@ def read_data_set(
 ) -> Recordings:
     """Return the normal points of a data set as recordings.
 
-    Parameters
-    ----------
-    root
-        A folder of Parquet files, in folders `antenna=NAME` and the like or not.
-    given
-        Header keys that the files do not tell.
-    spread
-        How the pieces are gone through: `map`, or another that keeps their order.
-    beside
-        Folder in which is kept how far it has come, so that it goes on when it was killed; None
-        where that is not wanted. Whoever names it removes what is in there: `pass_files`.
-
-    Returns
-    -------
-    Recordings
-        One for each normal point; `reduction` tells how the rows became points.
-
-    Raises
-    ------
-    BadInput
-        With file and row: what is wrong and what was expected.
+    `root`: a folder of Parquet files, in folders `antenna=NAME` and the like or not.
+    `given`: header keys that the files do not tell.
+    `spread`: how the pieces are gone through: `map`, or another that keeps their order.
+    `beside`: folder in which is kept how far it has come, so that it goes on when it was killed;
+      None where that is not wanted. Whoever names it removes what is in there: `pass_files`.
+    Returns one for each normal point; `reduction` tells how the rows became points.
+    Raises `BadInput`: with file and row: what is wrong and what was expected.
     """
     pieces, keys = pieces_of(root)
     keys |= dict(given.keys)

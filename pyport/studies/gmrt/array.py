@@ -47,24 +47,12 @@ class Check:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the GMRT's recordings say of it as an array.
+    """What the GMRT's recordings say of it as an array."""
 
-    Attributes
-    ----------
-    array
-        All days of Cyg A.
-    alone
-        Each day of Cyg A beside the survey; empty without one.
-    crab
-        Each day of the Crab, predicted from Cyg A.
-    checks
-        What must come out.
-    """
-
-    array: ArrayReport
-    alone: dict[str, Comparison | None]
-    crab: dict[str, Unseen]
-    checks: tuple[Check, ...]
+    array: ArrayReport  #: all days of Cyg A
+    alone: dict[str, Comparison | None]  #: each day of Cyg A beside the survey; empty without one
+    crab: dict[str, Unseen]  #: each day of the Crab, predicted from Cyg A
+    checks: tuple[Check, ...]  #: what must come out
 
     def as_json(self) -> dict[str, Any]:
         """Return all numbers."""
@@ -84,17 +72,9 @@ def evidence(
 ) -> Evidence:
     """Diagnose the GMRT's recordings and return what they say of it as an array.
 
-    Parameters
-    ----------
-    survey
-        Where its antennas stand, to compare with; without it nothing is compared.
-    tell
-        Called with a line about each step.
-
-    Raises
-    ------
-    BadInput
-        The survey is of other antennas.
+    `survey`: where its antennas stand, to compare with; without it nothing is compared.
+    `tell`: called with a line about each step.
+    Raises `BadInput`: the survey is of other antennas.
     """
     known = _diagnosed(TOGETHER, tell)
     array = _array(known, survey)

@@ -19,33 +19,15 @@ from pyport.studies.gmrt.tracks import Track, line
 
 @dataclass(frozen=True)
 class Curve:
-    """A fitted curve, values with their one-sigma errors [rad].
+    """A fitted curve, values with their one-sigma errors [rad]."""
 
-    Attributes
-    ----------
-    track
-        What it was fitted to.
-    times_cos_el
-        Which of the two forms.
-    cosine
-        The fitted curve.
-    half_difference
-        Half of forward minus reverse, fitted along.
-    rms
-        Scatter of a scan about the curve.
-    condition
-        Of the three columns: how a, b and d trade against each other.
-    doubts
-        What is wrong with the fit as a whole.
-    """
-
-    track: Track
-    times_cos_el: bool
-    cosine: Cosine
-    half_difference: tuple[float, float]
-    rms: float
-    condition: float
-    doubts: tuple[str, ...]
+    track: Track  #: what it was fitted to
+    times_cos_el: bool  #: which of the two forms
+    cosine: Cosine  #: the fitted curve
+    half_difference: tuple[float, float]  #: half of forward minus reverse, fitted along
+    rms: float  #: scatter of a scan about the curve
+    condition: float  #: of the three columns: how a, b and d trade against each other
+    doubts: tuple[str, ...]  #: what is wrong with the fit as a whole
 
     def __call__(self, hour_angle: Array) -> Array:
         """Return the curve at hour angles [rad]."""
@@ -85,18 +67,10 @@ _FINER = np.linspace(-1, 1, 401) * (_TURNS[1] - _TURNS[0])
 
 @dataclass(frozen=True)
 class Cosine:
-    """A curve that is linear in its coefficients.
+    """A curve that is linear in its coefficients."""
 
-    Attributes
-    ----------
-    value
-        The level, and the coefficients of cos HA and of sin HA [rad], shape (3,).
-    covariance
-        Theirs, shape (3, 3).
-    """
-
-    value: Array
-    covariance: Array
+    value: Array  #: the level, and the coefficients of cos HA and of sin HA [rad], shape (3,)
+    covariance: Array  #: theirs, shape (3, 3)
 
     def __call__(self, hour_angle: Array) -> Array:
         """Return the curve at hour angles [rad]."""

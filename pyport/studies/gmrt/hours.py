@@ -29,23 +29,13 @@ _STEP = 0.1 * HOUR
 
 @dataclass(frozen=True)
 class Hours:
-    """The hour angles [rad] of one day's scans.
+    """The hour angles [rad] of one day's scans."""
 
-    Attributes
-    ----------
-    left
-        That print has left, of any antenna, in order.
-    ended
-        Where the paper's scans ended by the sigmas of all its curves.
-    middle
-        Where they ended by each curve alone: between these for two in three.
-    scatter
-        Antenna -> of a scan about the paper's curve [rad], by that curve's sigmas.
-    """
-
-    left: Array
-    ended: float
+    left: Array  #: that print has left, of any antenna, in order
+    ended: float  #: where the paper's scans ended by the sigmas of all its curves
+    #: Where they ended by each curve alone: between these for two in three.
     middle: tuple[float, float]
+    #: Antenna -> of a scan about the paper's curve [rad], by that curve's sigmas.
     scatter: dict[str, float]
 
     @property
@@ -63,14 +53,9 @@ def until(left: Array, end: float) -> Array:
 def hours(left: Array, waves: Sequence[Wave], dec: float, latitude: float) -> Hours | None:
     """Return the hours of one day, None where its curves are too few to tell.
 
-    Parameters
-    ----------
-    left
-        Hour angles of the scans that print has left, in order [rad].
-    waves
-        The paper's curves of that day.
-    dec, latitude
-        Of the source, and of the site [rad]: it is not scanned once it has set.
+    `left`: hour angles of the scans that print has left, in order [rad].
+    `waves`: the paper's curves of that day.
+    `dec`, `latitude`: of the source, and of the site [rad]: it is not scanned once it has set.
     """
     if len(waves) < _ENOUGH or len(left) < _ENOUGH:
         return None
@@ -113,21 +98,12 @@ def continued(
 
     None where it would be less sure than the offsets that are left are different.
 
-    Parameters
-    ----------
-    track
-        The scans that are left.
-    scanned
-        Hour angles of all scans [rad], those that are lost included.
-    dec, latitude
-        Of the source, and of the site [rad].
-
-    Returns
-    -------
-    formal, stretches
-        One curve: its covariance from the scatter of single scans, and from
-        leaving out stretches of scans in turn (a jackknife), which errors that
-        last for several scans do not mislead.
+    `track`: the scans that are left.
+    `scanned`: hour angles of all scans [rad], those that are lost included.
+    `dec`, `latitude`: of the source, and of the site [rad].
+    Returns `formal`, `stretches`: one curve: its covariance from the scatter of single scans, and
+      from leaving out stretches of scans in turn (a jackknife), which errors that last for several
+      scans do not mislead.
     """
     left = _classical(track.hour_angle, dec, latitude)
     best = np.linalg.pinv(columns(scanned)) @ _classical(scanned, dec, latitude)

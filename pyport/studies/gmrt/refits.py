@@ -24,36 +24,20 @@ RMS_RATIO = 1.2
 
 @dataclass(frozen=True)
 class Refit:
-    """One antenna in one session: refits beside the published curve.
+    """One antenna in one session: refits beside the published curve."""
 
-    Attributes
-    ----------
-    track
-        Its scans that print has left.
-    published
-        The paper's curve.
-    readings
-        How many readings have weight.
-    together
-        The fitted model's own cosine, forward and reverse scans in one.
-    apart
-        The cosine with forward and reverse apart.
-    continued, stretches
-        The cosine of all the hours that the paper scanned, as the scans that are
-        left foretell it; with formal errors, and with those by leaving out
-        stretches of scans. None where the paper's hours are not known, or what is
-        left does not tell.
-    rms_published, rms_refit, rms_continued
-        Of the readings with weight about each curve [rad].
-    """
-
-    track: Track
-    published: Wave
-    readings: int
-    together: Cosine
-    apart: Curve
+    track: Track  #: its scans that print has left
+    published: Wave  #: the paper's curve
+    readings: int  #: how many readings have weight
+    together: Cosine  #: the fitted model's own cosine, forward and reverse scans in one
+    apart: Curve  #: the cosine with forward and reverse apart
+    #: `continued`, `stretches`: the cosine of all the hours that the paper scanned, as the scans
+    #: that are left foretell it; with formal errors, and with those by leaving out stretches of
+    #: scans. None where the paper's hours are not known, or what is left does not tell.
     continued: Cosine | None
     stretches: Cosine | None
+    #: `rms_published`, `rms_refit`, `rms_continued`: of the readings with weight about each curve
+    #: [rad].
     rms_published: float
     rms_refit: float
     rms_continued: float

@@ -26,25 +26,14 @@ CHANCE = 1e-3
 
 @dataclass(frozen=True)
 class Repeat:
-    """One antenna on several days.
+    """One antenna on several days."""
 
-    Attributes
-    ----------
-    antenna
-        Whose.
-    level
-        Session -> mean offset over the days' common hour angles relative to the
-        first day, with its sigma [rad].
-    p_value
-        Chance of levels so different if the days were alike (F test).
-    scatter
-        Of a scan about its day's level [rad].
-    """
-
-    antenna: str
+    antenna: str  #: whose
+    #: Session -> mean offset over the days' common hour angles relative to the first day, with its
+    #: sigma [rad].
     level: dict[str, tuple[float, float]]
-    p_value: float
-    scatter: float
+    p_value: float  #: chance of levels so different if the days were alike (F test)
+    scatter: float  #: of a scan about its day's level [rad]
 
     @property
     def spread(self) -> float:
@@ -115,24 +104,13 @@ WEST = ("W04", "W05", "W06")
 
 @dataclass(frozen=True)
 class Mirror:
-    """The odd part (coefficient of sin HA) of both arms on one day.
+    """The odd part (coefficient of sin HA) of both arms on one day."""
 
-    Attributes
-    ----------
-    session
-        The day.
-    odd
-        Antenna -> coefficient and sigma [rad].
-    opposite
-        How many antennas have the sign of their arm, and how many there are.
-    chance
-        Of as many with the right sign if signs were tossed.
-    """
-
-    session: str
-    odd: dict[str, tuple[float, float]]
+    session: str  #: the day
+    odd: dict[str, tuple[float, float]]  #: antenna -> coefficient and sigma [rad]
+    #: How many antennas have the sign of their arm, and how many there are.
     opposite: tuple[int, int]
-    chance: float
+    chance: float  #: of as many with the right sign if signs were tossed
 
 
 def mirrors(found: Sequence[Curve]) -> list[Mirror]:
@@ -173,25 +151,14 @@ class Jump:
 
 @dataclass(frozen=True)
 class Jumps:
-    """All steps of a day.
+    """All steps of a day."""
 
-    Attributes
-    ----------
-    session
-        The day.
-    jumps
-        Of each antenna.
-    mean, sigma
-        Of all steps, each weighted by its error [rad].
-    p_value
-        Chance of steps so large without any jump (chi-square).
-    """
-
-    session: str
-    jumps: tuple[Jump, ...]
+    session: str  #: the day
+    jumps: tuple[Jump, ...]  #: of each antenna
+    #: `mean`, `sigma`: of all steps, each weighted by its error [rad].
     mean: float
     sigma: float
-    p_value: float
+    p_value: float  #: chance of steps so large without any jump (chi-square)
 
 
 def jumps_at_transit(found: Sequence[Track]) -> list[Jumps]:

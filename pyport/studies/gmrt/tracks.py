@@ -27,23 +27,16 @@ class Track:
 
     The two channels of a scan share most of its scatter, so a scan's offset is
     their mean and counts once.
-
-    Attributes
-    ----------
-    antenna, session
-        Whose.
-    hour_angle, el, offset
-        Shape (n,) [rad].
-    direction
-        +1 or -1, shape (n,).
     """
 
+    #: `antenna`, `session`: whose.
     antenna: str
     session: str
+    #: `hour_angle`, `el`, `offset`: shape (n,) [rad].
     hour_angle: Array
     el: Array
     offset: Array
-    direction: Array
+    direction: Array  #: +1 or -1, shape (n,)
 
     def __len__(self) -> int:
         """Return n."""
@@ -52,30 +45,20 @@ class Track:
 
 @dataclass(frozen=True)
 class Line:
-    """A linear fit.
+    """A linear fit."""
 
-    Attributes
-    ----------
-    value, covariance
-        Of the k coefficients, shape (k,) and (k, k), from the scatter that is left.
-    residual, weight
-        Of each scan, shape (n,).
-    squares, spare
-        Weighted sum of squared residuals, and degrees of freedom.
-    condition
-        Condition number of the columns, each scaled to unit length.
-    settled
-        Whether the weights came to rest.
-    """
-
+    #: `value`, `covariance`: of the k coefficients, shape (k,) and (k, k), from the scatter that is
+    #: left.
     value: Array
     covariance: Array
+    #: `residual`, `weight`: of each scan, shape (n,).
     residual: Array
     weight: Array
+    #: `squares`, `spare`: weighted sum of squared residuals, and degrees of freedom.
     squares: float
     spare: int
-    condition: float
-    settled: bool
+    condition: float  #: condition number of the columns, each scaled to unit length
+    settled: bool  #: whether the weights came to rest
 
     @property
     def doubts(self) -> list[str]:

@@ -21,10 +21,7 @@ def bootstrap(fit: Rt32Fit, draws: int = 300, seed: int = 0) -> Array:
     model is taken as linear about the fit, the scale of the loss is held, votes
     are weighed anew.
 
-    Raises
-    ------
-    BadInput
-        There are fewer than two sessions.
+    Raises `BadInput`: there are fewer than two sessions.
     """
     session = sessions(fit.recordings)[fit.stack.row]
     count = int(session.max()) + 1

@@ -20,34 +20,18 @@ BOX_STEP_DEG, BOX_STEP_SIGMA_DEG = 0.017, 0.001
 
 @dataclass(frozen=True)
 class BoxStep:
-    """What is done about the beam's having been moved.
+    """What is done about the beam's having been moved."""
 
-    Attributes
-    ----------
-    earlier
-        Which recordings were made before, shape (n,).
-    step
-        The box offset before less that after [rad]; None to fit it.
-    """
-
-    earlier: NDArray[np.bool_]
-    step: float | None
+    earlier: NDArray[np.bool_]  #: which recordings were made before, shape (n,)
+    step: float | None  #: the box offset before less that after [rad]; None to fit it
 
 
 def box_step(recordings: Recordings, choice: str = "known") -> BoxStep:
     """Return the step to subtract, or to fit, where recordings lie on both sides of it.
 
-    Parameters
-    ----------
-    recordings
-        With times, or else they are taken to be of one campaign.
-    choice
-        "known" for the document's 0.017 deg, "fit", or degrees as text.
-
-    Raises
-    ------
-    BadInput
-        The choice is none of these.
+    `recordings`: with times, or else they are taken to be of one campaign.
+    `choice`: "known" for the document's 0.017 deg, "fit", or degrees as text.
+    Raises `BadInput`: the choice is none of these.
     """
     if choice == "fit":
         step = None

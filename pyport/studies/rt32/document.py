@@ -72,12 +72,8 @@ def least_rms(level: float, inside: float, wider: float, within: float) -> float
     The density below the level is nowhere less than the mean one from there to
     `wider`; what is more than that lies at zero at best.
 
-    Parameters
-    ----------
-    level, wider
-        Two sizes of error.
-    inside, within
-        The shares of all errors below each.
+    `level`, `wider`: two sizes of error.
+    `inside`, `within`: the shares of all errors below each.
     """
     density = (within - inside) / (wider - level)
     return float(np.sqrt(density * level**3 / 3 / inside))

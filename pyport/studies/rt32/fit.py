@@ -37,52 +37,32 @@ _SETTLED = 1e-4
 
 @dataclass(frozen=True)
 class Rt32Fit:
-    """The fitted parameters of the RT32, and what they leave.
+    """The fitted parameters of the RT32, and what they leave."""
 
-    Attributes
-    ----------
-    recordings, stack
-        What was fitted.
-    method, level, exact
-        How: a name out of `METHODS`, the document's level [rad], the form of the model.
-    step
-        Box offset of the earlier campaign that was subtracted [rad], NaN where it was fitted,
-        zero where there is one campaign only.
-    values, covariance
-        p1..p12 [rad] and, where it was fitted, the step of the box offset last; sigmas are
-        formal: errors independent, no vote in doubt.
-    columns
-        Offsets of one radian of each, shape (m, P).
-    residual, weight
-        What is left [rad] and its vote, shape (m,).
-    prior
-        What a square on the sky counts before any vote, shape (m,).
-    tuned
-        The loss with its scale.
-    rounds
-        How often votes were weighed before they settled.
-    condition
-        Condition number of the weighted columns, scaled to unit length.
-    settled
-        Whether the votes came to rest.
-    """
-
+    #: `recordings`, `stack`: what was fitted.
     recordings: Recordings
     stack: Stack
+    #: `method`, `level`, `exact`: how: a name out of `METHODS`, the document's level [rad], the
+    #: form of the model.
     method: str
     level: float
     exact: bool
+    #: Box offset of the earlier campaign that was subtracted [rad], NaN where it was fitted, zero
+    #: where there is one campaign only.
     step: float
+    #: `values`, `covariance`: p1..p12 [rad] and, where it was fitted, the step of the box offset
+    #: last; sigmas are formal: errors independent, no vote in doubt.
     values: Array
     covariance: Array
-    columns: Array
+    columns: Array  #: offsets of one radian of each, shape (m, P)
+    #: `residual`, `weight`: what is left [rad] and its vote, shape (m,).
     residual: Array
     weight: Array
-    prior: Array
-    tuned: Tuned
-    rounds: int
-    condition: float
-    settled: bool
+    prior: Array  #: what a square on the sky counts before any vote, shape (m,)
+    tuned: Tuned  #: the loss with its scale
+    rounds: int  #: how often votes were weighed before they settled
+    condition: float  #: condition number of the weighted columns, scaled to unit length
+    settled: bool  #: whether the votes came to rest
 
     @property
     def sigmas(self) -> Array:
@@ -133,24 +113,13 @@ def fit_rt32(
 ) -> Rt32Fit:
     """Fit p1..p12 to recordings of one telescope.
 
-    Parameters
-    ----------
-    recordings
-        Offsets on either or both axes.
-    exact
-        Which form of the model.
-    method
-        One of `METHODS`.
-    level
-        Beyond which the document's method takes the vote from a residual [rad].
-    box
-        The step of the box offset between campaigns; None where there is none.
-
-    Raises
-    ------
-    BadInput
-        There is no such method, there are fewer offsets (or, by the document's method, fewer
-        within the level) than parameters, or more antennas than one.
+    `recordings`: offsets on either or both axes.
+    `exact`: which form of the model.
+    `method`: one of `METHODS`.
+    `level`: beyond which the document's method takes the vote from a residual [rad].
+    `box`: the step of the box offset between campaigns; None where there is none.
+    Raises `BadInput`: there is no such method, there are fewer offsets (or, by the document's
+      method, fewer within the level) than parameters, or more antennas than one.
     """
     if method not in METHODS:
         raise BadInput(f"no method is called {method!r}, expected one of {', '.join(METHODS)}")
@@ -238,20 +207,12 @@ def settle(
 
     With them come the loss, the rounds it took, and whether votes had settled by then.
 
-    Parameters
-    ----------
-    columns, value
-        The design (m, P) and the data (m,).
-    is_y
-        Which axis each datum is of, cross-elevations first as a stack has them, shape (m,).
-    tune
-        What sets the votes by the residuals.
-    times
-        How often each datum counts, shape (m,).
-    start
-        Votes to begin with, shape (m,); all are equal when not given.
-    most
-        Rounds after which it ends whether votes have settled or not.
+    `columns`, `value`: the design (m, P) and the data (m,).
+    `is_y`: which axis each datum is of, cross-elevations first as a stack has them, shape (m,).
+    `tune`: what sets the votes by the residuals.
+    `times`: how often each datum counts, shape (m,).
+    `start`: votes to begin with, shape (m,); all are equal when not given.
+    `most`: rounds after which it ends whether votes have settled or not.
     """
     weight = np.ones(len(value)) if start is None else start
     halves = _halves(columns, is_y)

@@ -31,21 +31,13 @@ _QUANTILES = (np.arange(500) + 0.5) / 500
 
 @dataclass(frozen=True)
 class Tuned:
-    """A loss whose scale is set.
+    """A loss whose scale is set."""
 
-    Attributes
-    ----------
-    weight
-        Residuals [rad] -> weights of their squares, one where the vote is full.
-    slope
-        Residuals [rad] -> the derivative of weight times residual, where it has one.
-    text
-        Scale and shape, in words.
-    """
-
+    #: Residuals [rad] -> weights of their squares, one where the vote is full.
     weight: Callable[[Array], Array]
+    #: Residuals [rad] -> the derivative of weight times residual, where it has one.
     slope: Callable[[Array], Array]
-    text: str
+    text: str  #: scale and shape, in words
 
 
 #: Residuals [rad] -> the loss with its scale set by them.

@@ -15,12 +15,8 @@ from pyport.studies.rt32.fit import Rt32Fit
 def of_rt32(fit: Rt32Fit, honest: Array) -> tuple[Picture, Story]:
     """Return what the panels draw of a fit of p1..p12, and what the page says of it.
 
-    Parameters
-    ----------
-    fit
-        The fit; each parameter is a layer, linear about the solution.
-    honest
-        Standard errors by whole sessions [rad], shape (P,).
+    `fit`: the fit; each parameter is a layer, linear about the solution.
+    `honest`: standard errors by whole sessions [rad], shape (P,).
     """
     values = np.nan_to_num(fit.values)
     curves = [fit.columns[:, k] * value for k, value in enumerate(values)]

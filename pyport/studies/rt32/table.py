@@ -21,12 +21,8 @@ _DERIVATIVES = (
 def text(fit: Rt32Fit, honest: Array) -> str:
     """Return the document's table, and beside it what sessions drawn anew say.
 
-    Parameters
-    ----------
-    fit
-        A fit by any method.
-    honest
-        Standard errors by bootstrap [rad], shape (P,); NaN where there are none.
+    `fit`: a fit by any method.
+    `honest`: standard errors by bootstrap [rad], shape (P,); NaN where there are none.
     """
     lines = [*_head(fit), ""]
     beside = "     by sessions   ratio" if np.isfinite(honest).any() else ""

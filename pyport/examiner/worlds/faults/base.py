@@ -14,41 +14,22 @@ from pyport.examiner.worlds.world import World
 
 @dataclass(frozen=True)
 class Fault:
-    """One hidden cause, its shape drawn, its size still open.
+    """One hidden cause, its shape drawn, its size still open."""
 
-    Attributes
-    ----------
-    effect
-        Its name in the catalogue of effects, or "unknown" where it is in none.
-    apply
-        (world, size) -> the world with it.
-    unit
-        What a size of 1 is.
-    pilot
-        A size at which its offsets are of the order of half a minute of arc.
-    fixed
-        True where nature gives the size (1), so that the noise has to be scaled instead.
-    same
-        Names that no recordings of this plan can distinguish from it, besides its own.
-    beside
-        Names that may rightly be spoken as well, because they are part of it.
-    where
-        Where it shows, as a report would say it: axes, subset, region, curve, since.
-    facts
-        What was drawn.
-    parameters
-        Coefficients as the catalogue names them, for each unit of size.
-    """
-
-    effect: str
-    apply: Callable[[World, float], World]
-    unit: str = "arcsec"
-    pilot: float = 30.0
+    effect: str  #: its name in the catalogue of effects, or "unknown" where it is in none
+    apply: Callable[[World, float], World]  #: (world, size) -> the world with it
+    unit: str = "arcsec"  #: what a size of 1 is
+    pilot: float = 30.0  #: a size at which its offsets are of the order of half a minute of arc
+    #: True where nature gives the size (1), so that the noise has to be scaled instead.
     fixed: bool = False
+    #: Names that no recordings of this plan can distinguish from it, besides its own.
     same: tuple[str, ...] = ()
+    #: Names that may rightly be spoken as well, because they are part of it.
     beside: tuple[str, ...] = ()
+    #: Where it shows, as a report would say it: axes, subset, region, curve, since.
     where: dict[str, Any] = field(default_factory=dict)
-    facts: dict[str, Any] = field(default_factory=dict)
+    facts: dict[str, Any] = field(default_factory=dict)  #: what was drawn
+    #: Coefficients as the catalogue names them, for each unit of size.
     parameters: dict[str, float] = field(default_factory=dict)
 
 

@@ -32,20 +32,11 @@ STEPS = np.array(
 def alignment(likelihood: Array, background: Array, cells: NDArray[np.int64]) -> Array:
     """Return the probability that each cell is its column's, for many rows at once.
 
-    Parameters
-    ----------
-    likelihood
-        Of cell i if it is column j's, shape (rows, m, n).
-    background
-        Of cell i wherever it came from, shape (rows, m).
-    cells
-        How many of the m cells each row really has, shape (rows,).
-
-    Returns
-    -------
-    Array
-        Shape (rows, m, n); what is missing from 1 along j is the probability
-        that the cell is a foreign one or one too many.
+    `likelihood`: of cell i if it is column j's, shape (rows, m, n).
+    `background`: of cell i wherever it came from, shape (rows, m).
+    `cells`: how many of the m cells each row really has, shape (rows,).
+    Returns shape (rows, m, n); what is missing from 1 along j is the probability that the
+      cell is a foreign one or one too many.
     """
     ahead = _ahead(likelihood, background)
     behind = _behind(likelihood, background, cells)

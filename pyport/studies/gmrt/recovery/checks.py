@@ -87,10 +87,7 @@ def late_elevations(table: int, session: Session) -> tuple[float, float, float]:
 
     Fits el(HA + late) + e to the printed elevations, outliers faded.
 
-    Returns
-    -------
-    tuple
-        late [h], e [deg], and the median of what is left [deg].
+    Returns late [h], e [deg], and the median of what is left [deg].
     """
     heads = np.array([row.head for row in printed.day(table)], float)
     _, dec = apparent_place(session)

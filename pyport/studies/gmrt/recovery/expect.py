@@ -37,17 +37,10 @@ def expected_offsets(
     reverse, fitted robustly to the scans of the same stretch (between two
     settings of the offsets), the scan itself and its other channel left out.
 
-    Parameters
-    ----------
-    offset, weight
-        Offsets [arcmin] and how far each is trusted (0 to 1), shape (rows, antennas).
-    hour_angle_h, direction, scan, stretch
-        Of each row, shape (rows,).
-
-    Returns
-    -------
-    Array
-        Shape (rows, antennas) [arcmin]; NaN where too few scans are trusted.
+    `offset`, `weight`: offsets [arcmin] and how far each is trusted (0 to 1), shape (rows,
+      antennas).
+    `hour_angle_h`, `direction`, `scan`, `stretch`: of each row, shape (rows,).
+    Returns shape (rows, antennas) [arcmin]; NaN where too few scans are trusted.
     """
     apart_h = hour_angle_h[None, :] - hour_angle_h[:, None]
     tells = (scan[None, :] != scan[:, None]) & (stretch[None, :] == stretch[:, None])

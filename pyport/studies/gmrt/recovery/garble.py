@@ -24,23 +24,14 @@ _GOOD = 0.7
 
 @dataclass(frozen=True)
 class Garbled:
-    """What came of garbled rows.
+    """What came of garbled rows."""
 
-    Attributes
-    ----------
-    rows
-        How many were garbled.
-    vouched, right
-        Cells in them that the realignment vouches for, and those of them that
-        are of the antenna that it says.
-    before
-        Cells that it vouched for before they were garbled.
-    """
-
-    rows: int
+    rows: int  #: how many were garbled
+    #: `vouched`, `right`: cells in them that the realignment vouches for, and those of them that
+    #: are of the antenna that it says.
     vouched: int
     right: int
-    before: int
+    before: int  #: cells that it vouched for before they were garbled
 
 
 def garbled(session: Session, seed: int) -> Garbled:

@@ -38,51 +38,31 @@ LEAST_SPREAD, MOST_SPREAD = 0.7, 2.5
 
 @dataclass(frozen=True)
 class Numbers:
-    """The rows of a table as numbers; r rows of up to m cells.
+    """The rows of a table as numbers; r rows of up to m cells."""
 
-    Attributes
-    ----------
-    offset
-        Offsets [arcmin], NaN where a cell is no number, shape (r, m).
-    cells
-        How many cells each row has, shape (r,).
-    hour_angle_h, direction, scan, stretch
-        Of each row, shape (r,); `stretch` counts the settings of the offsets.
-    published
-        What each column's published curve gives [arcmin], NaN where there is
-        none, shape (r, n). It settles signs that were lost, nothing else.
-    """
-
-    offset: Array
-    cells: NDArray[np.int64]
+    offset: Array  #: offsets [arcmin], NaN where a cell is no number, shape (r, m)
+    cells: NDArray[np.int64]  #: how many cells each row has, shape (r,)
+    #: `hour_angle_h`, `direction`, `scan`, `stretch`: of each row, shape (r,); `stretch` counts the
+    #: settings of the offsets.
     hour_angle_h: Array
     direction: Array
     scan: NDArray[np.int64]
     stretch: NDArray[np.int64]
+    #: What each column's published curve gives [arcmin], NaN where there is none, shape (r, n). It
+    #: settles signs that were lost, nothing else.
     published: Array
 
 
 @dataclass(frozen=True)
 class Recovered:
-    """Where each cell belongs; r rows of up to m cells, n columns.
+    """Where each cell belongs; r rows of up to m cells, n columns."""
 
-    Attributes
-    ----------
-    column
-        The column that the cell most probably is of, shape (r, m).
-    belongs
-        The probability that it is, shape (r, m).
-    trusted
-        The probability that it is and that it reads as the scans around it
-        lead to expect, shape (r, m).
-    expected
-        What the columns should read [arcmin], shape (r, n).
-    """
-
-    column: NDArray[np.intp]
-    belongs: Array
+    column: NDArray[np.intp]  #: the column that the cell most probably is of, shape (r, m)
+    belongs: Array  #: the probability that it is, shape (r, m)
+    #: The probability that it is and that it reads as the scans around it lead to expect, shape (r,
+    #: m).
     trusted: Array
-    expected: Array
+    expected: Array  #: what the columns should read [arcmin], shape (r, n)
 
 
 def recover(table: Numbers) -> Recovered:

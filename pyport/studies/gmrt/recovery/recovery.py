@@ -18,18 +18,13 @@ USABLE = 0.5
 
 @dataclass(frozen=True)
 class Recovery:
-    """What became of one day's table.
+    """What became of one day's table."""
 
-    Attributes
-    ----------
-    rows, usable
-        Printed rows, and those that keep offsets of half of the antennas or more.
-    cells, vouched, used
-        Printed offsets, those whose antenna is sure, and those that are used.
-    """
-
+    #: `rows`, `usable`: printed rows, and those that keep offsets of half of the antennas or more.
     rows: int
     usable: int
+    #: `cells`, `vouched`, `used`: printed offsets, those whose antenna is sure, and those that are
+    #: used.
     cells: int
     vouched: int
     used: int
@@ -53,10 +48,7 @@ def recovery(session: Session) -> Recovery:
 def text(seeds: int) -> str:
     """Return what was recovered of June's tables, and how right it is when rows are garbled.
 
-    Parameters
-    ----------
-    seeds
-        How often good rows are garbled; not at all for 0.
+    `seeds`: how often good rows are garbled; not at all for 0.
     """
     june = [session for session in SESSIONS if session.date.startswith("2003-06")]
     lines = ["            printed rows   usable   cells   antenna sure    used"]
