@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
-from pyport.models.terms import field_system, ska_mid, tpoint, tpoint_polar
+from pyport.models.terms import field_system, formula, ska_mid, tpoint, tpoint_polar
 from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
 from pyport.mounts import BY_MODEL
@@ -52,6 +52,7 @@ class Entry:
     fixed: bool = False  #: not to be fitted
     used: bool = True  #: false for a term that the model has switched off
     parallel: bool = False  #: TPOINT's `&`: applied beside the term before it, not after it
+    formula: str = ""  #: of a user's term, as `formula.word` takes it
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,8 @@ class ModelFile:
 
         Raises `BadInput`: the vocabulary has no such term.
         """
+        if entry.formula:
+            return formula.word(entry.name, entry.formula)
         if self.vocabulary == "field-system" and self.phi_deg != Decimal(90):
             word = field_system.word(entry.name, float(self.phi_deg))
         else:
@@ -155,7 +158,7 @@ def _renamed(entry: Entry, name: str, sign: float, vocabulary: str) -> Entry:
     factor = Decimal(1) if sign == 1 else Decimal(repr(sign))
     sigma = None if entry.sigma is None else abs(in_unit(entry.sigma, entry.unit, word.unit))
     value = in_unit(entry.value, entry.unit, word.unit) * factor
-    return replace(entry, name=name, value=value, unit=word.unit, sigma=sigma)
+    return replace(entry, name=name, value=value, unit=word.unit, sigma=sigma, formula="")
 
 
 def _sum(one: Entry, other: Entry) -> Entry:

@@ -11,6 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import WORDS, Entry, ModelFile
+from pyport.models.terms import formula
 from pyport.models.terms.words import SCALES
 from pyport.recordings.formats.csv import read_text
 
@@ -53,9 +54,15 @@ def read(path: Path) -> ModelFile:
 
 def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
     name = str(row.get("name"))
-    word = WORDS[vocabulary](name)
-    if word is None:
-        raise BadInput(f"{name[:20]!r} is no term that pyport knows of {vocabulary}", path)
+    meant = str(row.get("formula", ""))
+    if not meant and WORDS[vocabulary](name) is None:
+        wrong = f"{name[:20]!r} is no term that pyport knows of {vocabulary}"
+        raise BadInput(f"{wrong}; say what it does: formula = 'x = sin 3A sin E'", path)
+    if meant:
+        try:
+            formula.word(name, meant)
+        except BadInput as error:
+            raise BadInput(error.message, path) from None
     units = [unit for unit, suffix in _SUFFIX.items() if f"value{suffix}" in row]
     if len(units) != 1:
         raise BadInput(f"{name} expects one of {_values()}", path)
@@ -66,7 +73,7 @@ def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
     spread = None if sigma is None else _number(sigma, f"{name}'s sigma", path)
     if not all(isinstance(mark, bool) for mark in marks.values()):
         raise BadInput(f"{name}: {', '.join(marks)} are true or false", path)
-    return Entry(name, number, unit, spread, **marks)
+    return Entry(name, number, unit, spread, **marks, formula=meant)
 
 
 def _number(value: object, what: str, path: Path) -> Decimal:
@@ -98,6 +105,8 @@ def write(file: ModelFile, path: Path) -> None:
 def _row(entry: Entry) -> str:
     suffix = _SUFFIX[entry.unit]
     text = f"\n[[term]]\nname = {json.dumps(entry.name)}\nvalue{suffix} = {_literal(entry.value)}\n"
+    if entry.formula:
+        text += f"formula = {json.dumps(entry.formula)}\n"
     if entry.sigma is not None:
         text += f"sigma{suffix} = {_literal(entry.sigma)}\n"
     default = Entry("", Decimal(0), "")

@@ -1,22 +1,26 @@
 """TPOINT's model files: a caption, a line of statistics, one line a term, END.
 
 A term's line begins with `&` where it is applied in parallel, `=` where it is
-fixed, and holds the name, the coefficient and its sigma in arcseconds.
+fixed, and holds the name, the coefficient and its sigma in arcseconds. What a term that nobody
+has published does, a user says in a comment below the caption: `! HVSA3: x = sin 3A sin E`.
 """
 
 from __future__ import annotations
 
+import re
 from decimal import Decimal
 from pathlib import Path
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.models.terms import tpoint, tpoint_polar
+from pyport.models.terms import formula, tpoint, tpoint_polar
 from pyport.recordings.formats.lines import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
 STATISTICS = ("stars", "sky_rms_arcsec", "refraction_a_arcsec", "refraction_b_arcsec")
+#: A user's term in a comment.
+_MEANT = re.compile(r"[;!]\s*(\w+)\s*:\s*([xy]\s*=.*)")
 
 
 def read(path: Path) -> ModelFile:
@@ -28,6 +32,7 @@ def read(path: Path) -> ModelFile:
         No line of statistics, a line that is no known term, or terms of two kinds of mount.
     """
     title, *rest = lines_of(path)
+    meant = _meant(rest)
     body = [line for line in rest if line.text.strip() and line.text.lstrip()[0] not in ";!"]
     if not body or not body[0].text.strip().startswith("T"):
         wanted = "expected a line such as 'T   54   3.1416    0.000   0.0000'"
@@ -36,11 +41,16 @@ def read(path: Path) -> ModelFile:
     for line in body[1:]:
         if line.text.strip().upper() == "END":
             break
-        entries.append(_entry(line))
+        entries.append(_entry(line, meant))
     if not entries:
         raise BadInput("no terms below the statistics", path, body[0].number)
-    polar = any(tpoint.word(one.name) is None for one in entries)
-    foreign = [one.name for one in entries if polar and tpoint_polar.word(one.name) is None]
+    known = [one.name for one in entries if not one.formula]
+    polar = any(tpoint.word(name) is None for name in known)
+    foreign = [name for name in known if polar and tpoint_polar.word(name) is None]
+    if polar and len(known) < len(entries):
+        raise BadInput(
+            "a user's formula is one of azimuth and elevation, the mount's are not", path
+        )
     if foreign:
         wrong = f"{foreign[0]} is a term of an alt-azimuth mount, others are of an equatorial one"
         raise BadInput(wrong, path)
@@ -57,16 +67,36 @@ def _statistics(line: Line) -> dict[str, Decimal]:
     }
 
 
-def _entry(line: Line) -> Entry:
+def _meant(lines: list[Line]) -> dict[str, str]:
+    """Return the formulae of a user's terms.
+
+    Raises `BadInput`: one is no formula.
+    """
+    found = {}
+    for line in lines:
+        match = _MEANT.fullmatch(line.text.strip())
+        if match is None:
+            continue
+        try:
+            formula.word(*match.groups())
+        except BadInput as error:
+            raise line.error(error.message) from None
+        found[match[1]] = match[2]
+    return found
+
+
+def _entry(line: Line, meant: dict[str, str]) -> Entry:
     """Return the term of a line."""
     text = line.text.strip()
     marks = text[: len(text) - len(text.lstrip("&= "))]
     words = text.lstrip("&= ").split()
     if len(words) < 2:
         raise line.error(f"this is {text[:60]!r}, expected a term and its coefficient")
-    if tpoint.word(words[0]) is None and tpoint_polar.word(words[0]) is None:
-        wrong = f"{words[0][:20]!r} is no term of an alt-azimuth or equatorial mount"
-        raise line.error(f"{wrong} that pyport knows")
+    name = words[0]
+    if name not in meant and tpoint.word(name) is None and tpoint_polar.word(name) is None:
+        wrong = f"{name[:20]!r} is no term of an alt-azimuth or equatorial mount that pyport knows"
+        example = f"! {name[:20]}: x = sin 3A sin E"
+        raise line.error(f"{wrong}; say what it does in a line such as '{example}'")
     return Entry(
         words[0],
         line.decimal(words[1], "the coefficient"),
@@ -74,6 +104,7 @@ def _entry(line: Line) -> Entry:
         sigma=line.decimal(words[2], "the sigma") if len(words) > 2 else None,
         fixed="=" in marks,
         parallel="&" in marks,
+        formula=meant.get(name, ""),
     )
 
 
@@ -86,7 +117,8 @@ def write(file: ModelFile, path: Path) -> None:
         out.write(f"T{int(stars):5d}{padded(rms, 9, 4)}{padded(a, 9, 3)}{padded(b, 9, 4)}\n")
         for entry in file.entries:
             if entry.used:
-                out.write(_line(entry) + "\n")
+                meant = f"! {entry.name}: {entry.formula}\n" if entry.formula else ""
+                out.write(f"{meant}{_line(entry)}\n")
         out.write("END\n")
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import pyport
+from pyport import recordings
 from pyport.examiner import terms
 from pyport.examiner.real import huber, measures, published, readers, run, sets, table
 
@@ -328,6 +329,17 @@ def test_every_format_is_read(name, rows, nights):
     assert (len(some), len(np.unique(some.night))) == (rows, nights)
     assert np.nanmax(np.abs(some.offsets())) < 3600
     assert np.all((some.el > 0) & (some.el < np.pi / 2))
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the folder of public recordings is not there")
+def test_two_readers_of_equatorial_records_agree():
+    """The examiner's and the program's, each with its refraction: 1 arcsec at 20 deg."""
+    (entry,) = run.chosen(["JCMT"])
+    some = sets.read(entry, DATA)
+    ours = recordings.read(DATA / "jcmt/harp20070702.dat")
+
+    np.testing.assert_allclose(some.el, ours.at.el, atol=1 / 206265)
+    np.testing.assert_allclose(some.y, np.degrees(ours.y) * 3600, atol=1)
 
 
 def test_a_set_is_measured_and_goes_on_where_it_stopped(tmp_path, monkeypatch):

@@ -9,8 +9,9 @@ from samples import sample
 import pyport
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
+from pyport.formats import models
 from pyport.formats.model_file import Entry, ModelFile, translated
-from pyport.models.terms import tpoint
+from pyport.models.terms import formula, tpoint
 from pyport.models.terms.editing import named
 from pyport.recordings import read
 
@@ -59,8 +60,20 @@ def test_a_mean_place_moves_to_the_date(tmp_path):
     shift = np.degrees(moved.at.column("ra")[0] - apparent.at.column("ra")[0]) * 3600
 
     assert shift == pytest.approx(7.5 * 50.3 * 0.9, rel=0.35)
-    with pytest.raises(BadInput, match=r"equinox is 1950\.0"):
-        read(written(tmp_path, mean.replace("2000.0", "1950.0")))
+    with pytest.raises(BadInput, match=r"equinox is B1900, expected B1950\.0, a Julian one"):
+        read(written(tmp_path, mean.replace("2000.0", "B1900")))
+
+
+def test_the_same_star_from_two_catalogues(tmp_path):
+    """3C 273 by its places of B1950 and of J2000: one on the date, to 0.2 arcsec."""
+    seen = " 12 29 06.7 +02 03 08.6   15 45.5 0.0"
+    old = read(written(tmp_path, "12 26 33.248 +02 19 43.26  0.0 0.0 1950.0" + seen))
+    new = read(written(tmp_path, "12 29 06.700 +02 03 08.60  0.0 0.0 J2000" + seen))
+
+    for name in ("az", "el"):
+        assert getattr(old.at, name)[0] == pytest.approx(getattr(new.at, name)[0], abs=1e-6)
+    apparent = read(written(tmp_path, "12 29 06.700 +02 03 08.60" + seen))
+    assert abs(apparent.at.az[0] - new.at.az[0]) > 1e-4
 
 
 def test_the_jcmts_night_needs_no_refraction():
@@ -138,11 +151,62 @@ def test_polynomials_of_zenith_distance():
 
 
 @pytest.mark.parametrize("name", ["HVSA3", "PZA2", "PXZ2"])
-def test_terms_whose_formula_is_not_known_are_refused(name):
-    """By name, with where to look."""
+def test_terms_whose_formula_is_not_known_are_refused(name, tmp_path):
+    """By name, with the line that would say what they do."""
     assert tpoint.word(name) is None
-    with pytest.raises(BadInput, match=f"no term is called '{name}'"):
+    with pytest.raises(BadInput, match=f"no term is called '{name}': .* 'NAME: x = sin 3A sin E'"):
         named(name)
+    path = tmp_path / "old.mod"
+    path.write_text(f"a title\nT 54 3.1 0.0 0.0\n  IA -292.0 1.0\n& {name} 12.5 0.5\nEND\n")
+    with pytest.raises(BadInput, match=f"old.mod:4: '{name}' is no term .* '! {name}: x = sin 3A"):
+        models.read(path)
+
+
+def test_a_user_says_what_a_term_does_in_one_line(tmp_path):
+    """In a comment of a .mod, a line of TOML or --add: applied, and kept by every round trip."""
+    old, again, toml = (tmp_path / name for name in ("old.mod", "again.mod", "new.toml"))
+    old.write_text(
+        "a title\nT 54 3.1 0.0 0.0\n! HVSA3: x = sin 3A sin E\n"
+        "  IA -292.0 1.0\n& HVSA3 12.5 0.5\nEND\n"
+    )
+    file = models.read(old)
+    moves = pyport.load_model(old).offsets(np.degrees(AT.az), np.degrees(AT.el))
+    wanted = 12.5 * np.sin(3 * AT.az) * np.sin(AT.el) - 292 * np.cos(AT.el)
+
+    np.testing.assert_allclose(moves.d_xel.to_value("arcsec"), wanted, atol=1e-9)
+    assert not moves.d_el.value.any()
+    for path in (again, toml):
+        models.format_of(path).write(file, path)
+        assert models.read(path).entries == file.entries
+    added = formula.word("HVSA3", "x = sin 3A sin E")
+    (term,) = named("HVSA3: x = sin 3A sin E")
+    np.testing.assert_allclose(term.effect.columns(AT)[0][:, 0], added.columns(AT)[0])
+    moved = translated(file, "tpoint")
+    assert [one.name for one in moved.entries] == ["IA", "HVSA3"]
+
+
+@pytest.mark.parametrize(
+    ("text", "across", "along"),
+    [
+        ("x = -cos A cos E", -np.cos(AT.az) * np.cos(AT.el), 0),
+        ("y = cos 2Z * E^2", 0, -np.cos(2 * AT.el) * AT.el**2),
+        ("x = sin E sin A, y = cos A", np.sin(AT.el) * np.sin(AT.az), np.cos(AT.az)),
+        ("x = 1, y = -1", 1, -1),
+    ],
+)
+def test_formulae(text, across, along):
+    """Products of waves and powers, on either axis."""
+    x, y = formula.word("MINE", text).columns(AT)
+
+    np.testing.assert_allclose(x, across + 0 * x, atol=1e-12)
+    np.testing.assert_allclose(y, along + 0 * y, atol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["", "z = sin A", "x = tan E", "x = sin 3A +", "x = sin 12A"])
+def test_what_is_no_formula_is_one_line(text):
+    """With an example."""
+    with pytest.raises(BadInput, match=r"MINE is .*expected such as 'x = sin 3A sin E'"):
+        formula.word("MINE", text)
 
 
 def test_a_polynomial_is_none_of_another_programs():

@@ -64,19 +64,24 @@ def _tpoint(file: Path) -> Read:
 
 
 def _tpoint_equatorial(file: Path) -> Read:
-    """Read TPOINT's format 1: RA and Dec of the star and as observed, and the sidereal time."""
+    """Read TPOINT's format 1: RA and Dec of the star and as observed, and the sidereal time.
+
+    The star stands higher by the air's refraction, as the run's weather says: no telescope's
+    reading knows of the air.
+    """
     lines = [line.split() for line in file.read_text(encoding="utf-8").splitlines()[1:]]
-    latitude, rows = None, []
+    latitude, air, rows = None, 0.0, []
     for words in lines:
         if not words or words[0] in {":", "END"}:
             continue
         if latitude is None:
-            latitude = _sexagesimal(words[:3])
+            latitude, air = _sexagesimal(words[:3]), _radio_refractivity(words)
             continue
         ra, ra_read = (15 * _sexagesimal(words[n : n + 3]) for n in (0, 6))
         dec, dec_read = (_sexagesimal(words[n : n + 3]) for n in (3, 9))
         lst = 15 * (float(words[12]) + float(words[13]) / 60)
-        true = _horizontal(lst - ra, dec, latitude)
+        az, el = _horizontal(lst - ra, dec, latitude)
+        true = (az, el + air / np.tan(np.radians(el + air / np.tan(np.radians(el)))))
         read_ = _horizontal(lst - ra_read, dec_read, latitude)
         turn = (read_[0] - true[0] + 180) % 360 - 180
         rows.append((*true, 3600 * turn, 3600 * (read_[1] - true[1])))
@@ -86,6 +91,15 @@ def _tpoint_equatorial(file: Path) -> Read:
         for name, cells in zip(names, zip(*rows, strict=True), strict=True)
     }
     return table, {"latitude_deg": latitude or 0.0}
+
+
+def _radio_refractivity(words: Sequence[str]) -> float:
+    """Return (n - 1) of the air [deg] from a run's weather: Rueger 2002, Magnus for the vapour."""
+    celsius, hpa, humidity = float(words[6]), float(words[7]), float(words[9])
+    kelvin = celsius + 273.15
+    vapour = humidity * 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+    n = 77.689 * (hpa - vapour) / kelvin + 71.295 * vapour / kelvin + 375463 * vapour / kelvin**2
+    return float(np.degrees(n * 1e-6))
 
 
 def _horizontal(hour_deg: float, dec_deg: float, latitude_deg: float) -> tuple[float, float]:

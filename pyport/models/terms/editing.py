@@ -11,7 +11,7 @@ from pyport.effects import Effect, catalogue, known
 from pyport.errors import BadInput
 from pyport.models.members import apart
 from pyport.models.model import Model, Term
-from pyport.models.terms import field_system, tpoint, tpoint_polar
+from pyport.models.terms import field_system, formula, tpoint, tpoint_polar
 from pyport.models.terms.alike import ratio, seen
 from pyport.models.terms.words import Word
 from pyport.mounts import KINDS
@@ -38,7 +38,8 @@ def edited(
         NAME=VALUE with the name's own unit (arcsec; deg for P1..P30) or one
         of its own behind the number; NAME alone holds what the model gives.
     add, drop
-        Names: TPOINT's, P1..P30, an effect's id or one of its coefficients.
+        Names: TPOINT's, P1..P30, an effect's id or one of its coefficients; to add also a
+        user's term, `NAME: x = sin 3A sin E`.
     per
         Labels each value of which has coefficients of its own; None leaves that to the model.
 
@@ -128,6 +129,9 @@ def named(name: str) -> list[Term]:
     BadInput
         No vocabulary has this name.
     """
+    own, colon, meant = name.partition(":")
+    if colon:
+        return [Term(formula.word(own.strip(), meant.strip()).effect())]
     word = word_of(name)
     if word is not None:
         return [Term(word.effect())]
@@ -139,7 +143,8 @@ def named(name: str) -> list[Term]:
         names = [coefficient.name for coefficient in effect.coefficients]
         if name in names:
             return [_apart(Term(effect))[names.index(name)]]
-    raise BadInput(f"no term is called {name[:40]!r}: TPOINT's, P1..P30, `pyport dev effects`")
+    known_are = "TPOINT's, P1..P30, `pyport dev effects`, or your own as 'NAME: x = sin 3A sin E'"
+    raise BadInput(f"no term is called {name[:40]!r}: {known_are}")
 
 
 def word_of(name: str) -> Word | None:

@@ -61,15 +61,15 @@ def word(name: str) -> Word | None:
     waves = []
     for function, of, k in (rest[:3], rest[3:]):
         if function is not None:
-            wave, turn = _upward(Wave(function, of, int(k or 1)))
+            wave, turn = upward(Wave(function, of, int(k or 1)))
             waves.append(wave)
             sign *= turn * turned(wave)
     return Word(name, ((product(axis, *waves), sign),), "arcsec")
 
 
-def _upward(wave: Wave) -> tuple[Wave, int]:
+def upward(wave: Wave) -> tuple[Wave, int]:
     """Return a wave of zenith distance as one of elevation, with its sign."""
-    if wave.of != "Z":
+    if wave.of != "Z" or wave.function == "P":
         return wave, 1
     # of k (90 deg - E): after each quarter turn sine and cosine change places
     quarter, other = wave.k % 4, {"S": "C", "C": "S"}[wave.function]
