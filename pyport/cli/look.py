@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 def _proposed(name: str, given: FileOptions) -> dict[str, str]:
     """Return a map of columns for a table that is none of the contract; empty for one that is."""
+    from pyport.columns import angle_of
     from pyport.files import is_file
-    from pyport.recordings.columns import angle_of
     from pyport.recordings.formats import mapped
     from pyport.recordings.formats import registry as tables
     from pyport.recordings.mounted import OFFSETS

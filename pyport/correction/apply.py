@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
+from pyport.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
 from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.convert import table_of
 from pyport.mounts import ALTAZ
-from pyport.recordings.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
 from pyport.recordings.nights import with_nights

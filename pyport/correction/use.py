@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
+from pyport.columns import LABELS, SPELLED
 from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
-from pyport.effects.base import SPELLED
 from pyport.errors import BadInput
 from pyport.models import words
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ, Mount
-from pyport.recordings.columns import LABELS
 
 if TYPE_CHECKING:
     from pyport.formats.rest import Rest

@@ -17,23 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.mounts import ALTAZ, KINDS, Mount
+from pyport.columns import SPELLED
+from pyport.mounts import ALTAZ, Mount
 
 Index = NDArray[np.intp] | NDArray[np.bool_] | slice
-
-#: How the contract spells, unit and all, the columns that are kept without a unit.
-SPELLED = {
-    **{axis.column: f"{axis.column}_deg" for one in KINDS.values() for axis in one.axes},
-    "time": "time_utc",
-    "hour_angle": "hour_angle_h",
-    "ra": "ra_deg",
-    "dec": "dec_deg",
-    "sun_az": "sun_az_deg",
-    "sun_el": "sun_el_deg",
-    "wind_az": "wind_az_deg",
-    "scan_rate": "scan_rate_arcmin_per_min",
-}
-
 
 #: Where an effect acts: in the axes of the mount, or in azimuth and elevation on whatever mount.
 AXES, SKY = "axes", "sky"

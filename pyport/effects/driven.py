@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import DEG, Array
+from pyport.columns import COLUMNS
 from pyport.effects.base import (
     AXES,
     SKY,
@@ -201,7 +202,7 @@ def _about(name: str, centre: float, terms: tuple[str, ...] = tuple(_TERMS)) -> 
 
 
 #: The contract's conditions.
-_CONTRACT = frozenset({"temperature_c", "wind_speed_m_s", "humidity_pct", "pressure_hpa"})
+_CONTRACT = frozenset(one.name for one in COLUMNS if one.weather)
 
 
 def _time_of_day(at: Circumstances) -> Driver | None:

@@ -10,39 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, HOUR
+from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
-from pyport.recordings.columns import LABELS, SCAN_RATE, SCAN_RATE_UNIT, angle_of
 
-#: Name without a unit -> the column inside the program, the unit of a bare number, and how many
-#: of the column's numbers one of it is.
-_QUANTITIES: dict[str, tuple[str, str, float]] = {
-    "temperature": ("temperature_c", "deg_C", 1.0),
-    "pressure": ("pressure_hpa", "hPa", 1.0),
-    "humidity": ("humidity_pct", "percent", 1.0),
-    "wind_speed": ("wind_speed_m_s", "m/s", 1.0),
-    "frequency": ("frequency_mhz", "MHz", 1.0),
-    "wind_az": ("wind_az", "deg", DEG),
-    "sun_az": ("sun_az", "deg", DEG),
-    "sun_el": ("sun_el", "deg", DEG),
-    "ra": ("ra", "deg", DEG),
-    "dec": ("dec", "deg", DEG),
-    "hour_angle": ("hour_angle", "hourangle", HOUR),
-    "scan_rate": ("scan_rate", "arcmin/min", SCAN_RATE_UNIT),
-}
 #: The contract's names, unit and all: bare numbers in that unit.
-_SPELLED = {
-    "temperature_c": "temperature",
-    "pressure_hpa": "pressure",
-    "humidity_pct": "humidity",
-    "wind_speed_m_s": "wind_speed",
-    "frequency_mhz": "frequency",
-    SCAN_RATE: "scan_rate",
-}
+_SPELLED = {one.spelled: spoken for spoken, one in QUANTITIES.items() if one.kind == NUMBER}
 _PLAIN = frozenset({"scan_direction"})
 _TIMES = frozenset({"time", "time_utc"})
-NAMES = frozenset({*_QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"})
+NAMES = frozenset({*QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"})
 
 Columns = dict[str, NDArray[Any]]
 
@@ -50,7 +26,7 @@ Columns = dict[str, NDArray[Any]]
 def known(name: str) -> bool:
     """Tell whether a condition is called so."""
     angle = angle_of(name)
-    return name in NAMES or (angle is not None and angle[0] in _QUANTITIES)
+    return name in NAMES or (angle is not None and angle[0] in QUANTITIES)
 
 
 def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns:
@@ -81,13 +57,14 @@ def _one(
         return key, _numbers(key, value)
     name = _SPELLED.get(key, key)
     angle = angle_of(key)
-    if angle is not None and angle[0] in _QUANTITIES:
+    if angle is not None and angle[0] in QUANTITIES:
         name = angle[0]
-    if name in _QUANTITIES:
-        column, unit, scale = _QUANTITIES[name]
+    if name in QUANTITIES:
+        column = QUANTITIES[name]
+        scale = column.scale
         if angle is not None and not has_unit(value):
             scale = angle[1]
-        return column, _in_unit(key, value, unit) * scale
+        return column.name, _in_unit(key, value, column.quantity) * scale
     if key in others:
         return key, _numbers(key, value)
     near = difflib.get_close_matches(key, sorted(NAMES | set(others)), 1)

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.columns import LABELS
 from pyport.effects import Circumstances, Effect, MissingColumn, Site, known
 from pyport.effects.base import Basis, stack
 from pyport.effects.fields import UNKNOWN, field
 from pyport.errors import BadInput
-from pyport.recordings.columns import LABELS
 
 #: Columns that differ by no more than this share are the same ones.
 SAME = 1e-12

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR, Array
+from pyport.columns import SPELLED, shown
 from pyport.page.picture import Column, Layer
 from pyport.recordings.schema import Recordings
 
@@ -20,30 +21,8 @@ FEW_VALUES = 8
 #: So many columns beside the sky are kept, the ones with the most structure.
 MOST_COLUMNS = 12
 
-_WORDS = {
-    "temperature_c": ("temperature", "°C"),
-    "pressure_hpa": ("pressure", "hPa"),
-    "humidity_pct": ("humidity", "%"),
-    "wind_speed_m_s": ("wind speed", "m/s"),
-    "wind_az": ("azimuth of the wind", "deg"),
-    "sun_az": ("azimuth of the Sun", "deg"),
-    "sun_el": ("elevation of the Sun", "deg"),
-    "frequency_mhz": ("frequency", "MHz"),
-    "scan_direction": ("scan direction", ""),
-    "scan_rate": ("scan rate", "arcmin/min"),
-    "ra": ("right ascension", "h"),
-    "dec": ("declination", "deg"),
-}
-_UNITS = {
-    "wind_az": DEG,
-    "sun_az": DEG,
-    "sun_el": DEG,
-    "dec": DEG,
-    "ra": HOUR,
-    "scan_rate": DEG / 60 / 60,
-}
 #: How regions spell a column -> the column of a panel.
-_SPELLED = {"az_deg": "az", "el_deg": "el", "hour_angle_h": "hour_angle", "time_utc": "time"}
+_NAMED = {written: name for name, written in SPELLED.items()}
 
 
 def columns(
@@ -77,11 +56,11 @@ def columns(
 
 
 def _column(name: str, values: NDArray[np.generic], layers: Sequence[Layer]) -> Column:
-    label, unit = _WORDS.get(name, (name, ""))
+    label, unit, scale = shown(name)
     regions = _regions(name, layers)
     if values.dtype.kind not in "fiub":
         return Column(name, label, unit, values.astype(str), regions)
-    numbers = np.asarray(values, float) / _UNITS.get(name, 1.0)
+    numbers = np.asarray(values, float) / scale
     told = np.unique(numbers[np.isfinite(numbers)])
     if len(told) > FEW_VALUES or regions:
         return Column(name, label, unit, numbers, regions)
@@ -118,8 +97,7 @@ def _regions(name: str, layers: Sequence[Layer]) -> tuple[tuple[float, float, in
         (one.low, one.high, n)
         for n, layer in enumerate(layers)
         for one in layer.region
-        if _SPELLED.get(one.column, one.column) == name
-        or (one.column.startswith(f"{name}_") and name in _UNITS)
+        if _NAMED.get(one.column, one.column) == name
     )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
+from pyport.columns import ANGLES, NUMBER, QUANTITIES, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.recordings import nearly
-from pyport.recordings.columns import ANGLES, SCAN_RATE, TIME, angle_of
 from pyport.recordings.files import read
 from pyport.recordings.interpret import interpret
 from pyport.recordings.options import FileOptions
@@ -109,12 +109,7 @@ _ASTROPY = {"mdeg": "mdeg", "h": "hourangle"} | {
 }
 #: Quantities whose unit is a fixed part of their name: without it -> the name, and the unit.
 _QUANTITIES = {
-    "temperature": ("temperature_c", "deg_C"),
-    "pressure": ("pressure_hpa", "hPa"),
-    "humidity": ("humidity_pct", "percent"),
-    "wind_speed": ("wind_speed_m_s", "m/s"),
-    "frequency": ("frequency_mhz", "MHz"),
-    "scan_rate": (SCAN_RATE, "arcmin/min"),
+    spoken: (one.spelled, one.quantity) for spoken, one in QUANTITIES.items() if one.kind == NUMBER
 }
 
 

@@ -9,14 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.effects.base import PIER_SIDE, Circumstances, Site
-from pyport.effects.mounts import MOUNT, declared
-from pyport.mounts import ALTAZ, Mount
-from pyport.recordings import mounted, sky
-from pyport.recordings.columns import (
+from pyport.columns import (
     ANGLES,
-    AXES,
     DAY,
+    DIRECTIONS,
     HOUR_OF_DAY,
     LABELS,
     NUMBERS,
@@ -27,6 +23,10 @@ from pyport.recordings.columns import (
     TIME,
     angle_of,
 )
+from pyport.effects.base import PIER_SIDE, Circumstances, Site
+from pyport.effects.mounts import MOUNT, declared
+from pyport.mounts import ALTAZ, Mount
+from pyport.recordings import mounted, sky
 from pyport.recordings.duplicates import repeated
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings, SetAside
@@ -41,9 +41,6 @@ LARGEST_OFFSET_DEG = 180
 #: On the sky no telescope that found its source is further off; an azimuth in place of an offset,
 #: or a record of another format, is. A file whose encoders have no zero says so by the key.
 LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
-
-#: Angles that are kept as columns.
-DIRECTIONS = (AXES - {"az", "el"}) | {"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"}
 
 
 def interpret(raw: Raw) -> Recordings:

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.formats.csv import read_text
 from pyport.recordings.raw import Raw
 

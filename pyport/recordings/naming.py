@@ -7,14 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.columns import (
+    DAY,
+    DIRECTIONS,
+    HOUR_OF_DAY,
+    SCAN_RATE,
+    SCAN_RATE_UNIT,
+    SPELLED,
+    angle_of,
+)
 from pyport.effects import MissingColumn
-from pyport.effects.base import SPELLED
-from pyport.recordings.columns import AXES, DAY, HOUR_OF_DAY, SCAN_RATE, SCAN_RATE_UNIT, angle_of
 from pyport.recordings.mounted import axes_of, names_of
 from pyport.recordings.schema import Recordings
-
-#: Angles that are kept as columns of circumstances.
-_KEPT = (AXES - {"az", "el"}) | {"hour_angle", "ra", "dec", "wind_az", "sun_az", "sun_el"}
 
 
 def column(recordings: Recordings, name: str) -> NDArray[Any] | None:
@@ -54,7 +58,7 @@ def _angle(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
     if quantity in {told.first, told.sigmas[0]}:
         across = recordings.x if quantity == told.first else recordings.sigma_x
         return across / np.cos(axes_of(at)[1])
-    if quantity in _KEPT and quantity in at:
+    if quantity in DIRECTIONS and quantity in at:
         return at.column(quantity)
     if quantity in {"sun_az", "sun_el"}:
         return _sun(recordings, quantity)

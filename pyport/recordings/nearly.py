@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from pyport.columns import COLUMNS, LABEL, TEXT, angle_of
 from pyport.errors import BadInput
-from pyport.recordings.columns import angle_of
 
 #: Header keys of the contract.
 KEYS = frozenset(
@@ -31,38 +31,18 @@ _KEY = {
 }
 #: What other programs call columns, and what is expected.
 _COLUMN = {
-    **dict.fromkeys(("azimuth", "azimuth_deg", "az_true_deg"), "az_deg"),
-    **dict.fromkeys(
-        ("elevation", "elevation_deg", "alt", "alt_deg", "altitude", "altitude_deg", "el_true_deg"),
-        "el_deg",
-    ),
-    **{
-        f"{name}_{unit}": f"d_{ours}_{unit}"
-        for unit in ("deg", "arcmin", "arcsec", "mdeg")
-        for ours, names in {
-            "xel": ("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel"),
-            "az": ("daz", "d_azimuth", "d_azim", "delta_az"),
-            "el": ("d_alt", "dalt", "del", "d_elevation", "d_elev", "delta_el", "delta_alt"),
-            "zd": ("dzd", "d_za", "d_zenith_distance", "delta_zd"),
-        }.items()
-        for name in names
-    },
-    **dict.fromkeys(
-        ("temperature", "temp_c", "temperature_deg_c", "air_temperature_c"), "temperature_c"
-    ),
-    **dict.fromkeys(("pressure", "pressure_mbar", "pressure_mb"), "pressure_hpa"),
-    **dict.fromkeys(("humidity", "humidity_percent", "relative_humidity_pct"), "humidity_pct"),
-    **dict.fromkeys(("wind_speed", "wind_m_s", "wind_speed_ms"), "wind_speed_m_s"),
-    **dict.fromkeys(("wind_direction_deg", "wind_dir_deg", "wind_azimuth_deg"), "wind_az_deg"),
-    **dict.fromkeys(("frequency", "freq_mhz"), "frequency_mhz"),
-    **dict.fromkeys(("polarization", "pol"), "polarisation"),
+    f"{theirs}{unit}": f"{one.name}{unit}" if unit else one.spelled
+    for one in COLUMNS
+    if one.kind != TEXT
+    for theirs in one.also
+    for unit in (("_deg", "_arcmin", "_arcsec", "_mdeg") if one.name.startswith("d_") else ("",))
 }
 #: Other counts of time, and how a map reads them.
 _TIMES = {
     **dict.fromkeys(("time_mjd", "mjd", "mjd_utc", "time_mjd_utc"), "mjd"),
     **dict.fromkeys(("time_jd", "jd", "jd_utc", "time_jd_utc"), "jd"),
     **dict.fromkeys(("time_unix", "time_s", "unix_time", "timestamp"), "unix"),
-    **dict.fromkeys(("utc", "time_iso", "time_ut", "datetime_utc", "date_obs"), ""),
+    **{theirs: "" for one in COLUMNS if one.kind == TEXT for theirs in one.also},
 }
 
 
@@ -75,12 +55,7 @@ def meant(name: str) -> str | None:
 
 
 #: Conditions: under a name that is not known such a column is kept, as any other is.
-_KEPT = frozenset(
-    {
-        *("temperature_c", "pressure_hpa", "humidity_pct", "wind_speed_m_s", "wind_az_deg"),
-        *("frequency_mhz", "polarisation"),
-    }
-)
+_KEPT = frozenset(one.spelled for one in COLUMNS if one.spoken or one.kind == LABEL)
 
 
 def refuse_columns(names: Iterable[str]) -> None:

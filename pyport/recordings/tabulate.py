@@ -8,21 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, HOUR
-from pyport.recordings.columns import AXES, SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
+from pyport.angles import DEG
+from pyport.columns import AXES, COLUMNS, SET_ASIDE, TIME
 from pyport.recordings.mounted import names_of
 from pyport.recordings.schema import Recordings
 
 #: Columns of the program -> the contract's name and the radians (or s) of one of its units.
 _UNITS = {
     **{name: (f"{name}_deg", DEG) for name in AXES},
-    "hour_angle": ("hour_angle_h", HOUR),
-    "ra": ("ra_deg", DEG),
-    "dec": ("dec_deg", DEG),
-    "wind_az": ("wind_az_deg", DEG),
-    "sun_az": ("sun_az_deg", DEG),
-    "sun_el": ("sun_el_deg", DEG),
-    "scan_rate": (SCAN_RATE, SCAN_RATE_UNIT),
+    **{one.name: (one.written, one.scale) for one in COLUMNS if one.spoken and one.written},
 }
 
 

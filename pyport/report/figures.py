@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, DEG, HOUR, Array, handy
+from pyport.angles import ARCSEC, Array, handy
+from pyport.columns import shown
 from pyport.diagnosis.joint import rms
 from pyport.files import write_whole
 
@@ -25,13 +26,6 @@ BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
 BINS = 12
 #: So many coefficients fit beside each other with their names.
 MOST_BARS = 40
-
-_COLUMNS: dict[str, tuple[str, float]] = {
-    "hour_angle": ("hour angle [h]", HOUR),
-    "el": ("elevation [deg]", DEG),
-    "az": ("azimuth [deg]", DEG),
-    "time": ("time since the first recording [h]", 3600.0),
-}
 
 
 def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
@@ -106,9 +100,12 @@ def _follows(
             best, share = name, explained
     if finding.effect.startswith("scan") and "hour_angle" in choices:
         best = "hour_angle"
-    label, unit = _COLUMNS[best]
-    values = choices[best][row] - (np.min(choices[best]) if best == "time" else 0.0)
-    return label, values / unit
+    if best == "time":
+        return "time since the first recording [h]", (
+            choices[best][row] - np.min(choices[best])
+        ) / 3600
+    words, unit, scale = shown(best)
+    return f"{words} [{unit}]", choices[best][row] / scale
 
 
 def _explained(values: Array, curve: Array) -> float:

@@ -17,6 +17,7 @@ FLOORS = (
     ("angles", "errors", "files", "lazy", "progress", "stages", "threads", "toml_text"),
     ("checkpoint", "workers"),
     ("mounts",),
+    ("columns",),
     ("effects", "least_squares"),
     ("legacy", "pointing", "recordings"),
     ("models",),

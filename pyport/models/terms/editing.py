@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pyport.angles import RADIANS_PER
+from pyport.columns import LABELS
 from pyport.effects import Effect, catalogue, known
 from pyport.errors import BadInput
 from pyport.models.members import apart
@@ -15,7 +16,6 @@ from pyport.models.terms import field_system, formula, tpoint, tpoint_polar
 from pyport.models.terms.alike import ratio, seen
 from pyport.models.terms.words import Word
 from pyport.mounts import KINDS
-from pyport.recordings.columns import LABELS
 
 _VALUE = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-z]*)")
 

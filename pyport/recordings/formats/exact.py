@@ -8,8 +8,8 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 
+from pyport.columns import SET_ASIDE, angle_of
 from pyport.errors import BadInput
-from pyport.recordings.columns import SET_ASIDE, angle_of
 from pyport.recordings.tabulate import Table
 
 #: Decimals of a degree that a number gets which has no end in degrees: 0.4 microarcsec.

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from decimal import Decimal
 from pathlib import Path
 
+from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.formats import exact
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw

@@ -21,9 +21,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.columns import (
+    ANGLE,
+    COLUMNS,
+    DAY,
+    HOUR_OF_DAY,
+    LABELS,
+    NUMBERS,
+    SCAN_RATE,
+    TIME,
+    angle_of,
+)
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.columns import DAY, HOUR_OF_DAY, LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.csv import comment, read_text
 from pyport.recordings.raw import Raw
 from pyport.toml_text import spelled
@@ -271,31 +281,13 @@ def save(columns: Mapping[str, str], path: Path) -> None:
 
 #: What other people call a column: a pattern, and the contract's quantity.
 _CALLED: tuple[tuple[str, str], ...] = (
-    (r"az(imuth)?(d|deg)?|az_?(true|cmd|obs)", "az"),
-    (r"(el(evation)?|alt(itude)?)(d|deg)?|el_?(true|cmd|obs)", "el"),
-    (r"(d|delta|off(set)?|err(or)?|pnt)_?(x|xel|azcosel|cross_?el(evation)?)|az_?cos_?el", "d_xel"),
-    (
-        r"(d|delta|off(set)?|err(or)?|pnt)_?(az|azimuth)|(az|azimuth)_?(off(s|set)?|err(or)?)",
-        "d_az",
+    *(
+        (one.called, one.name if one.kind == ANGLE and not one.spoken else one.spelled)
+        for one in COLUMNS
+        if one.called
     ),
-    (r"(d|delta|off(set)?|err(or)?|pnt)_?(y|el|alt|elevation|altitude)", "d_el"),
-    (r"(el|alt|elevation|altitude)_?(off(s|set)?|err(or)?)", "d_el"),
-    (r"(sigma|std|e)_?(x|xel)|(delta_)?xel_?std", "sigma_xel"),
-    (r"(sigma|std|e)_?(y|el)|(delta_)?el(evation)?_?std", "sigma_el"),
-    (r"source|target|object|star|name|src", "source"),
-    (r"session|night|run|dataset", "session"),
-    (r"antenna|ant|dish|telescope", "antenna"),
-    (r"time(stamp)?(_?(utc?|iso))?|utc?|date_?obs|date_?time", TIME),
-    (r"date(_?utc?)?|day", DAY),
-    (r"ut(h|_?hours?)", HOUR_OF_DAY),
     (r"(time_?)?mjd(_?utc)?", f"{TIME}|mjd"),
     (r"(time_?)?jd(_?utc)?", f"{TIME}|jd"),
-    (r"t_?(amb|air|out)|temp(erature)?(_?(c|amb|air|out))?", "temperature_c"),
-    (r"press(ure)?(_?(hpa|mb(ar)?))?", "pressure_hpa"),
-    (r"(r|rel_?)?hum(idity)?(_?(pct|percent))?|rh", "humidity_pct"),
-    (r"wind_?(speed|vel)?(_?m_?s)?", "wind_speed_m_s"),
-    (r"wind_?(az|dir(ection)?)(_?deg)?", "wind_az_deg"),
-    (r"freq(uency)?(_?mhz)?", "frequency_mhz"),
 )
 _UNITS = ("arcsec", "arcmin", "mdeg", "deg", "rad")
 

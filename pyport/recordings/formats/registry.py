@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.columns import LABELS
 from pyport.errors import BadInput
-from pyport.recordings.columns import LABELS
 from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, tpoint_dat, xtr
 from pyport.recordings.formats import tables as typed
 from pyport.recordings.raw import Raw

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
+from pyport.columns import ANGLES
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.columns import ANGLES
 from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
 from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.tabulate import Table

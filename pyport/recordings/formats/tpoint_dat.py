@@ -14,12 +14,12 @@ import re
 from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
 
+from pyport.columns import SET_ASIDE
 from pyport.effects.base import OVER, PIER_SIDE
 from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.mounts import KINDS
-from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw

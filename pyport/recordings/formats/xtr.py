@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.columns import SET_ASIDE
 from pyport.recordings.formats import exact
 from pyport.recordings.formats.lines import Line, raw_of, spelled
 from pyport.recordings.formats.sections import section, sections

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCMIN
-from pyport.recordings.columns import SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
+from pyport.columns import SCAN_RATE, SCAN_RATE_UNIT, SET_ASIDE, TIME
 from pyport.recordings.formats import csv
 from pyport.recordings.interpret import interpret
 from pyport.recordings.raw import Raw

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.effects.base import Circumstances
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ
 from pyport.recordings import interpret, mounted
-from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.tables import is_text
 from pyport.recordings.raw import LONGEST_CELL, Raw
 from pyport.recordings.stream.pieces import Piece

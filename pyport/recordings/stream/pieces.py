@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.files import is_spelled
-from pyport.recordings.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.recordings.formats.tables import first_double, is_text
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.

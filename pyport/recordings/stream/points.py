@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.recordings.columns import angle_of
+from pyport.columns import angle_of
 from pyport.recordings.raw import Raw
 from pyport.recordings.stream.cells import Cells
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
+from pyport.columns import COLUMNS, angle_of
 from pyport.least_squares import robust
-from pyport.recordings.columns import angle_of
 from pyport.recordings.stream.cells import Cells, Codes
 from pyport.recordings.stream.chunk import Chunk
 from pyport.recordings.stream.middles import Middle
@@ -17,7 +17,7 @@ REACH = 6.0
 #: A reading of less weight than this is an outlier.
 OUTLIER = 0.05
 #: Angles whose mean is that of directions.
-CIRCULAR = frozenset({"hour_angle", "ra", "wind_az", "sun_az"})
+CIRCULAR = frozenset(one.name for one in COLUMNS if one.circular)
 
 
 def second_totals(
