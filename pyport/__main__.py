@@ -1,5 +1,22 @@
-"""`python -m pyport` is the `pyport` command."""
+"""The `pyport` command; `python -m pyport` is it too."""
 
-from pyport.cli import main
+import sys
 
-main()
+
+def main() -> None:
+    """Run the command line; the steering table, by the kernel, before anything is imported."""
+    try:
+        if sys.argv[1:2] == ["table"]:
+            from pyport.pointing import printed_table
+
+            if printed_table.answered(sys.argv[1:]):
+                return
+        from pyport import cli
+    except KeyboardInterrupt:
+        sys.stderr.write("pyport: interrupted\n")
+        sys.exit(130)
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,38 +1,18 @@
-"""The compiled kernel where it is installed: the same formulae in one loop.
-
-It is a distribution of its own, `pyport-pointing-kernel`, that `make wheel` builds from
-`kernel_src`. PYPORT_KERNEL=off leaves it out, PYPORT_KERNEL=required insists on it.
-"""
+"""The compiled kernel where it is installed: the same formulae in one loop."""
 
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Sequence
-from types import ModuleType
+from collections.abc import Sequence
 
 import numpy as np
 
 from pyport.angles import Array
+from pyport.pointing import compiled
 from pyport.pointing.leaning import Leaning
 
-
-def _installed() -> ModuleType | None:
-    """Return the kernel, None where it is not installed or not wanted."""
-    wish = os.environ.get("PYPORT_KERNEL", "")
-    if wish == "off":
-        return None
-    try:
-        import pyport_kernel
-    except ImportError:
-        if wish == "required":
-            raise
-        return None
-    return pyport_kernel
-
-
 #: The kernel in use, None where numpy does the work.
-KERNEL = _installed()
+KERNEL = compiled.KERNEL
 
 
 def path() -> str:
@@ -83,28 +63,31 @@ def look_up(
     return not KERNEL.look_up(*map(np.ascontiguousarray, nodes_and_all), *out)
 
 
-#: Functions of the C library that the kernel calls for many numbers.
-_LIBRARY: dict[Callable[..., float], int] = {math.sin: 0, math.cos: 1, math.asin: 2, math.atan2: 3}
-
-
-def library(function: Callable[..., float], parts: Sequence[Array]) -> Array | None:
-    """Return a function of `math` for each element, NaN where it has none: the C library's bits.
-
-    None without the kernel, and for functions that it does not know.
+def table_offsets(
+    p_deg: Array, az_deg: Array, zd_deg: Array, lift_deg: Array
+) -> tuple[Array, Array] | None:
+    """Return both offsets of :mod:`pyport.steering.as_written` [deg], None without the kernel.
 
     Parameters
     ----------
-    function
-        Sine, cosine, arcsine or the arctangent of two numbers.
-    parts
-        Its one or two arguments, arrays of one shape.
+    p_deg
+        p1..p12 [deg].
+    az_deg, zd_deg
+        The axes of a grid, (n, 1) and (1, m), or points, of shapes that broadcast [deg].
+    lift_deg
+        The refraction at each zenith distance [deg], of its shape.
     """
-    if KERNEL is None or function not in _LIBRARY:
+    if KERNEL is None:
         return None
-    first, last = (np.ascontiguousarray(one) for one in (parts[0], parts[-1]))
-    out = np.empty(parts[0].shape)
-    KERNEL.library(_LIBRARY[function], first, last, out)
-    return out
+    shape = np.broadcast_shapes(az_deg.shape, zd_deg.shape)
+    if not (len(shape) == 2 and az_deg.shape == (shape[0], 1) and zd_deg.shape == (1, shape[1])):
+        az_deg, zd_deg, lift_deg = (
+            np.broadcast_to(one, shape) for one in (az_deg, zd_deg, lift_deg)
+        )
+    d_az_deg, d_zd_deg = np.empty(shape), np.empty(shape)
+    given = p_deg, *map(_flat, (az_deg, zd_deg, lift_deg))
+    KERNEL.table_offsets(*given, d_az_deg, d_zd_deg)
+    return d_az_deg, d_zd_deg
 
 
 def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:

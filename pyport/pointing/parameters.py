@@ -11,28 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import DEG, Array
+from pyport.pointing.printed_table import RECOVERED_DEG
 
 #: Half a unit of the last digit that the parameters are printed to [rad].
 PRINTED_ROUNDING = 0.5e-6 * DEG
-
-
-#: p1..p12 [deg] of the 3model table to nine decimals, inside the rounding of the printed six:
-#: the table's program, given these, writes every printed digit. Others near by do too; within
-#: which bounds, `pyport.steering.feasible` tells.
-_RECOVERED_DEG = (
-    -0.049282183,
-    -0.059631502,
-    0.009452264,
-    -0.013254868,
-    0.001393287,
-    -0.000304149,
-    0.031273499,
-    0.011457918,
-    -0.011750501,
-    0.004538503,
-    0.004290860,
-    -0.020392426,
-)
 
 
 @dataclass(frozen=True)
@@ -84,7 +66,7 @@ def printed() -> Array:
 
 def recovered() -> Array:
     """Return p1..p12 with the digits that the print left out, from the printed table [rad]."""
-    return np.array(_RECOVERED_DEG) * DEG
+    return np.array(RECOVERED_DEG) * DEG
 
 
 def printed_sigmas() -> Array:

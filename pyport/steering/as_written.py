@@ -28,7 +28,6 @@ from pyport.legacy.intrinsics import (
     sin,
     tan,
 )
-from pyport.pointing import kernel
 from pyport.pointing.exact import tilted
 
 real4 = np.float32
@@ -128,8 +127,6 @@ def jumped4(az4: Array4, alt4: Array4) -> NDArray[np.bool_]:
 def each(function: Callable[..., float], *x: ArrayLike) -> Array:
     """Return a function of `math` for each element of arrays that broadcast, as Fortran has it."""
     parts = np.broadcast_arrays(*(np.asarray(one, float) for one in x))
-    if (compiled := kernel.library(function, parts)) is not None:
-        return compiled
     numbers = [one.ravel().tolist() for one in parts]
     try:
         values = list(map(function, *numbers))

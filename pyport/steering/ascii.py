@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.pointing import kernel, printed_table
 from pyport.steering.grid import Grid, Table
 
 
@@ -24,11 +25,12 @@ def rows(table: Table) -> Iterator[str]:
 def text(table: Table) -> bytes:
     """Return the table's rows, each with its line end."""
     az_deg, zd_deg = table.grid.az_deg, table.grid.zd_deg
-    whole = np.all(az_deg == np.rint(az_deg)) and np.all(zd_deg == np.rint(zd_deg))
-    place, width = (("{:4.0f}", "{:3.0f}"), 12) if whole else (("{:10.4f}", "{:9.4f}"), 13)
+    az_text, zd_text, width = printed_table.places(az_deg.tolist(), zd_deg.tolist())
+    if kernel.KERNEL is not None:
+        offsets = map(np.ascontiguousarray, (table.d_az_deg, table.d_zd_deg))
+        return printed_table.rows(kernel.KERNEL, az_text, zd_text, width, *offsets)
     az, zd = (
-        np.array([list(form.format(one).encode()) for one in axis], np.uint8)
-        for form, axis in zip(place, (az_deg, zd_deg), strict=True)
+        np.array([list(one.encode()) for one in places], np.uint8) for places in (az_text, zd_text)
     )
     shape = len(az), len(zd)
     d_az, d_zd = (decimals(units, width) for units in table.units())
@@ -44,8 +46,9 @@ def text(table: Table) -> bytes:
 
 def decimals(units: NDArray[np.int64], width: int) -> NDArray[np.uint8]:
     """Return whole units of 1e-7 as text, F`width`.7, one more axis of `width` characters."""
-    if np.any(np.abs(units) >= min(10 ** (width - 2), 2**31)):
-        raise BadInput(f"an offset does not fit into {width} columns")
+    # what is no number has become the least of them, of which there is no absolute value
+    if not np.all((units < printed_table.MOST_UNITS) & (units > -printed_table.MOST_UNITS)):
+        raise BadInput(printed_table.WIDER.format(width))
     rest = np.abs(units).astype(np.int32)
     out = np.full((*units.shape, width), ord(" "), np.uint8)
     zero = ord("0")

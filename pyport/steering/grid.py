@@ -92,4 +92,6 @@ class Table:
 
         Every file is written from these, so that all of them hold the same digits.
         """
-        return np.rint(np.stack([self.d_az_deg, self.d_zd_deg]) * UNITS_PER_DEG).astype(np.int64)
+        with np.errstate(invalid="ignore"):  # what is no number is refused where it is written
+            units = np.rint(np.stack([self.d_az_deg, self.d_zd_deg]) * UNITS_PER_DEG)
+            return units.astype(np.int64)

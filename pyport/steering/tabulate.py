@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.effects.refraction import ITERATIONS, refraction
 from pyport.errors import BadInput
-from pyport.pointing import exact_offsets, printed, recovered, swift
+from pyport.pointing import exact_offsets, kernel, printed, recovered, swift
 from pyport.steering.grid import RT32_GRID, Grid, Table
 
 #: The refraction of the RT32's tables, and what others take where none is asked for.
@@ -173,6 +173,11 @@ def _single_precision(
     from pyport.steering import as_written
 
     real4 = np.float32
+    lift = refraction4(refraction_name, zd_deg)
+    if reading == "as-written" and exact:
+        compiled = kernel.table_offsets(p / DEG, az_deg, zd_deg, lift.astype(float))
+        if compiled is not None:
+            return compiled
     p4 = list((p / DEG).astype(real4))
     if reading == "as-written":
         az_deg = as_written.each(as_written.wrapped_deg, az_deg)
@@ -184,7 +189,6 @@ def _single_precision(
             routine = legacy.model if exact else legacy.modela
             one = np.vectorize(lambda az, alt: routine(az, alt, p4), otypes=[real4, real4])
             d_az, d_alt = one(az4, alt4)
-    lift = refraction4(refraction_name, zd_deg)
     return d_az.astype(float), (-d_alt - lift).astype(float)
 
 

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from pyport.cli.lookup import command as lookup
 from pyport.cli.table import command as table
+from pyport.pointing import kernel
 from pyport.recordings.files import read
 from pyport.steering import read_table
 
@@ -152,3 +153,38 @@ def test_killed_while_writing_the_old_table_stays(tmp_path):
     assert beside[0].startswith(".table.txt.")
     assert process.returncode == -signal.SIGKILL
     assert path.read_text() == "old\n"
+
+
+@pytest.mark.skipif(kernel.KERNEL is None, reason="the kernel is not installed: make wheel")
+def test_the_kernel_writes_the_table_before_anything_is_imported(tmp_path):
+    """The bytes and the words are those of the command, without numpy or click."""
+    shown = [
+        subprocess.run(
+            [sys.executable, "-X", "importtime", "-m", "pyport", "table", option, "table.txt"],
+            cwd=tmp_path / how,
+            capture_output=True,
+            check=True,
+        )
+        for option, how in (("-o", "quick"), ("--output", "whole"))
+        if not (tmp_path / how).mkdir()
+    ]
+    texts = [(tmp_path / how / "table.txt").read_bytes() for how in ("quick", "whole")]
+
+    assert texts[0] == texts[1]
+    assert shown[0].stdout == shown[1].stdout
+    assert b"numpy" not in shown[0].stderr
+    assert b"click" not in shown[0].stderr
+
+
+def test_what_the_quick_table_cannot_do_is_left_to_the_command(tmp_path):
+    """A folder in the file's place is refused in one line."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pyport", "table", "-o", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("pyport: error: ")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import runpy
 from pathlib import Path
 
@@ -12,7 +11,10 @@ import pytest
 
 from pyport.angles import DEG
 from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, kernel, recovered
-from pyport.steering import RT32_GRID
+from pyport.steering import RT32_GRID, Grid, Table
+from pyport.steering.as_written import refraction4
+from pyport.steering.ascii import text as ascii_text
+from pyport.steering.tabulate import rt32_offsets
 
 SOURCE = Path(__file__).parents[2] / "pyport" / "pointing" / "kernel_src"
 #: Units of the last place that each function may be off.
@@ -160,14 +162,56 @@ def test_products_of_columns(level, rows):
     np.testing.assert_allclose(right, columns @ target, atol=1e-12)
 
 
-def test_the_c_librarys_functions_are_those_of_math():
-    """To the bit, so that a table's bytes are the same with the kernel and without."""
-    rng = np.random.default_rng(5)
-    x, y = rng.uniform(-1, 1, (2, 1000)) * 10 ** rng.uniform(-9, 0, 1000)
+GRIDS = {
+    "the published one": (np.arange(-270.0, 271, 9), np.arange(-5.0, 90)),
+    "between degrees, beyond a turn": (np.linspace(-500.3, 499.1, 61), np.linspace(-89.9, 120, 77)),
+    "what is no place": (np.array([np.nan, np.inf, 0.0, -0.0]), np.array([np.nan, 0.0, 90, 1e9])),
+}
 
-    for function in (math.sin, math.cos, math.asin):
-        assert kernel.library(function, [x]).tolist() == list(map(function, x.tolist()))
-    both = kernel.library(math.atan2, [y, x]).tolist()
-    assert both == list(map(math.atan2, y.tolist(), x.tolist()))
-    assert np.isnan(kernel.library(math.asin, [np.array([1.5])]))
-    assert kernel.library(math.tan, [x]) is None
+
+@pytest.mark.parametrize("axes", GRIDS.values(), ids=GRIDS)
+def test_the_tables_offsets_are_those_of_single_numbers(monkeypatch, axes):
+    """To the bit, so that a table's bytes are the same with the kernel and without."""
+    grid = axes[0][:, None], axes[1][None, :]
+    points = tuple(one.ravel() for one in np.broadcast_arrays(*grid))
+    p = recovered() * np.linspace(0.5, 40, 12)
+
+    for place in (grid, points):
+        ours = rt32_offsets(*place, p, "rt32-table", "as-written", exact=True)
+        with monkeypatch.context() as without:
+            without.setattr(kernel, "KERNEL", None)
+            theirs = rt32_offsets(*place, p, "rt32-table", "as-written", exact=True)
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_the_tables_refraction_is_that_of_single_numbers():
+    """To the bit, on both sides of the zenith and below the horizon."""
+    zd_deg = np.concatenate([np.linspace(-120, 120, 4801), [0.0, -0.0]])
+    found = np.empty_like(zd_deg)
+    compiled.table_refraction(zd_deg, found)
+
+    assert found.tobytes() == np.array([refraction4(one) for one in zd_deg], float).tobytes()
+
+
+@pytest.mark.parametrize("step", [1.0, 0.25])
+def test_the_tables_text_is_numpys(monkeypatch, step):
+    """Large and small offsets, of either sign, on grids in whole degrees and between."""
+    rng = np.random.default_rng(6)
+    grid = Grid(np.arange(-5, 20, step), np.arange(-3, 9, step))
+    offsets = rng.normal(size=(2, len(grid.az_deg), len(grid.zd_deg))) * 10.0 ** rng.integers(-9, 2)
+    offsets[:, 0, :4] = 214.7483647, -214.7483647, -4e-8, 9.9999999999
+    text = ascii_text(Table(grid, *offsets))
+    with monkeypatch.context() as without:
+        without.setattr(kernel, "KERNEL", None)
+        assert text == ascii_text(Table(grid, *offsets))
+
+
+def test_an_older_kernel_is_left_out(monkeypatch):
+    """One that lacks what this version calls is as good as none."""
+    monkeypatch.setattr(compiled, "INTERFACE", 1)
+    lookup = SOURCE.parent / "compiled.py"
+    assert runpy.run_path(str(lookup))["KERNEL"] is None
+
+    monkeypatch.setenv("PYPORT_KERNEL", "required")
+    with pytest.raises(ImportError, match="another version"):
+        runpy.run_path(str(lookup))

@@ -58,6 +58,14 @@ def test_zero_has_no_sign():
     assert lines[0] == "  -1 10   0.0000000   0.0000000"
 
 
+@pytest.mark.usefixtures("both_paths")
+@pytest.mark.parametrize("offset", [214.7483648, -1e30, np.inf, np.nan])
+def test_an_offset_that_does_not_fit_is_refused(offset):
+    """So is one that is no number."""
+    with pytest.raises(BadInput, match="does not fit into 12 columns"):
+        list(rows(Table(SMALL, np.full((3, 2), offset), np.zeros((3, 2)))))
+
+
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [

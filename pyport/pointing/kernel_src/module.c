@@ -5,11 +5,11 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
 #include "loops.h"
+#include "steering.h"
 
 #ifdef __x86_64__
 extern const struct loops loops_v4, loops_v3, loops_v1;
@@ -189,42 +189,94 @@ static PyObject *gram(PyObject *self, PyObject *args)
     return answer(&of, k);
 }
 
-/* A function of n numbers: the kernel's, or the C library's as Python's math module calls it. */
-static PyObject *function_of(PyObject *args, int library)
+static PyObject *elementary(PyObject *self, PyObject *args)
 {
     int which;
     PyObject *given[3];
     struct numbers of;
+    (void)self;
     if (!PyArg_ParseTuple(args, "iOOO", &which, given, given + 1, given + 2)
         || !take(&of, given, 3, 2))
         return NULL;
     size_t n = size(&of, 2);
-    const double *y = values(&of, 0), *x = values(&of, 1);
-    double *out = values(&of, 2);
     if (size(&of, 0) != n || size(&of, 1) != n)
         return wrong(&of);
     Py_BEGIN_ALLOW_THREADS
-    if (!library)
-        chosen->elementary(which, n, y, x, out);
-    for (size_t i = 0; library && i < n; i++)
-        out[i] = which == 0   ? sin(x[i])
-                 : which == 1 ? cos(x[i])
-                 : which == 2 ? asin(x[i])
-                              : atan2(y[i], x[i]);
+    chosen->elementary(which, n, values(&of, 0), values(&of, 1), values(&of, 2));
     Py_END_ALLOW_THREADS
     return answer(&of, n);
 }
 
-static PyObject *elementary(PyObject *self, PyObject *args)
+static PyObject *table_offsets(PyObject *self, PyObject *args)
 {
+    PyObject *given[6];
+    struct numbers of;
     (void)self;
-    return function_of(args, 0);
+    if (!PyArg_ParseTuple(args, "OOOOOO", given, given + 1, given + 2, given + 3, given + 4,
+                          given + 5)
+        || !take(&of, given, 6, 4))
+        return NULL;
+    size_t n = size(&of, 1), m = size(&of, 2), all = size(&of, 4);
+    int paired = n == m && all == n;
+    if (size(&of, 0) != 12 || size(&of, 3) != m || size(&of, 5) != all || !(paired || all == n * m))
+        return wrong(&of);
+    struct altitude *room = PyMem_Malloc(steering_room(paired ? 0 : m));
+    if (!room)
+    {
+        PyErr_NoMemory();
+        return wrong(&of);
+    }
+    Py_BEGIN_ALLOW_THREADS
+    steering_offsets(values(&of, 0), n, values(&of, 1), m, values(&of, 2), values(&of, 3), paired,
+                     room, values(&of, 4), values(&of, 5));
+    Py_END_ALLOW_THREADS
+    PyMem_Free(room);
+    return answer(&of, all);
 }
 
-static PyObject *library(PyObject *self, PyObject *args)
+static PyObject *table_refraction(PyObject *self, PyObject *args)
 {
+    PyObject *given[2];
+    struct numbers of;
     (void)self;
-    return function_of(args, 1);
+    if (!PyArg_ParseTuple(args, "OO", given, given + 1) || !take(&of, given, 2, 1))
+        return NULL;
+    size_t n = size(&of, 0);
+    if (size(&of, 1) != n)
+        return wrong(&of);
+    steering_refraction(n, values(&of, 0), values(&of, 1));
+    return answer(&of, n);
+}
+
+static PyObject *table_rows(PyObject *self, PyObject *args)
+{
+    PyObject *given[2], *text = NULL;
+    const char *az, *zd;
+    Py_ssize_t az_all, zd_all, az_width, zd_width, width;
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "y#ny#nnOO", &az, &az_all, &az_width, &zd, &zd_all, &zd_width,
+                          &width, given, given + 1)
+        || !take(&of, given, 2, 2))
+        return NULL;
+    if (az_width < 1 || az_width > 99 || zd_width < 1 || zd_width > 99 || width < 12 || width > 99
+        || az_all % az_width || zd_all % zd_width)
+        return wrong(&of);
+    size_t n = (size_t)(az_all / az_width), m = (size_t)(zd_all / zd_width), all = n * m;
+    size_t row = (size_t)(az_width + zd_width + 2 * width + 1);
+    if (size(&of, 0) != all || size(&of, 1) != all || all > PY_SSIZE_T_MAX / row)
+        return wrong(&of);
+    if (!(text = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)(all * row))))
+        return wrong(&of);
+    if (!steering_rows(n, az, (size_t)az_width, m, zd, (size_t)zd_width, (size_t)width,
+                       values(&of, 0), values(&of, 1), PyBytes_AsString(text)))
+    {
+        Py_DECREF(text);
+        PyErr_SetString(PyExc_OverflowError, "an offset does not fit");
+        return wrong(&of);
+    }
+    give_back(&of);
+    return text;
 }
 
 static PyObject *levels(PyObject *self, PyObject *unused)
@@ -281,8 +333,15 @@ static PyMethodDef methods[] = {
     {"elementary", elementary, METH_VARARGS,
      "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
      "of y and x; y, x, values)."},
-    {"library", library, METH_VARARGS,
-     "Write the C library's values of the same functions; arguments as for `elementary`."},
+    {"table_offsets", table_offsets, METH_VARARGS,
+     "Write the offsets of the RT32's table as its program computed them [deg].\n\n"
+     "(p, az, zd, refraction at zd, d_az, d_zd): of a grid, or of as many pairs."},
+    {"table_refraction", table_refraction, METH_VARARGS,
+     "Write the refraction of the table's program [deg]: (zd, refraction)."},
+    {"table_rows", table_rows, METH_VARARGS,
+     "Return a table's text.\n\n"
+     "(azimuths as text, characters of one, zenith distances, characters of one, characters of\n"
+     "an offset, d_az, d_zd [deg])."},
     {"levels", levels, METH_NOARGS, "Return the instruction sets that can be chosen, best first."},
     {"level", level, METH_NOARGS, "Return the instruction set in use."},
     {"choose", choose, METH_VARARGS, "Use an instruction set of `levels`."},
@@ -300,5 +359,8 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
     for (int n = COUNT - 1; n >= 0; n--)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
-    return PyModule_Create(&definition);
+    PyObject *module = PyModule_Create(&definition);
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 2) < 0)
+        Py_CLEAR(module);
+    return module;
 }
