@@ -8,11 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-
-#: Fewer antennas than this are no array.
-ENOUGH_ANTENNAS = 3
-#: From this many sigmas a part counts as there.
-SIGNIFICANT = 3.0
+from pyport.thresholds import SIGNIFICANT
 
 
 @dataclass(frozen=True)

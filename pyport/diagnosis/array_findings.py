@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.diagnosis import check, identify, words
-from pyport.diagnosis.array import ENOUGH_ANTENNAS, SIGNIFICANT, Split, split
+from pyport.diagnosis.array import Split, split
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.finding import Evidence, Finding, Where
@@ -23,6 +23,7 @@ from pyport.diagnosis.scene import (
     size,
 )
 from pyport.diagnosis.steps import Step
+from pyport.thresholds import SEVERAL, SIGNIFICANT
 
 #: Columns this parallel are one and the same.
 PARALLEL = 0.999
@@ -132,7 +133,7 @@ def taken_apart(scene: Scene, choice: int) -> Split | None:
     noisy = noisy_antennas(setup, scene.floor)
     good = scene.joint.solution.known[where] & (sigma > 0)
     good &= ~np.isin(setup.blocks.antenna[blocks], noisy)
-    if len(np.unique(setup.blocks.antenna[blocks][good])) < ENOUGH_ANTENNAS:
+    if len(np.unique(setup.blocks.antenna[blocks][good])) < SEVERAL:
         return None
     session = setup.blocks.session[blocks]
     if "session" not in chosen.scope:

@@ -10,8 +10,9 @@ from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.field_families import Field
 from pyport.diagnosis.finding import Interval
-from pyport.diagnosis.view import FEWEST, plain_view
+from pyport.diagnosis.view import plain_view
 from pyport.effects.fields import inside
+from pyport.thresholds import FEWEST
 
 #: Cells that the sky is cut into: of equal width around, of equal counts upward.
 AROUND, UPWARD = 24, 16

@@ -28,6 +28,7 @@ from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, group, stack, term_columns
 from pyport.stages import stage
+from pyport.thresholds import ENOUGH_ANTENNAS
 
 DRAWS = 300
 #: Sessions of a single antenna up to which an effect of the sky may differ between them.
@@ -262,7 +263,7 @@ def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
 
     No other column is whitened: they are zero. An array's common mode asks for all.
     """
-    if setup.blocks.antennas >= common_mode.ENOUGH_ANTENNAS:
+    if setup.blocks.antennas >= ENOUGH_ANTENNAS:
         return weigh(setup, chosen)
     covariance = noise(setup, chosen)
     white = whiten_model(setup, covariance, (*setup.base, *chosen))
@@ -352,7 +353,7 @@ def _common_excess(
     covariance: Covariance,
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
-    if setup.blocks.antennas < common_mode.ENOUGH_ANTENNAS:
+    if setup.blocks.antennas < ENOUGH_ANTENNAS:
         return common_mode.Excess()
     columns = setup.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))

@@ -13,15 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
-from pyport.diagnosis.confirm import CONFIRMED
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
 from pyport.effects import CATALOGUE
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
-
-#: So many kinds of change are confirmed in a turn, those with the most evidence.
-MOST_CHANGES = 2
+from pyport.thresholds import CONVINCING, MOST_CHANGES
 
 
 @stage("proposing changes")
@@ -75,7 +72,7 @@ def proposed(
         evidence = at_best(power[good], along)[0] - price
         gain = float((along**2 / power[good]).sum())
         held = best.get(trial.candidate.effect.id)
-        if evidence > CONFIRMED and (held is None or evidence > held.evidence):
+        if evidence > CONVINCING and (held is None or evidence > held.evidence):
             best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
     ranked = sorted(best.values(), key=lambda one: -round(one.evidence, TIE))
     return beside, ranked[:MOST_CHANGES]

@@ -12,10 +12,7 @@ from pyport.diagnosis.case import Problem, WhitenedData
 from pyport.diagnosis.identify import agrees
 from pyport.diagnosis.joint import Joint, contribution
 from pyport.least_squares.gram import Gram
-
-#: Halves whose strengths differ by more than this many sigmas and this share are not one effect.
-SIGMAS = 4.0
-SHARE = 0.5
+from pyport.thresholds import REFUTES, SAME_STRENGTH
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def _compare(white: Array, label: str) -> Check | None:
     if not solution.known[-2:].all():
         return None
     extra, sigma = solution.values[-1], float(np.sqrt(solution.covariance[-1, -1]))
-    differs = abs(extra) > SIGMAS * sigma and abs(extra) > SHARE
+    differs = abs(extra) > REFUTES * sigma and abs(extra) > SAME_STRENGTH
     words = f"strength in {label}: {1 + extra:+.2f} +- {sigma:.2f} of the rest's"
     return Check(not differs, words)
 

@@ -18,11 +18,6 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate
 from pyport.stages import stage
 
-#: Twice the log of the posterior odds from which an effect is accepted, twenty to one: the Bayes
-#: factor with the noise estimated anew in both worlds, less what its choice among all effects of
-#: its kind and among its family costs.
-CONFIRMED = 6.0
-
 
 @stage("confirming")
 def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: float) -> float:

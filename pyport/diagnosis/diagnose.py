@@ -18,7 +18,7 @@ from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.finding import Finding, HeldOut
 from pyport.diagnosis.search import search
 from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
-from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value, gain_needed, threshold
+from pyport.diagnosis.significance import family_p_value, gain_needed, threshold
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.two_axes import Disagreement, disagreements
 from pyport.diagnosis.winner import trials_of
@@ -28,6 +28,7 @@ from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
 from pyport.threads import one_thread
+from pyport.thresholds import FAMILY_ERROR
 
 TINY = 1e-200
 

@@ -19,11 +19,11 @@ from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.case import Chosen, weigh_alike
 from pyport.diagnosis.edges import LEVELS, Sky, sky_of
 from pyport.diagnosis.steps import Outcome
-from pyport.diagnosis.view import FEWEST
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.stages import stage
+from pyport.thresholds import FEWEST
 
 if TYPE_CHECKING:
     from celerite2 import GaussianProcess

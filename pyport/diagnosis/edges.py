@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Problem
-from pyport.diagnosis.view import FEWEST, View
+from pyport.diagnosis.view import View
 from pyport.effects import Effect
 from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
+from pyport.thresholds import FEWEST
 
 #: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]
 _FIRST = np.array([4, 4, 4, 2, 2]) * DEG

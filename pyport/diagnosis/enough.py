@@ -15,15 +15,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.case import Problem
-
-#: Measured numbers that must be left beyond all coefficients.
-SPARE = 20
-#: From fewer numbers beyond the coefficients the scatter itself may come out near zero by chance,
-#: and what would have been seen with it: of five it falls below a quarter of the truth in 0.3 % of
-#: all cases, of one in 20 %.
-SCATTER = 5
-#: Pointings that must carry what is seen of an effect; a night has as many.
-FEWEST = 4
+from pyport.thresholds import ENOUGH, FEWEST
 
 
 @dataclass(frozen=True)
@@ -45,7 +37,7 @@ class TooFew:
     @property
     def scatter_known(self) -> bool:
         """Tell whether enough is left beyond the coefficients to hold anything against."""
-        return self.numbers - self.coefficients >= SCATTER
+        return self.numbers - self.coefficients >= FEWEST
 
     @property
     def sentence(self) -> str:
@@ -54,13 +46,13 @@ class TooFew:
         return (
             f"Too few recordings: nothing can be said from {self.pointings} {of} "
             f"({self.numbers} measured numbers) with {self.coefficients} fitted coefficients; "
-            f"{self.coefficients + SPARE} numbers are needed"
+            f"{self.coefficients + ENOUGH} numbers are needed"
         )
 
 
 def lacking(numbers: int, coefficients: int) -> int:
     """Return how many measured numbers are lacking beside so many coefficients, 0 for none."""
-    return max(0, coefficients + SPARE - numbers)
+    return max(0, coefficients + ENOUGH - numbers)
 
 
 def measured(setup: Problem, rows: NDArray[np.bool_] | None = None) -> int:

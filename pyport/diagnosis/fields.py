@@ -23,9 +23,8 @@ from pyport.diagnosis.finding import Interval
 from pyport.effects.fields import field as as_effect
 from pyport.least_squares.gram import inverted
 from pyport.stages import stage
+from pyport.thresholds import FEWEST
 
-#: A bump that fewer readings feel is left out.
-FEWEST = 4
 #: A stretch that holds more of the readings than this is no place.
 WIDEST = 0.35
 #: One that holds fewer is where a curve that swings everywhere happens to swing most.

@@ -25,6 +25,7 @@ from pyport.diagnosis.steps import Step
 from pyport.diagnosis.verdict import honest
 from pyport.effects.mounts import declared
 from pyport.stages import stage
+from pyport.thresholds import MOST_MEMBERS
 
 
 @stage("telling findings")
@@ -67,7 +68,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     largest = largest_offset(setup)
     if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
-    few = len(called.members) <= identify.MOST_MEMBERS
+    few = len(called.members) <= MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
     one = len(called.members) == 1 and not called.others
     verdict = ("named" if one else "ambiguous") if named else "unknown"

@@ -12,18 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis.enough import FEWEST, SPARE, lacking, measured
+from pyport.diagnosis.enough import lacking, measured
 from pyport.diagnosis.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.recordings.nights import NIGHT_GAP_S
+from pyport.thresholds import CARRIERS, ENOUGH, SAME_STRENGTH, SEEN, SIGNIFICANT, WITH_THE_HOUR
 
 #: A day [s].
 DAY_S = 86400.0
-#: A curve is seen in a night from so many of its sigmas on; it is the same as in all nights where
-#: it differs by fewer sigmas than the second, or by less than the share.
-SEEN, SAME_SIGMAS, SAME_SHARE = 2.0, 3.0, 0.5
-#: A column of which a cubic in time draws this share went with the hour.
-SMOOTH, ORDER = 0.9, 3
+#: Order of the polynomial in time that may draw a column: rise, fall and turn of one night.
+ORDER = 3
 
 
 @dataclass(frozen=True)
@@ -52,13 +50,13 @@ def _too_few(scene: Scene, seen: Array) -> Refusal | None:
     there = measured(scene.setup, scene.weighed.used)
     if lack := lacking(there, rank):
         return Refusal(
-            f"{there} measured numbers are too few for {rank} coefficients and {SPARE} more, by "
+            f"{there} measured numbers are too few for {rank} coefficients and {ENOUGH} more, by "
             "which one cause is distinguished from another",
             f"record {-(-lack // 2)} pointings more, or more",
         )
-    if (carried := carriers(scene, seen)) < FEWEST:
+    if (carried := carriers(scene, seen)) < CARRIERS:
         return Refusal(
-            f"what is seen of it rests on {carried:.1f} pointings, fewer than {FEWEST}",
+            f"what is seen of it rests on {carried:.1f} pointings, fewer than {CARRIERS}",
             "record more pointings where it is seen",
         )
     return None
@@ -149,7 +147,7 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
             continue
         size = float((weight[own] * seen[own] * left[own]).sum()) / power
         sigma = 1 / np.sqrt(power)
-        found += size > SEEN * sigma and abs(size - 1) < max(SAME_SIGMAS * sigma, SAME_SHARE)
+        found += size > SEEN * sigma and abs(size - 1) < max(SIGNIFICANT * sigma, SAME_STRENGTH)
     return found >= 2
 
 
@@ -175,7 +173,9 @@ def nights(scene: Scene) -> int:
         return len(np.unique(scene.setup.session))
     time = np.sort(time)
     runs = np.split(time, np.flatnonzero(np.diff(time) > NIGHT_GAP_S) + 1)
-    return sum(max(1, round(float(run[-1] - run[0]) / DAY_S)) for run in runs if len(run) >= FEWEST)
+    return sum(
+        max(1, round(float(run[-1] - run[0]) / DAY_S)) for run in runs if len(run) >= CARRIERS
+    )
 
 
 def goes_with_the_hour(scene: Scene, column: str) -> bool:
@@ -190,7 +190,7 @@ def goes_with_the_hour(scene: Scene, column: str) -> bool:
     phase = (time - time.min()) / np.ptp(time) * 2 - 1
     basis = np.polynomial.legendre.legvander(phase[known], ORDER)
     left = values[known] - basis @ np.linalg.lstsq(basis, values[known], rcond=1e-9)[0]
-    return float(left.var()) <= (1 - SMOOTH) * float(values[known].var())
+    return float(left.var()) <= (1 - WITH_THE_HOUR) * float(values[known].var())
 
 
 def _times(scene: Scene) -> Array | None:

@@ -14,15 +14,8 @@ from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
+from pyport.thresholds import BLOCKS, CLIP, FOLDS, MOST_FOLDS, SEVERAL
 
-#: Sessions from which on whole sessions are left out.
-ENOUGH_SESSIONS = 3
-FOLDS = 10
-MOST_FOLDS = 20
-BLOCKS = 5
-#: A prediction that is off by more than five sigmas counts as five: a coefficient may hang on
-#: one scan alone.
-CLIP = 25.0
 #: A prediction is open when more than this share of its columns is what the fit leaves open.
 OPEN = 1e-4
 
@@ -56,7 +49,7 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
     epochs = any(one.candidate.effect.is_change or one.candidate.of_time for one in choices)
     departing = any(one.of == "session" for one in weighed.covariance.departures)
     departing = departing and not epochs
-    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not (own or epochs or departing):
+    if len(np.unique(sessions)) >= SEVERAL and not (own or epochs or departing):
         count = len(np.unique(sessions))
         if count <= MOST_FOLDS:
             return Folds("leave one session out", sessions)

@@ -10,30 +10,21 @@ import numpy as np
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.effects import degeneracies
 from pyport.least_squares.gram import inverted
+from pyport.thresholds import (
+    ALIKE,
+    BENT,
+    IDENTICAL,
+    IMPERFECTION,
+    KNOWN_SHARE,
+    NOT_EXCLUDED,
+    OUT_OF_REACH,
+    REFUTES,
+    SEEN,
+)
 
 #: Evidence is compared to so many decimals: of effects that draw one and the same curve the
 #: catalogue's first stands, whatever rounding says.
 TIE = 6
-#: Squared cosine from which two curves count as one: a cosine of 0.95.
-ALIKE = 0.95**2
-#: Squared cosine from which they are one and the same, whatever sizes physics allows them.
-IDENTICAL = 0.99
-#: Two curves that alike are distinguished all the same when one of them leaves this much more, and
-#: more than this share of what there was: what first-order shapes may be wrong by.
-DECISIVE, DECISIVE_SHARE = 60.0, 0.02
-#: An effect that falls behind by less than this in evidence is not excluded.
-NOT_EXCLUDED = 8.0
-#: A class of more effects than this says nothing.
-MOST_MEMBERS = 6
-#: One whose evidence is less than this explains nothing.
-WORTHLESS = -2.0
-
-#: A coefficient that physics fixes may be off by this many sigmas and this share of itself.
-KNOWN_SIGMAS, KNOWN_SHARE = 4.0, 0.1
-#: What else was left out may bend a known coefficient by up to this factor.
-BENT = 2.0
-#: An effect of known size whose sigma is a larger share of it than this could not have been seen.
-KNOWN_SIGHT = 0.5
 
 
 @dataclass(frozen=True)
@@ -73,13 +64,13 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
-        close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, WORTHLESS)
+        close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
         # A rival with many more coefficients can draw any curve; that is no likeness.
         same = (
             rival.scope == winner.scope
             and rival.dof <= 2 * winner.dof
             and beside.share(winner, rival) >= ALIKE
-            and winner.gain - rival.gain < max(DECISIVE, DECISIVE_SHARE * winner.gain)
+            and winner.gain - rival.gain < max(OUT_OF_REACH, IMPERFECTION * winner.gain)
         )
         if (close or same) and any(_only_adds_to(beside, one, rival) for one in inside):
             continue
@@ -95,7 +86,7 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
 def _follows_another(winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival of the winner's family has another driver and is not excluded."""
     one, other = winner.candidate.effect, rival.candidate.effect
-    close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, WORTHLESS)
+    close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
     return close and one.id == other.id and one.driver != other.driver
 
 
@@ -128,7 +119,7 @@ def fits_physics(trial: CandidateFit) -> bool:
         if coefficient.expected is None:
             continue
         known, sigma_of = coefficient.expected, error / coefficient.scale
-        unseen = sigma_of > KNOWN_SIGHT * known
+        unseen = sigma_of > known / SEEN
         if unseen or not agrees(value / coefficient.scale, sigma_of, known):
             return False
     return True
@@ -145,14 +136,14 @@ def seen(trial: CandidateFit) -> bool:
         if known is None:
             continue
         share = value / coefficient.scale / known
-        if error / coefficient.scale > KNOWN_SIGHT * known or not 1 / BENT < share < BENT:
+        if error / coefficient.scale > known / SEEN or not 1 / BENT < share < BENT:
             return False
     return True
 
 
 def agrees(value: float, sigma: float, expected: float) -> bool:
     """Tell whether a coefficient has the value that physics fixes, as far as its error tells."""
-    return abs(value - expected) <= KNOWN_SIGMAS * sigma + KNOWN_SHARE * expected
+    return abs(value - expected) <= REFUTES * sigma + KNOWN_SHARE * expected
 
 
 def decide_by(members: Sequence[str], others: Sequence[str] = ()) -> str | None:

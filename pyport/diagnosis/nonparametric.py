@@ -10,18 +10,10 @@ import numpy as np
 from pyport.diagnosis.boxes import boxes
 from pyport.diagnosis.case import Chosen, Problem, weigh, weigh_model
 from pyport.diagnosis.fields import Ground, Worth, as_candidate
-from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
+from pyport.diagnosis.significance import family_p_value
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.winner import predicts, trials_of
-
-#: A field must beat all names together by this much, in twice the logarithm of the evidence.
-FIELD_MARGIN = 6.0
-#: What every name beyond the first costs: few things are left out at once, and each name was one
-#: of many.
-NAME_PRICE = 12.0
-#: What a strong effect leaves because its shape is known to first order only, as a share of its
-#: gain: a further finding must gain more than that.
-IMPERFECTION = 0.02
+from pyport.thresholds import CONVINCING, FAMILY_ERROR, IMPERFECTION, NAME_PRICE
 
 
 def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
@@ -34,7 +26,7 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, weighed, before))]
     best = max(worths, key=lambda one: one.evidence)
     strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
-    least = max(FIELD_MARGIN, IMPERFECTION * strongest)
+    least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
     if best.evidence <= least or best.directions.shape[1] == 0:

@@ -11,10 +11,11 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.edges import edges_of
 from pyport.diagnosis.evidence import CandidateFit
-from pyport.diagnosis.view import FEWEST, View, plain_view
+from pyport.diagnosis.view import View, plain_view
 from pyport.effects import Effect, catalogue
 from pyport.effects.epochs import clock, epoch_step
 from pyport.stages import stage
+from pyport.thresholds import FEWEST
 
 #: The best moment of each of so many stretches of time is weighed with the drift.
 STRETCHES = 24

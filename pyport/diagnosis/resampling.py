@@ -22,16 +22,15 @@ from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.least_squares.gram import inverse_of
 from pyport.stages import stage
+from pyport.thresholds import ENOUGH_TO_RESAMPLE, OUT_OF_REACH
 
 DRAWS = 40
 #: So many of the nearest names compete with it.
 RIVALS = 4
-#: Rivals that fell behind by more than this in evidence cannot come first in any draw.
-NEAR = 100.0
 #: With more columns than this the model stands as fitted to all the data, and is not drawn anew.
 MOST_COLUMNS = 500
-#: Sessions from which on whole sessions are drawn; else so many blocks of time.
-ENOUGH_SESSIONS, BLOCKS = 10, 40
+#: Blocks of time that are drawn where there are too few sessions.
+UNITS = 40
 
 
 @stage("resampling")
@@ -93,7 +92,7 @@ def _rivals(step: Step, taken: Collection[str]) -> list[CandidateFit]:
     found: dict[str, CandidateFit] = {}
     for trial in sorted(step.trials, key=lambda one: -round(one.evidence, TIE)):
         effect = trial.candidate.effect
-        if trial.evidence < step.winner.evidence - NEAR or len(found) == RIVALS:
+        if trial.evidence < step.winner.evidence - OUT_OF_REACH or len(found) == RIVALS:
             break
         if not effect.physical or effect.id in taken or effect.id in found:
             continue
@@ -111,7 +110,7 @@ def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
     sessions = setup.session
     effect = own.candidate.effect
     of_session = "session" in own.scope or effect.is_change or own.candidate.of_time
-    if len(np.unique(sessions)) >= ENOUGH_SESSIONS and not of_session:
+    if len(np.unique(sessions)) >= ENOUGH_TO_RESAMPLE and not of_session:
         return "sessions", sessions
     at = setup.recordings.at
     time = np.full(len(at), np.nan)
@@ -120,13 +119,13 @@ def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
     if not np.isfinite(time).all():
         rng = np.random.default_rng(setup.seed)
         distinct, pointing = np.unique(setup.pointing, return_inverse=True)
-        deal = rng.permutation(len(distinct)) % min(BLOCKS, len(distinct))
+        deal = rng.permutation(len(distinct)) % min(UNITS, len(distinct))
         return "pointings", deal[pointing]
     # Moments in the order of sessions and time; what was measured at one moment stays together.
     keys = np.stack([sessions, time[setup.stack.row]])
     moments, moment = np.unique(keys, axis=1, return_inverse=True)
     session = moments[0].astype(np.intp)
-    rank = np.arange(len(session)) * BLOCKS // len(session)
+    rank = np.arange(len(session)) * UNITS // len(session)
     unit = np.unique(np.stack([session, rank]), axis=1, return_inverse=True)[1]
     return "blocks of time", unit.ravel()[moment.ravel()]
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis import holdout, identify
-from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.joint import Joint, combined, rms, sigmas
@@ -19,11 +18,7 @@ from pyport.diagnosis.settle import unseen
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination
-
-#: An axis belongs to a finding when it shows this share of what the other axis shows.
-AXIS_SHARE = 0.2
-#: An antenna that scatters by this many times the array's median counts as noisy.
-WILD = 10.0
+from pyport.thresholds import AXIS_SHARE, GROSS, SEVERAL
 
 
 @dataclass(frozen=True)
@@ -80,10 +75,10 @@ def noisy_antennas(setup: Problem, floor: Array) -> list[str]:
     """Name the antennas whose noise drowns whatever the others show."""
     antennas = setup.blocks.antenna[setup.block]
     names = np.unique(antennas)
-    if len(names) < ENOUGH_ANTENNAS:
+    if len(names) < SEVERAL:
         return []
     own = np.array([np.median(floor[antennas == name]) for name in names])
-    return [str(name) for name in names[own > WILD * np.median(own)]]
+    return [str(name) for name in names[own > GROSS * np.median(own)]]
 
 
 def parameters_of(scene: Scene, choice: int) -> list[Parameter]:

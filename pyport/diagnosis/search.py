@@ -9,15 +9,12 @@ import numpy as np
 
 from pyport.diagnosis import identify
 from pyport.diagnosis.case import Chosen, Problem, temporal, weigh
-from pyport.diagnosis.confirm import CONFIRMED, confirmed
-from pyport.diagnosis.nonparametric import IMPERFECTION, field_instead
-from pyport.diagnosis.significance import FAMILY_ERROR, family_p_value
+from pyport.diagnosis.confirm import confirmed
+from pyport.diagnosis.nonparametric import field_instead
+from pyport.diagnosis.significance import family_p_value
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
-
-MOST_FINDINGS = 8
-#: An earlier choice makes way for another that has so much more evidence beside the later ones.
-MIN_LOG_BAYES_FACTOR_TO_SWAP = 6.0
+from pyport.thresholds import CONVINCING, FAMILY_ERROR, IMPERFECTION, MOST_FINDINGS
 
 
 def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:
@@ -66,7 +63,7 @@ def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     while now.chosen:
         sure = [_standing_of(now, one) for one in now.chosen]
         weakest = min(range(len(sure)), key=lambda n: sure[n])
-        if sure[weakest] > CONFIRMED:
+        if sure[weakest] > CONVINCING:
             break
         out = now.chosen[weakest]
         tell(f"{out.candidate.effect.id}: the noise does as well")
@@ -166,7 +163,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
             now.weighed,
             others,
             trials,
-            own.evidence + MIN_LOG_BAYES_FACTOR_TO_SWAP,
+            own.evidence + CONVINCING,
             banned=banned,
             changes=False,
         )

@@ -23,13 +23,10 @@ from pyport.diagnosis.steps import Outcome
 from pyport.diagnosis.winner import trials_of
 from pyport.least_squares import robust
 from pyport.stages import stage
+from pyport.thresholds import GROSS, OUT_OF_REACH
 
-#: A reading that both predictions miss by so many times the scatter of the other folds is a gross
-#: error: no prediction can be judged by it.
-GROSS = 10.0
-#: Members of a family that fell behind by less than this in evidence, at most so many, are tried
-#: beside noise of their own.
-NEAR, MOST_MEMBERS = 60.0, 3
+#: Members of a family that are tried beside noise of their own, at most.
+MOST_NOISES = 3
 
 
 @dataclass(frozen=True)
@@ -161,10 +158,10 @@ def _of_families(outcome: Outcome) -> Outcome:
             for each in step.trials
             if each.candidate.effect.id == one.candidate.effect.id
             and each.scope == one.scope
-            and each.evidence > step.winner.evidence - NEAR
+            and each.evidence > step.winner.evidence - OUT_OF_REACH
         ]
         same.sort(key=lambda each: -round(each.evidence, TIE))
-        members = [Chosen(each.candidate, each.scope) for each in same[:MOST_MEMBERS]]
+        members = [Chosen(each.candidate, each.scope) for each in same[:MOST_NOISES]]
         members = [one, *(each for each in members if each.candidate is not one.candidate)]
         best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:

@@ -20,6 +20,7 @@ from pyport.effects.base import Effect
 from pyport.effects.fields import Bumps
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
+from pyport.thresholds import FEWEST
 
 #: Order of the curve that is laid through a column.
 ORDER = 4
@@ -27,8 +28,6 @@ ORDER = 4
 AROUND, UPWARD = range(1, 5), (1, 2)
 #: Widths of the stretches that a misfit may be confined to, as shares of the recordings.
 WIDTHS = (1 / 4, 1 / 8, 1 / 16)
-#: A stretch of fewer recordings than this is a handful of outliers.
-FEWEST_INSIDE = 12
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def design(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candidate]
         columns = fields.values(shape.bumps, recordings.at)
         for axis, measured in (("xel", ~stack.is_y), ("el", stack.is_y)):
             block = columns[stack.row] * measured[:, None]
-            if np.count_nonzero(block.any(axis=1)) < FEWEST_INSIDE:
+            if np.count_nonzero(block.any(axis=1)) < FEWEST:
                 continue
             width = block.shape[1]
             blocks.append(block)

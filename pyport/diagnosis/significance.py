@@ -10,10 +10,6 @@ from pyport.angles import Array
 from pyport.diagnosis.evidence import CandidateFit
 from pyport.stages import stage
 
-#: Chance of any finding where there is nothing to find, by the fitted noise; below the 5 % that
-#: are promised because no noise is quite as it was fitted.
-FAMILY_ERROR = 0.01
-
 
 @stage("significance")
 def family_p_value(trials: Sequence[CandidateFit]) -> float:

@@ -9,9 +9,8 @@ import numpy as np
 
 from pyport.diagnosis.enough import smallest_seen
 from pyport.diagnosis.joint import Joint
-from pyport.diagnosis.search import MOST_FINDINGS
-from pyport.diagnosis.significance import FAMILY_ERROR
 from pyport.fitting.soundness import doubts
+from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis

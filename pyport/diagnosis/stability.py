@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-#: A name that comes first in fewer draws than this share is not stable.
-STABLE = 0.8
-#: A name that came first in this share of the draws is one that the data allow. Of 40 draws that
-#: is four: a name that comes first in one of a hundred does so four times once in 2,700 cases.
-NOTICEABLE = 0.1
-#: Where no name came first in more draws than this share the data mostly hold nothing to name.
-MOSTLY = 0.5
+from pyport.thresholds import MOSTLY, NOTICEABLE, STABLE
 
 
 @dataclass(frozen=True)

@@ -18,15 +18,12 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, weigh
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
 from pyport.stages import stage
+from pyport.thresholds import MOSTLY, SIGNIFICANT
 
 Mask = NDArray[np.bool_]
 
-#: A cause that would settle the matter must gain so much in the fit for each coefficient.
-WORTH = 9.0
 #: So many causes are told that would take most of the disagreement away.
 MOST_CAUSES = 3
-#: They must leave less than this share of its square.
-SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -166,10 +163,10 @@ class _Ground:
         for candidate in self.setup.candidates:
             more = self.setup.expanded([Chosen(candidate, "all")], of=white)
             gain = _gain(alone, more, self.data)
-            if gain < WORTH * more.shape[1]:
+            if gain < SIGNIFICANT**2 * more.shape[1]:
                 continue
             left = self.compare(one, np.concatenate([others, more], axis=1))
-            if left is None or len(left.of) < len(found.of) or left.chi2 > SHARE * found.chi2:
+            if left is None or len(left.of) < len(found.of) or left.chi2 > MOSTLY * found.chi2:
                 continue
             if gain > told.get(candidate.effect.id, (0.0, left))[0]:
                 told[candidate.effect.id] = gain, left

@@ -11,11 +11,8 @@ from pyport.diagnosis.two_axes import Disagreement, Split
 from pyport.diagnosis.words import number
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
+from pyport.thresholds import SEEN, SIGNIFICANT
 
-#: So many sigmas between two halves of the recordings say in which axis the matter lies.
-TELLS = 3.0
-#: So few say that both halves agree.
-SAME = 2.0
 #: Coefficients told in a sentence, those that differ most.
 _SHOWN = 2
 
@@ -74,14 +71,14 @@ def _place(splits: tuple[Split, ...], name: str, axes: tuple[str, str]) -> str:
         if own is not None
     ]
     most = max(apart, key=lambda one: one[0], default=None)
-    if most is None or most[0] < TELLS:
+    if most is None or most[0] < SIGNIFICANT:
         return "Each axis by itself says the same in either half of the sky and of the time."
     sigmas, axis, split = most
     here, there = split.halves
     lies = f"It lies in {axes[axis]}, whose {name} {here.name} is not that {there.name}"
     said = [f"{lies} ({sigmas:.1f} sigma)"]
     other = (split.in_y, split.in_x)[axis]
-    if other is not None and other.sigmas < SAME:
+    if other is not None and other.sigmas < SEEN:
         said.append(f"{axes[1 - axis]} has one in both ({other.sigmas:.1f})")
     seen = [f"{half.axes.sigmas:.1f} {half.name}" for half in split.halves if half.axes]
     said.append(f"the axes are apart by {' and '.join(seen)}")

@@ -8,12 +8,13 @@ from dataclasses import replace
 from pyport.diagnosis import identify
 from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.guards import Refusal, refusal
-from pyport.diagnosis.identify import MOST_MEMBERS, decide_by
+from pyport.diagnosis.identify import decide_by
 from pyport.diagnosis.resampling import stability
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.effects import known
+from pyport.thresholds import MOST_MEMBERS
 
 
 def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> list[Finding]:

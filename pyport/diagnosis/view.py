@@ -10,9 +10,6 @@ import numpy as np
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 
-#: Fewer readings than this on either side of a step or an edge decide nothing.
-FEWEST = 8
-
 
 @dataclass(frozen=True)
 class View:

@@ -12,18 +12,11 @@ from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
 from pyport.diagnosis.changes import proposed
-from pyport.diagnosis.confirm import CONFIRMED, confirmed
+from pyport.diagnosis.confirm import confirmed
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
-
-#: This share of what an effect gains in the fit it must gain on data that the fit had not seen.
-UNSEEN_SHARE = 0.3
-#: So many of the best candidates of a turn may fail on unseen data before the search gives up.
-MOST_TRIED = 4
-#: An effect whose known size does not come out leads for now, because something else may still be
-#: left out, when it beats all others by this much in evidence.
-MIN_LOG_BAYES_FACTOR_TO_LEAD = 10.0
+from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
@@ -100,7 +93,7 @@ def winner_of(
         lasting = [
             replace(one, trial=replace(one.trial, evidence=max(one.trial.evidence, odds)))
             for odds, one in sure
-            if odds > CONFIRMED
+            if odds > CONVINCING
         ]
     ranked = [*moved, *lasting]
     ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
@@ -110,7 +103,7 @@ def winner_of(
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        if not strict or _confirmed(one, chosen) > CONFIRMED:
+        if not strict or _confirmed(one, chosen) > CONVINCING:
             return one
     return None
 
@@ -128,7 +121,7 @@ def _changes(
     for trial in moved:
         one = _refined(setup, still, chosen, trial)
         sure = _confirmed(one, chosen)
-        if sure > CONFIRMED:
+        if sure > CONVINCING:
             # Beside noise that holds still it gained what the noise would have taken.
             found.append(replace(one, trial=replace(one.trial, evidence=sure, gain=sure)))
     return found
@@ -197,7 +190,7 @@ def _worth(
     sound = [trial for trial in named if identify.fits_physics(trial)]
     best = sound[0].evidence if sound else least
     leader = next((t for t in named if identify.seen(t)), None)
-    if leader is not None and leader.evidence > best + MIN_LOG_BAYES_FACTOR_TO_LEAD:
+    if leader is not None and leader.evidence > best + LEADS:
         return [leader, *sound]
     return sound
 

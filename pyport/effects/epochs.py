@@ -23,6 +23,7 @@ from pyport.effects.base import (
 )
 from pyport.effects.geometry import tilt
 from pyport.effects.gravity import sag_cosine
+from pyport.thresholds import SEVERAL
 
 _OWN = "the constants of a pointing model hold for one state of the telescope"
 
@@ -30,9 +31,6 @@ _OWN = "the constants of a pointing model hold for one state of the telescope"
 DRIFT_ORDERS = (1, 2, 3)
 #: So many moments are tried for a step: half in the longest gaps, half spread over the rows.
 MOST_STEPS = 20
-
-#: Sessions from which on one of them can stand out of the others.
-FEWEST_TO_STAND_OUT = 3
 
 Inside = Callable[[Circumstances], NDArray[np.bool_]]
 
@@ -108,7 +106,7 @@ def _steps(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, .
 def _in_one_session(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     """Return an effect in each single session, those with the most rows where there are many."""
     names, count = np.unique(at.column("session").astype(str), return_counts=True)
-    if len(names) < FEWEST_TO_STAND_OUT:
+    if len(names) < SEVERAL:
         return ()
     most = np.sort(np.argsort(-count, kind="stable")[:MOST_STEPS])
     return tuple(_in_session_alone(effect, str(names[one])) for one in most)

@@ -18,12 +18,7 @@ from pyport.angles import Array
 from pyport.least_squares.gram import Solution, inverse_of
 from pyport.noise.covariance import Covariance
 from pyport.noise.whitening import Noise
-
-#: Share of the variance of drifts and departures that weighs readings against each other. Single
-#: nights of public recordings that drift are left with up to 1.25 times the scatter of least
-#: squares in the fit and 1.12 times on blocks left out at 1, with 1.05 and 1.03 here; in drifts of
-#: two hours coefficients err by 1.25 times at 0, and by 1.07 times here, what they do at 1.
-TRUST = 0.15
+from pyport.thresholds import TRUST
 
 
 def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:

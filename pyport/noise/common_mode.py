@@ -13,13 +13,8 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.least_squares.pivoting import most_different
+from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST, PER_SHAPE
 
-#: Antennas that must have recorded a scan for it to tell of the common mode.
-ENOUGH_ANTENNAS = 4
-#: Scans from which on a common mode can be told from chance.
-ENOUGH_SCANS = 8
-#: Scans for each shape that an effect could give and that is taken out first.
-SCANS_PER_SHAPE = 4
 #: A curve that keeps less of its length beside others is none of its own.
 DIFFERENT = 1e-3
 #: The median of the square of a standard normal number.
@@ -57,14 +52,14 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
     antennas = np.bincount(scan[there])
     total = np.bincount(scan[there], weight[there] ** 2)
     scans = np.flatnonzero(antennas >= ENOUGH_ANTENNAS)
-    if len(scans) < ENOUGH_SCANS:
+    if len(scans) < FEWEST:
         return Excess()
     size = np.sqrt(total[scans])
     mean = np.bincount(scan[there], (left * weight)[there])[scans] / size
     drawn = np.stack(
         [np.bincount(scan[there], (c * weight)[there])[scans] for c in shapes.T], axis=1
     )
-    curves = _directions(drawn / size[:, None], len(scans) // SCANS_PER_SHAPE)
+    curves = _directions(drawn / size[:, None], len(scans) // PER_SHAPE)
     rest = mean - curves @ (curves.T @ mean)
     spare = len(scans) - curves.shape[1]
     typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare

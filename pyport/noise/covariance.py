@@ -24,10 +24,8 @@ from pyport.noise.whitening import (
     variance_of_means,
     whiten_series,
 )
+from pyport.thresholds import OUTLIER_WEIGHT
 
-#: Readings of less robust weight than this are outliers: kept in the list, left out of the rms.
-#: Student's t with four degrees of freedom gives it to 8.7 sigmas.
-OUTLIER_WEIGHT = 0.05
 #: A direction of the departures that adds less than this share to the variance is left out.
 NEGLIGIBLE = 1e-4
 

@@ -22,15 +22,8 @@ from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, group
+from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
 
-#: Sessions, or sources, from which on a scatter among them can be estimated.
-FEWEST_LABELS = 3
-#: A source departs from others only if it was pointed at again: so many pointings on average.
-POINTINGS_PER_SOURCE = 2.0
-#: A variance must improve minus twice the restricted log-likelihood by this much to be kept. Of a
-#: variance that is zero half of the estimates are positive by chance; this lets through 16 %,
-#: which cost precision, not truth.
-WORTH = 1.0
 #: Whitened data of less variance than this are fitted exactly: nothing departs.
 EXACT = 1e-6
 #: A column that keeps less of its squared length beside the model is drawn by it.
@@ -80,7 +73,7 @@ def terms_of_sources(at: Circumstances) -> dict[str, tuple[Array, Array]]:
 
 def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
     session, names = group(recordings, ("session",))
-    if len(names) < FEWEST_LABELS:
+    if len(names) < SEVERAL:
         return []
     labels = tuple(name for (name,) in names)
     inside = session[data.row][:, None] == np.arange(len(names))
@@ -92,11 +85,11 @@ def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Depar
     source, names = group(recordings, ("source",))
     number = pointings(recordings)
     there = len(np.unique(number))
-    if len(names) < FEWEST_LABELS or there < POINTINGS_PER_SOURCE * len(names):
+    if len(names) < SEVERAL or there < PER_SOURCE * len(names):
         return []
     pairs = np.unique(np.stack([source, number]), axis=1)[0]
     again = np.flatnonzero(np.bincount(pairs, minlength=len(names)) > 1)
-    if len(again) < FEWEST_LABELS:
+    if len(again) < SEVERAL:
         return []
     inside = source[data.row][:, None] == again
     labels = tuple(names[one][0] for one in again)
@@ -279,7 +272,7 @@ def _without_idle(projected: _Projected, variances: Array) -> Array:
             fewer[one] = 0.0
             without[int(one)] = projected.lack(fewer) - lack
         idlest = min(without, key=lambda one: without[one])
-        if without[idlest] > WORTH:
+        if without[idlest] > DEPARTURE_WORTH:
             break
         variances[idlest] = 0.0
     return variances

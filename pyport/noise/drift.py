@@ -16,9 +16,8 @@ from scipy.linalg import solve_triangular
 from pyport.angles import Array, Codes
 from pyport.least_squares import robust
 from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
+from pyport.thresholds import ENOUGH
 
-#: Fewer pointings than this in one antenna and axis tell nothing of a drift.
-ENOUGH_FOR_DRIFT = 20
 #: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
 #: below 1e-5.
 BEYOND = 24.0
@@ -176,7 +175,7 @@ def draft(
         None if part.time is None else part.time[kept],
         departing.shape[1],
     )
-    if part.time is None or likelihood.dof < ENOUGH_FOR_DRIFT:
+    if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
         lack[0], scale[0] = likelihood.at([])
     else:

@@ -20,10 +20,16 @@ from pyport.noise.drift import beside, draft, grid_of
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
+from pyport.thresholds import (
+    ENOUGH_ANTENNAS,
+    ENOUGH_SQUARES,
+    FEWEST,
+    FIRST_REACH,
+    PER_SHAPE,
+    PRIOR_DOF,
+    SIGNIFICANT,
+)
 
-#: Residuals beyond this many sigmas lose weight as Tukey's biweight takes it from them, in the
-#: first round; then the tails are estimated.
-TUKEY = 6.0
 #: No reading has less weight than this: its deviation can still be told from its whitened one.
 LEAST = 2 * OUTLIER
 #: Directions of the departures that add less than this to the variance of unit scatter do not
@@ -31,8 +37,6 @@ LEAST = 2 * OUTLIER
 FAINT = 0.03
 #: Turns in which departures, drift and scatter are estimated beside each other.
 TURNS = 2
-#: Pointings for each shape that may be taken out before the noise is read off.
-POINTINGS_PER_SHAPE = 4
 #: No more shapes than this: the most different ones draw what the others can.
 MOST_SHAPES = 30
 #: A shape that keeps less of its length beside those taken out is none of its own.
@@ -41,15 +45,6 @@ DIFFERENT = 0.05
 SLOW = 0.9
 #: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
 MOST_SLOW = 8
-#: The array's usual noise counts as this many deviations where an antenna has few of its own.
-PRIOR_DOF = 6.0
-#: Antennas from which on there is a usual noise.
-ENOUGH_ANTENNAS = 5
-#: Pointings of a series from which on tails and scatter are estimated.
-FEWEST = 8
-#: Pointings in both axes from which on their correlation is estimated, and how many standard
-#: errors it must be from zero.
-ENOUGH_FOR_COUPLING, COUPLED = 30, 3.0
 
 
 @dataclass(frozen=True)
@@ -181,7 +176,7 @@ def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | 
             own = _rich(own, shapes[n], int(part.pointing.max()) + 1)
         columns.append(own)
         weights[part.rows], residual[part.rows], _ = robust.weights(
-            own, value[part.rows], TUKEY, floors[part.is_y]
+            own, value[part.rows], FIRST_REACH, floors[part.is_y]
         )
     return _First(np.maximum(weights, LEAST), residual, columns)
 
@@ -295,11 +290,11 @@ def _coupling(parts: Sequence[Series], left: Array) -> dict[str, float]:
     for antenna in dict.fromkeys(part.antenna for part in parts):
         x, y = both_axes(parts, antenna)
         least = min((_rms(left[rows]) for rows in (x, y) if len(rows)), default=0.0)
-        if len(x) < ENOUGH_FOR_COUPLING or least < scatter.NOTHING:
+        if len(x) < ENOUGH_SQUARES or least < scatter.NOTHING:
             continue
         one, other = (np.clip(left[rows] / max(_rms(left[rows]), 1e-300), -3, 3) for rows in (x, y))
         correlation = float((one * other).mean() / np.sqrt((one**2).mean() * (other**2).mean()))
-        if abs(correlation) * np.sqrt(len(x)) > COUPLED:
+        if abs(correlation) * np.sqrt(len(x)) > SIGNIFICANT:
             found[antenna] = float(np.clip(correlation, -0.95, 0.95))
     return found
 
@@ -325,7 +320,7 @@ def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
     for part in covariance.parts:
         own = model[part.rows]
         weights[part.rows] = robust.weights(
-            _orthonormal(own[:, own.any(axis=0)]), value[part.rows], TUKEY, floors[part.is_y]
+            _orthonormal(own[:, own.any(axis=0)]), value[part.rows], FIRST_REACH, floors[part.is_y]
         )[0]
     return replace(covariance, weights=weights)
 
@@ -375,7 +370,7 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     """
     base = base[:, np.any(base != 0, axis=0)]
     orthonormal = _orthonormal(base)
-    room = max(0, min(pointings // POINTINGS_PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
+    room = max(0, min(pointings // PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
     kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)

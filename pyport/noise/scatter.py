@@ -18,15 +18,12 @@ from scipy.special import gammaln
 from pyport.angles import Array
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, group
+from pyport.thresholds import ENOUGH_SQUARES, LEAST_GROSS
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.
 DEGREES = np.array([2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, np.inf])
 #: Standardised deviations below this are rounding: there is nothing to estimate.
 NOTHING = 1e-6
-#: Gross errors scatter by at least so many times the scale of the others.
-LEAST_GROSS = 3.0
-#: Residuals from which on the variance may be a function of something.
-ENOUGH = 40
 #: Bumps in time, and turns of azimuth, that a variance may follow.
 BUMPS, TURNS = 10, 2
 #: Rounds of scoring; a scale that changes by less than this share has settled.
@@ -214,7 +211,7 @@ def variance_function(
         Rms share of each driver in it.
     """
     nothing = np.zeros(len(deviation)), tuple(0.0 for _ in some)
-    if len(deviation) < ENOUGH or not some:
+    if len(deviation) < ENOUGH_SQUARES or not some:
         return nothing
     square = weight * deviation**2
     columns = np.concatenate([np.ones((len(square), 1)), *some], axis=1)

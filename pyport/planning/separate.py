@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.identify import ALIKE
 from pyport.least_squares.gram import RANK_TOLERANCE
 from pyport.planning.design import Design
+from pyport.thresholds import ALIKE
 
 #: An effect of which the model leaves less than this share (of its square) shows nothing.
 VISIBLE = 1e-4

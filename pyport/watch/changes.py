@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis.identify import ALIKE
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
+from pyport.thresholds import ALIKE
 
 #: Rms of a change before it is seen, over the scatter of a reading: the middle of the changes
 #: that matter. One that is three times larger or smaller is seen about one pointing later.

@@ -8,9 +8,9 @@ from diagnosis.made import recordings
 
 from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.enough import SCATTER
 from pyport.diagnosis.summary import summary
 from pyport.formats.models import load
+from pyport.thresholds import FEWEST
 
 
 def run(given, model="altaz", **options):
@@ -93,8 +93,8 @@ def test_too_few_recordings_are_said_so(rows):
     assert not done.mismatch
     assert f"nothing can be said from {rows} pointing" in said
     assert "27 numbers are needed" in said or "fitted coefficients" in said
-    assert ("would have been seen" in said) == (2 * rows >= 7 + SCATTER)
-    assert bool(done.detection_limits) == (2 * rows >= 7 + SCATTER)
+    assert ("would have been seen" in said) == (2 * rows >= 7 + FEWEST)
+    assert bool(done.detection_limits) == (2 * rows >= 7 + FEWEST)
 
 
 def test_enough_recordings_are_searched():

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from pyport.cli.dev.thresholds import markdown, put_between, read, shipped
+from pyport.errors import BadInput
+
 ROOT = Path(__file__).parent.parent.parent
 PAGE = ROOT / "docs" / "method.md"
 #: How wide and how long a text is on the terminal: no decision.
@@ -100,6 +103,38 @@ def test_every_listed_constant_has_a_unit_a_decision_and_a_reason():
 
     assert len(rows) == len(LISTED)
     assert all(cell.strip() for row in rows for cell in row.strip().strip("|").split(" | "))
+
+
+def test_the_table_of_thresholds_is_the_one_that_the_program_prints():
+    """After a change: pyport dev thresholds --into docs/method.md."""
+    text = PAGE.read_text(encoding="utf-8")
+
+    assert put_between(text, "thresholds", markdown(shipped())) == text
+
+
+def test_a_threshold_says_its_unit_its_reason_and_both_wrong_sides():
+    """A comment that lacks one of them is refused."""
+    (found,) = read("#: [m] How far. So. Smaller: too\n#: near. Larger: too far.\nFAR = 2 * NEAR\n")
+
+    assert found.value == "2 * NEAR"
+    assert (found.unit, found.decides, found.reason) == ("m", "How far", "So")
+    assert (found.smaller, found.larger) == ("too near", "too far")
+    with pytest.raises(ValueError, match="FAR"):
+        list(read("#: [m] How far. So. Smaller: too near.\nFAR = 2\n"))
+
+
+def test_a_page_without_marks_is_refused():
+    """A table is never written somewhere else."""
+    with pytest.raises(BadInput, match="thresholds"):
+        put_between("a page", "thresholds", "")
+
+
+def test_no_threshold_stands_twice():
+    """What `pyport.thresholds` has no module of the diagnosis or the noise defines again."""
+    names = {one.name for one in shipped()}
+    of_rooms = (name for name in CONSTANTS if not name.startswith("watch."))
+
+    assert [name for name in of_rooms if name.rpartition(".")[2] in names] == []
 
 
 @pytest.mark.parametrize(

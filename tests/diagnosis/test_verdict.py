@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.stability import NOTICEABLE, STABLE, Stability
+from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.verdict import judged
+from pyport.thresholds import NOTICEABLE, STABLE
 
 
 def finding(effect="refraction", verdict="named", members=None):

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from pyport.diagnosis import joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.enough import FEWEST
 from pyport.diagnosis.guards import carriers
 from pyport.diagnosis.resampling import DRAWS, stability
 from pyport.diagnosis.search import search
@@ -23,6 +22,7 @@ from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.summary import summary
 from pyport.diagnosis.verdict import judged
 from pyport.formats.models import load
+from pyport.thresholds import CARRIERS
 
 NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))
 WEEK_S = NIGHT_S + 86400 * (np.arange(300) % 6)
@@ -115,7 +115,7 @@ def test_equal_shares_are_counted(pointings, readings, size):
 
     assert carriers(scene, seen) == pytest.approx(pointings)
     seen[place == 0] *= 1e6
-    assert carriers(scene, seen) < FEWEST
+    assert carriers(scene, seen) < CARRIERS
 
 
 def test_a_name_in_noise_does_not_come_back():

@@ -18,6 +18,7 @@ command = Lazy(
         "real": "Run fit and diagnose on public recordings, beside what was published of them.",
         "reduction": "Take nutation, aberration, UT1, ... out of offsets; print their sizes.",
         "replays": "Replay public recordings to the watch: what is raised, and what is known.",
+        "thresholds": "List the numbers that decide what a diagnosis says, and why each is so.",
         "trials": "Put causes into simulated recordings; check whether a diagnosis finds them.",
         "verify": "Check that all files of a diagnosis are of one run.",
     },

@@ -22,10 +22,8 @@ from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.effects.base import LASTING, STEP, ZERO
 from pyport.effects.epochs import clock
 from pyport.least_squares import robust
-from pyport.noise.covariance import OUTLIER_WEIGHT
+from pyport.thresholds import FIRST_REACH, OUTLIER_WEIGHT
 
-#: Residuals beyond this many sigmas have no weight.
-REACH = 6.0
 #: Pointings that a block must have beyond its shapes and zeros.
 SPARE = 3
 #: A block's scale is drawn towards the median of all as by so many pointings.
@@ -192,7 +190,7 @@ def _block(
 ) -> Block:
     """Return a block with its robust weights and scatter; `_told` adds what it says."""
     columns = np.concatenate([zeros, shapes], axis=1)
-    weight, residual, _ = robust.weights(columns, value, REACH, floor)
+    weight, residual, _ = robust.weights(columns, value, FIRST_REACH, floor)
     spare = max(1.0, float(weight.sum()) - np.linalg.matrix_rank(columns))
     sigma = max(float(np.sqrt((weight * residual**2).sum() / spare)), floor, 1e-12)
     nothing = np.zeros(0)

@@ -20,13 +20,12 @@ import numpy as np
 
 from pyport.angles import ARCMIN, DEG, Array, Codes
 from pyport.diagnosis.arrays.blocks import Block
+from pyport.thresholds import WORSE
 
 #: No mount and no clock is off by more [rad]: it ties down what recordings leave open.
 BOUND = 1 * DEG
 #: Degrees of freedom of the passing parts' Student distribution.
 TAILS = 4.0
-#: An antenna told worse than this many times the median one is none to count from.
-TOLD_WORSE = 3.0
 ROUNDS, SETTLED = 200, 1e-3
 #: With a known scatter only the tails' weights are looked for: they settle soon.
 FEW_ROUNDS = 4
@@ -295,4 +294,4 @@ def told_well(covariance: Array) -> Array:
     """Return one for antennas told nearly as well as the median one beside the others, else 0."""
     about = np.eye(len(covariance)) - 1 / len(covariance)
     variance = np.diag(about @ covariance @ about.T)
-    return (variance <= TOLD_WORSE**2 * np.median(variance)).astype(float)
+    return (variance <= WORSE**2 * np.median(variance)).astype(float)

@@ -20,13 +20,8 @@ from pyport.diagnosis.arrays.lasting import Lasting
 from pyport.effects.base import Site
 from pyport.errors import BadInput
 from pyport.recordings.antennas import Survey
+from pyport.thresholds import ENOUGH_ANTENNAS, SIGNIFICANT, WORSE
 
-#: An antenna told worse than this many times the array's median is not used.
-TOLD_WORSE = 3.0
-#: Antennas that a comparison needs.
-ENOUGH = 4
-#: From this many sigmas a slope is there; a slope that far from one is no displacement's.
-SURE = 3.0
 #: Equatorial radius [m] and squared eccentricity of the Earth (WGS 84).
 _RADIUS_M, _ECCENTRICITY_SQUARED = 6378137.0, 6.69437999014e-3
 
@@ -111,8 +106,8 @@ class Comparison:
     @property
     def is_the_site(self) -> bool:
         """Tell whether leans grow with distance as those of displaced antennas do."""
-        grows = self.slope > SURE * self.slope_sigma and self.delta_bic > 0
-        return bool(grows and abs(self.slope - 1) <= SURE * self.slope_sigma)
+        grows = self.slope > SIGNIFICANT * self.slope_sigma and self.delta_bic > 0
+        return bool(grows and abs(self.slope - 1) <= SIGNIFICANT * self.slope_sigma)
 
 
 def metres_per_radian(site: Site) -> float:
@@ -125,7 +120,7 @@ def places(parts: Lasting, lean: int, site: Site) -> Places:
     """Return the displacements toward east that an array's leans (shape number `lean`) imply."""
     radius = metres_per_radian(site)
     sigma = np.sqrt(np.diag(parts.own_covariance(lean)))
-    usable = sigma <= TOLD_WORSE * np.median(sigma)
+    usable = sigma <= WORSE * np.median(sigma)
     # errors about the centre of the usable ones, which all leans are counted from
     about = np.eye(len(usable)) - usable / usable.sum()
     value = parts.own[:, lean] - np.median(parts.own[usable, lean])
@@ -147,7 +142,7 @@ def compare(found: Places, survey: Survey) -> Comparison | None:
         raise BadInput(f"none of the recorded antennas is there, expected {some}, ...", survey.file)
     every = [n for n, name in enumerate(found.antennas) if name in surveyed]
     both = [n for n in every if found.usable[n]]
-    if len(both) < ENOUGH:
+    if len(both) < ENOUGH_ANTENNAS:
         return None
     names = tuple(found.antennas[n] for n in both)
     implied, place = found.east_m[both], np.array([surveyed[name] for name in names])

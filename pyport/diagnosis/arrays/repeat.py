@@ -11,9 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.arrays.blocks import Block
 from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
 from pyport.diagnosis.joint import rms
-
-#: Antennas that a comparison needs.
-ENOUGH = 4
+from pyport.thresholds import ENOUGH_ANTENNAS
 
 
 @dataclass(frozen=True)
@@ -56,7 +54,7 @@ def repeats(blocks: Sequence[Block], shared: Collection[int], shape: int) -> lis
         inside = [one for one in blocks if one.session == session]
         outside = [one for one in blocks if one.session != session]
         both = {one.antenna for one in inside} & {one.antenna for one in outside}
-        if len(both) >= ENOUGH:
+        if len(both) >= ENOUGH_ANTENNAS:
             one = _compared(session, lasting(inside, shared), lasting(outside, shared), shape)
             if one is not None:
                 found.append(one)
@@ -70,7 +68,7 @@ def _compared(session: str, inside: Lasting, outside: Lasting, shape: int) -> Re
     values, covariances, levels = [], [], []
     known = _well(inside, shape) & _well(outside, shape)
     names = tuple(sorted(known))
-    if len(names) < ENOUGH:
+    if len(names) < ENOUGH_ANTENNAS:
         return None
     for parts in (inside, outside):
         at = [parts.antennas.index(name) for name in names]

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.diagnosis.array import ENOUGH_ANTENNAS
 from pyport.diagnosis.arrays.blocks import Block, Shape, blocks, lasting_shapes, model_shapes
 from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
 from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
@@ -19,6 +18,7 @@ from pyport.errors import BadInput
 from pyport.recordings.antennas import Survey
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
+from pyport.thresholds import SEVERAL
 
 LEAN = "tilt_east"
 #: Play in scans along elevation, which a time tag moves by the rate itself.
@@ -132,7 +132,7 @@ def report(setup: Problem, fit: Joint, survey: Survey | None = None) -> ArrayRep
     recordings, shapes, form = setup.recordings, lasting_shapes(setup), model_shapes(setup)
     found, fitted = (tuple(blocks(setup, fit, some)) for some in (shapes, form))
     lean = number_of(shapes, LEAN)
-    if len({one.antenna for one in found}) < ENOUGH_ANTENNAS or lean is None:
+    if len({one.antenna for one in found}) < SEVERAL or lean is None:
         if survey is not None:
             raise BadInput("too few antennas with enough pointings to compare", recordings.file)
         return None

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import ARCMIN, ARCSEC
-from pyport.diagnosis.arrays.places import SURE
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.finding import Evidence, Finding, HeldOut, Parameter, Where
 from pyport.diagnosis.joint import rms, visible
 from pyport.diagnosis.scene import axes
 from pyport.effects import CATALOGUE
+from pyport.thresholds import SIGNIFICANT
 
 _DECIDE = "compute each antenna's offsets for its own coordinates; what leans still is the mount"
 
@@ -41,7 +41,7 @@ def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
     curve = column * np.array([shift.get(str(name), 0.0) for name in antennas])
     seen = visible(setup, diagnosis.weighed, curve)
     moved = np.isin(antennas, one.antennas)
-    standing = np.abs(one.implied_m) > SURE * one.sigma_m
+    standing = np.abs(one.implied_m) > SIGNIFICANT * one.sigma_m
     lean = one.lean_m / implied.radius_m / ARCMIN
     return Finding(
         effect="site_longitude",
