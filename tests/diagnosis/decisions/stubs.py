@@ -1,0 +1,75 @@
+"""Statistics made by hand, for the rules that decide by them."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.evidence import CandidateFit
+from pyport.diagnosis.steps import Step
+from pyport.effects import CATALOGUE
+
+ONE_ANTENNA = SimpleNamespace(antennas=1, groups=lambda _: np.zeros(1, int))
+
+
+def candidate(effect="refraction", choices=1, columns=1, **changes):
+    """Return a candidate of the catalogue with columns of its own."""
+    return Candidate(
+        CATALOGUE[effect], np.arange(columns), tuple(range(columns)), choices, **changes
+    )
+
+
+def trial(effect="refraction", evidence=20.0, gain=None, sigma=1.0, value=None, **changes):
+    """Return what a candidate gains; its coefficient has a sigma, in internal units."""
+    of = changes.pop("of", None) or candidate(effect)
+    known = {
+        "scope": "all",
+        "gain": evidence + 5 if gain is None else gain,
+        "dof": 1,
+        "delta_bic": evidence,
+        "evidence": evidence,
+        "noise_dof": 200,
+        "values": np.array([1.0 if value is None else value]),
+        "information": np.array([[1 / sigma**2]]),
+        "drawn": np.ones(300),
+    } | changes
+    return CandidateFit(of, **known)
+
+
+def beside(**alike):
+    """Return a projection in which effects share a winner's curve to given squared cosines."""
+    return SimpleNamespace(
+        share=lambda _, other: alike.get(other.candidate.effect.id, 0.0),
+        evidence=SimpleNamespace(pointings=100),
+    )
+
+
+def step(winner, chosen=None, trials=(), before=()):
+    """Return a turn of the search in which a trial won."""
+    chosen = Chosen(winner.candidate, winner.scope) if chosen is None else chosen
+    return Step(winner, chosen, (winner, *trials), before, beside(), 1e-6)
+
+
+class Columns:
+    """Circumstances of n rows that have columns and nothing else."""
+
+    def __init__(self, n, **columns):
+        self.n, self.columns = n, columns
+
+    def __len__(self):
+        """Return the number of rows."""
+        return self.n
+
+    def __contains__(self, name):
+        """Tell whether a column is there."""
+        return name in self.columns
+
+    def column(self, name):
+        """Return a column."""
+        return self.columns[name]
+
+
+def setup(**known):
+    """Return as much of a problem as a rule looks at."""
+    return SimpleNamespace(**({"blocks": ONE_ANTENNA, "base": (), "seed": 0} | known))

@@ -1,0 +1,550 @@
+"""The noise: what is too little to estimate it, what is an outlier, what remains of a drift."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pyport.angles import DEG
+from pyport.effects import Circumstances
+from pyport.noise import common_mode, departures, drift, estimate, scatter
+from pyport.noise.coefficients import tempered
+from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.pointings import pointings
+from pyport.noise.whitening import Noise, Series
+from pyport.recordings.schema import Recordings
+from pyport.recordings.stacking import stack
+
+
+def normal(n, seed=0):
+    """Return the quantiles of a normal distribution in random order, shape (n,)."""
+    from scipy.special import ndtri
+
+    return np.random.default_rng(seed).permutation(ndtri((np.arange(n) + 0.5) / n))
+
+
+def series(n, *, is_y=True, start=0, antenna="", time=None, number=None):
+    """Return a series of n lone readings, a minute apart."""
+    rows = np.arange(n)
+    return Series(
+        rows + start,
+        rows,
+        60.0 * rows if time is None else time,
+        rows if number is None else number,
+        antenna,
+        is_y,
+    )
+
+
+def plain(*parts, weights=None, **more):
+    """Return white noise of one for some series."""
+    m = sum(len(one.rows) for one in parts)
+    return Covariance(
+        tuple(parts),
+        (Noise(0.0, 1.0),) * len(parts),
+        np.ones(m) if weights is None else weights,
+        np.ones(m),
+        **more,
+    )
+
+
+def recordings(n, **columns):
+    """Return n elevations of nothing, with columns."""
+    nothing = np.full(n, np.nan)
+    at = Circumstances(np.linspace(0, 5, n), np.full(n, 0.7), None, columns)
+    return Recordings(at, nothing, np.zeros(n), nothing, nothing, np.arange(n), Path("made"))
+
+
+@pytest.mark.parametrize(
+    ("weight", "used"), [(0.051, True), (0.049, False), (0.03, False), (0.09, True)]
+)
+def test_a_reading_of_little_weight_is_an_outlier(weight, used):
+    """Below a twentieth it counts in no rms."""
+    found = plain(series(2), weights=np.array([1.0, weight]))
+
+    assert found.used.tolist() == [True, used]
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "kept"), [(2.9, 1.0), (5.5, None), (6.6, 0.0), (10.0, 0.0), (4.0, None)]
+)
+def test_the_first_look_ends_at_six_sigma(sigmas, kept):
+    """Within three it takes no weight; at six and beyond all."""
+    value = normal(400)
+    value[7] = sigmas
+    found = estimate.reweighed(plain(series(400)), value, np.ones((400, 1)))
+
+    if kept is None:
+        assert 0 < found.weights[7] < 1
+    else:
+        assert found.weights[7] == pytest.approx(kept, abs=1e-9)
+
+
+def frame_of(*parts, drivers=()):
+    """Return a frame of some series alone."""
+    return estimate.Frame(tuple(parts), (), tuple(drivers), None)
+
+
+@pytest.mark.parametrize(("n", "estimated"), [(8, True), (7, False), (5, False), (12, True)])
+def test_eight_pointings_show_tails(n, estimated):
+    """Of fewer the weights of the first look stand."""
+    part, value = series(n), 10 * normal(n)
+    value[0] = 70.0
+    found = estimate._scattered(
+        plain(part), value, np.zeros((n, 0)), frame_of(part), {True: 0.0, False: 0.0}
+    )
+
+    assert (found.noises[0].between != 1.0) == estimated
+
+
+def test_readings_of_one_pointing_show_no_tails():
+    """Their mean has another distribution."""
+    part = replace(series(40), pointing=np.arange(40) // 2, time=60.0 * np.arange(20))
+    found = estimate._scattered(
+        plain(part), 10 * normal(40), np.zeros((40, 0)), frame_of(part), {True: 0.0}
+    )
+
+    assert found.noises[0].between == 1.0
+
+
+@pytest.mark.parametrize(("n", "follows"), [(41, True), (40, True), (39, False), (21, False)])
+def test_forty_deviations_show_what_the_scatter_follows(n, follows):
+    """Fewer, and the variance is constant."""
+    driver = np.linspace(-1.7, 1.7, n)[:, None]
+    deviation = np.exp(driver[:, 0]) * np.where(np.arange(n) % 2, 1.0, -1.0)
+    log_variance, sway = scatter.variance_function(deviation, np.ones(n), [driver])
+
+    assert (sway[0] > 0) == follows
+    assert np.ptp(log_variance) > 3 if follows else np.ptp(log_variance) == 0
+
+
+def test_the_variance_function_is_that_of_the_scatter():
+    """Growing as the exponential of a driver, beside one that does nothing."""
+    rng = np.random.default_rng(1)
+    driver, idle = rng.normal(size=(2, 1500, 1))
+    deviation = np.exp(0.4 * driver[:, 0]) * rng.normal(size=1500)
+    log_variance, sway = scatter.variance_function(deviation, np.ones(1500), [driver, idle])
+    slope = np.polyfit(driver[:, 0], log_variance, 1)[0]
+
+    assert slope == pytest.approx(0.8, abs=0.1)
+    assert sway[0] == pytest.approx(0.8, abs=0.1)
+    assert sway[1] < 0.1
+    assert abs(log_variance.mean()) < 1e-9
+
+
+def test_a_scatter_that_follows_nothing_is_constant():
+    """Whatever ten idle drivers could do by chance."""
+    rng = np.random.default_rng(2)
+    idle = [rng.normal(size=(400, 2)) for _ in range(5)]
+    log_variance, _ = scatter.variance_function(rng.normal(size=400), np.ones(400), idle)
+
+    assert np.std(log_variance) < 0.2
+
+
+def test_gross_errors_scatter_by_three_times_at_least():
+    """Of normal deviations the mixture has a second part three times as wide, with little in it."""
+    close, _, _ = scatter._gross_errors(normal(500), 1.0)
+    far = np.concatenate([normal(450), 4.2 * normal(50)])
+    found, _, _ = scatter._gross_errors(far, 1.0)
+
+    assert 2.9 < close.width < 3.5
+    assert 3.5 < found.width < 5.0
+
+
+@pytest.mark.parametrize(
+    ("draw", "inverse", "gross"),
+    [
+        (lambda rng: rng.normal(size=2000), 0.0, 0.0),
+        (lambda rng: rng.standard_t(3, 2000), 1 / 3, 0.0),
+        (lambda rng: rng.normal(size=2000) * np.where(rng.random(2000) < 0.05, 12, 1), 0.0, 0.05),
+    ],
+)
+def test_tails_are_those_of_the_deviations(draw, inverse, gross):
+    """Normal, Student's t with three degrees, or a twentieth of gross errors; the scale of each."""
+    found, scale = scatter.tails(draw(np.random.default_rng(0)))
+
+    assert found.inverse == pytest.approx(inverse, abs=0.09)
+    assert found.gross == pytest.approx(gross, abs=0.015)
+    assert scale == pytest.approx(1.0, rel=0.08)
+
+
+def test_tails_weigh_what_is_far():
+    """Student's t: 1 / (1 + u^2 / degrees); gross errors: one over the width squared."""
+    student = scatter.Tails(inverse=0.25)
+    mixed = scatter.Tails(gross=0.05, width=10.0)
+
+    np.testing.assert_allclose(student.weights(np.array([0.0, 2.0, 6.0])), [1.0, 0.5, 0.1])
+    np.testing.assert_allclose(mixed.weights(np.array([0.0, 9.0])), [0.995, 0.01], atol=6e-3)
+
+
+@pytest.mark.parametrize(
+    "tails", [scatter.Tails(inverse=0.25), scatter.Tails(gross=0.05, width=10.0)]
+)
+def test_the_slope_is_the_derivative_of_weighted_deviations(tails):
+    """By differences."""
+    unit = np.linspace(-6, 6, 25)
+    psi = lambda u: tails.weights(u) * u  # noqa: E731
+    step = 1e-5
+
+    np.testing.assert_allclose(
+        tails.slope(unit), (psi(unit + step) - psi(unit - step)) / (2 * step), atol=1e-6
+    )
+
+
+def test_an_estimate_by_weights_scatters_as_huber_says():
+    """The mean of heavy-tailed deviations by their weights, over many draws."""
+    rng = np.random.default_rng(3)
+    tails, unit = scatter.Tails(inverse=1 / 3), rng.standard_t(3, (4000, 60))
+    weight = tails.weights(unit)
+    mean = np.zeros(4000)
+    for _ in range(20):
+        weight = tails.weights(unit - mean[:, None])
+        mean = (weight * unit).sum(axis=1) / weight.sum(axis=1)
+    said = scatter.spread(tails, unit.ravel()) / (60 * weight.mean())
+
+    assert mean.var() == pytest.approx(said, rel=0.06)
+
+
+def drafted(n, columns=1):
+    """Return how likely no drift is in a series of n readings that drift by far."""
+    part = series(n)
+    value = np.cumsum(normal(n)) * 5 + 0.01 * normal(n, 1)
+    grid = drift.grid_of([part])
+    found = drift.draft(
+        value,
+        np.vander(np.linspace(-1, 1, n), columns),
+        np.zeros((n, 0)),
+        np.ones(n),
+        np.ones(n),
+        value,
+        part,
+        grid,
+        0.0,
+    )
+    return found.chance[0]
+
+
+@pytest.mark.parametrize(
+    ("n", "columns", "certain"), [(21, 1, False), (20, 1, True), (24, 5, True), (25, 5, False)]
+)
+def test_a_drift_needs_twenty_numbers_beyond_the_columns(n, columns, certain):
+    """Fewer, and there is none."""
+    assert (drafted(n, columns) == 1.0) == certain
+
+
+@pytest.mark.parametrize(("n", "there"), [(35, False), (41, False), (80, True)])
+def test_a_drift_is_found_where_there_are_enough(n, there):
+    """A walk is no white noise; a series without times shows no drift at all."""
+    assert not there or drafted(n) < 0.01
+    part = replace(series(n), time=None)
+    grid = drift.grid_of([series(n)])
+    ones = np.ones(n)
+    found = drift.draft(
+        np.cumsum(normal(n)), ones[:, None], np.zeros((n, 0)), ones, ones, ones, part, grid, 0.0
+    )
+
+    assert found.chance[0] == 1.0
+
+
+def test_the_restricted_likelihood_is_that_of_dense_algebra():
+    """White noise and one drift, the scale profiled out."""
+    n = 25
+    time, rng = 60.0 * np.arange(n), np.random.default_rng(4)
+    columns, value = np.vander(np.linspace(-1, 1, n), 2), rng.normal(size=n)
+    variance = rng.uniform(0.5, 2, n)
+    known = drift._Likelihood(np.concatenate([columns, value[:, None]], axis=1), variance, time, 0)
+    lack, scale = known.at([(1.5, 300.0)])
+    dense = np.diag(variance) + 1.5**2 * np.exp(-np.abs(time[:, None] - time) / 300)
+    inverse = np.linalg.inv(dense)
+    normal_ = columns.T @ inverse @ columns
+    left = inverse - inverse @ columns @ np.linalg.solve(normal_, columns.T @ inverse)
+    misfit = value @ left @ value
+
+    assert known.dof == n - 2
+    assert scale == pytest.approx(np.sqrt(misfit / (n - 2)))
+    assert lack == pytest.approx(
+        np.linalg.slogdet(dense)[1] + np.linalg.slogdet(normal_)[1] + (n - 2) * np.log(misfit)
+    )
+
+
+def test_no_drift_is_as_likely_beforehand_as_all_drifts_together():
+    """The other axis counts as likely as not."""
+    part = (series(5, is_y=False), series(5))
+    prior = drift._prior(9)
+    drafts = [
+        SimpleNamespace(chance=one)
+        for one in (np.full(9, 1 / 9), np.where(np.arange(9) == 4, 1.0, 0.0))
+    ]
+    heard = drift.beside(drafts, part, 0)
+
+    assert prior[0] == pytest.approx(prior[1:].sum())
+    assert heard[4] > 5 * heard[3]
+    assert heard.sum() == pytest.approx(1)
+
+
+def test_the_noise_is_averaged_over_drifts():
+    """Each process stands with its variance times its probability."""
+    grid = drift.Grid(np.array([0.0, 2.0]), np.array([0, 0]), (((1.0, 100.0),),))
+    known = drift.Draft(0.0, 0.0, np.array([1.0, 1.0]), np.array([0.75, 0.25]), grid, 50.0, "reml")
+    found = known.noise(known.chance, 0.0)
+
+    assert found.between == pytest.approx(1.0)
+    assert found.drifts == ((pytest.approx(1.0), 100.0),)
+
+
+@pytest.mark.parametrize(("correlation", "coupled"), [(0.4, True), (0.25, False), (0.2, False)])
+def test_axes_are_coupled_from_three_standard_errors(correlation, coupled):
+    """Of a hundred pointings 0.3."""
+    assert bool(coupling(100, correlation)) == coupled
+
+
+@pytest.mark.parametrize(
+    ("n", "correlation", "coupled"),
+    [(40, 0.9, True), (39, 0.9, False), (25, 0.9, False), (100, 0.5, True)],
+)
+def test_axes_are_coupled_from_forty_pointings(n, correlation, coupled):
+    """Fewer do not show it, however close."""
+    assert bool(coupling(n, correlation)) == coupled
+
+
+def coupling(n, correlation):
+    """Return the coupling of two axes whose deviations correlate."""
+    x = normal(n)
+    y = normal(n, 1)
+    y = y - x * (x @ y) / (x @ x)
+    y = correlation * x + np.sqrt(1 - correlation**2) * y * np.sqrt((x @ x) / (y @ y))
+    # Normal quantiles of a small set stay within three sigma, so that nothing is cut.
+    return estimate._coupling([series(n, is_y=False), series(n, start=n)], np.concatenate([x, y]))
+
+
+def test_coupled_axes_are_whitened():
+    """What they share is taken out of elevation."""
+    x, y = series(4, is_y=False), series(4, start=4)
+    found = plain(x, y, coupling={"": 0.6})
+    white = found.whiten(np.eye(8))
+    shared = np.kron([[1, 0.6], [0.6, 1]], np.eye(4))
+
+    np.testing.assert_allclose(white.T @ white, np.linalg.inv(shared), atol=1e-12)
+    assert found.log_determinant == pytest.approx(np.linalg.slogdet(shared)[1])
+
+
+def test_departures_are_whitened():
+    """The dense inverse and determinant of noise with a random effect."""
+    part, moved = series(5), np.arange(1.0, 6.0)[:, None]
+    found = plain(part, departures=(Departures("zero", "session", "", ("a",), moved, 0.8),))
+    dense = np.eye(5) + 0.8**2 * moved @ moved.T
+    white = found.whiten(np.eye(5))
+
+    np.testing.assert_allclose(white.T @ white, np.linalg.inv(dense), atol=1e-9)
+    assert found.log_determinant == pytest.approx(np.linalg.slogdet(dense)[1])
+
+
+def test_what_a_session_departs_by_is_predicted():
+    """Shrunk toward zero by the noise over its own variance."""
+    part = series(4)
+    moved = np.array([[1.0, 0], [1, 0], [0, 1], [0, 1]])
+    found = plain(part, departures=(Departures("zero", "session", "", ("a", "b"), moved, 2.0),))
+
+    np.testing.assert_allclose(
+        found.departed(np.array([1.0, 3, -1, -1])),
+        np.array([4, 4, -2, -2]) * 2**2 / (1 + 2 * 2**2),
+    )
+
+
+@pytest.mark.parametrize(("gain", "kept"), [(1.2, True), (0.8, False), (0.6, False), (1.9, True)])
+def test_a_variance_must_earn_one(gain, kept):
+    """In twice the log of the restricted likelihood."""
+    projected = SimpleNamespace(lack=lambda v: 0.0 if v[0] > 0 else gain)
+
+    assert bool(departures._without_idle(projected, np.array([4.0]))[0]) == kept
+
+
+def projected(rng, sessions, size, each=30):
+    """Return what data say of sessions that depart by `size`, and those data."""
+    part = series(sessions * each)
+    inside = np.repeat(np.eye(sessions), each, axis=0)
+    value = inside @ (size * normal(sessions)) + rng.normal(size=sessions * each)
+    one = Departures("zero", "session", "", tuple("abcdefghijklmnopqrst"[:sessions]), inside)
+    return plain(part), value, one
+
+
+@pytest.mark.parametrize("size", [0.0, 0.7, 3.0])
+def test_the_variance_of_departures_is_restricted_maximum_likelihood(size):
+    """Of a balanced design that of the analysis of variance: between less within."""
+    known, value, one = projected(np.random.default_rng(5), 20, size)
+    (found,) = departures.estimate(known, value, np.ones((600, 1)), [one]) or (replace(one),)
+    groups = value.reshape(20, 30)
+    between = groups.mean(axis=1).var(ddof=1)
+    within = groups.var(axis=1, ddof=1).mean()
+
+    # The scale of the noise is profiled out: the variance is in units of it.
+    assert found.sigma**2 == pytest.approx(max(0.0, (between - within / 30) / within), rel=0.02)
+
+
+def test_data_that_are_fitted_exactly_have_no_departures():
+    """What is left is rounding."""
+    known, _, one = projected(np.random.default_rng(5), 5, 1.0)
+
+    assert departures.estimate(known, 1e-6 * normal(150), np.ones((150, 1)), [one]) == ()
+
+
+@pytest.mark.parametrize(("nights", "there"), [(3, True), (2, False), (1, False), (5, True)])
+def test_three_sessions_may_depart(nights, there):
+    """Of two neither is the odd one."""
+    given = recordings(30, session=np.array([f"n{k}" for k in np.arange(30) * nights // 30]))
+    found = departures.possible(given, stack(given))
+
+    assert any(one.of == "session" for one in found) == there
+
+
+@pytest.mark.parametrize(
+    ("sources", "rows", "there"),
+    [
+        (10, 20, True),
+        (10, 19, False),
+        (10, 12, False),
+        (10, 38, True),
+        (2, 20, False),
+        (3, 9, True),
+    ],
+)
+def test_sources_that_were_pointed_at_again_may_depart(sources, rows, there):
+    """Twice each on average, three of them at least."""
+    names = np.array([f"S{k % sources}" for k in range(rows)])
+    given = recordings(rows, time=1e9 + 600.0 * np.arange(rows), source=names)
+    found = departures.possible(given, stack(given))
+
+    assert any(one.of == "source" for one in found) == there
+
+
+def test_what_remains_of_drifts_where_coefficients_are_estimated():
+    """Between a tenth and a fifth of the variance of drifts and departures; the rest is white."""
+    one = Departures("zero", "session", "", ("a",), np.ones((3, 1)), 2.0)
+    known = replace(plain(series(3), departures=(one,)), noises=(Noise(0.0, 1.0, ((3.0, 500.0),)),))
+    found = tempered(known)
+    (drifted,) = found.noises
+    share = drifted.drift**2 / 9
+
+    assert 0.1 < share < 0.2
+    assert found.departures[0].sigma ** 2 / 4 == pytest.approx(share)
+    assert drifted.between**2 == pytest.approx(1 + (1 - share) * 9)
+    assert tempered(plain(series(3))).noises == plain(series(3)).noises
+
+
+@pytest.mark.parametrize(
+    ("pointings_", "shapes", "taken"),
+    [(40, 20, 10), (16, 20, 4), (80, 90, 20), (200, 90, 30), (400, 90, 30), (120, 90, 30)],
+)
+def test_one_direction_for_four_pointings_is_projected_out(pointings_, shapes, taken):
+    """And thirty at most."""
+    rng = np.random.default_rng(0)
+    found = estimate._rich(
+        np.ones((pointings_, 1)), rng.normal(size=(pointings_, shapes)), pointings_
+    )
+
+    assert found.shape[1] == 1 + min(taken, shapes)
+    np.testing.assert_allclose(found.T @ found, np.eye(found.shape[1]), atol=1e-9)
+
+
+def test_eight_slow_directions_at_most_are_projected_out():
+    """More would leave nothing by which a drift is known."""
+    time = np.linspace(0, np.pi, 400)
+    slow = np.stack([np.cos(k * time) for k in range(1, 20)], axis=1)
+
+    assert estimate._rich(np.ones((400, 1)), slow, 400).shape[1] == 1 + 8
+
+
+def noisy(antennas, quiet=1.0, dof=10.0):
+    """Return the noises of an array in which one antenna is quieter than the others."""
+    parts = [series(3, antenna=f"A{n}", start=3 * n) for n in range(antennas)]
+    noises = [Noise(0.0, quiet if n == 0 else 4.0, dof=dof) for n in range(antennas)]
+    return estimate._moderated(noises, parts)
+
+
+def test_a_quiet_antenna_is_drawn_to_the_array():
+    """The usual variance counts as six deviations; a noisy one is believed."""
+    found = noisy(5)
+    loud = noisy(5, quiet=9.0)
+
+    assert found[0].between ** 2 == pytest.approx((10 + 6 * 16) / 16, rel=1e-6)
+    assert found[0].dof == 16
+    assert loud[0].between == 9.0
+
+
+@pytest.mark.parametrize(("antennas", "drawn"), [(4, True), (3, False), (2, False), (7, True)])
+def test_four_antennas_have_a_usual_noise(antennas, drawn):
+    """A median of fewer is one antenna's."""
+    assert (noisy(antennas)[0].between > 1.0) == drawn
+
+
+def shaken(antennas, scans, size=3.0, shapes=1):
+    """Return the excess of an array that is shaken from scan to scan."""
+    rng = np.random.default_rng(0)
+    scan = np.repeat(np.arange(scans), antennas)
+    left = rng.normal(size=len(scan)) + size * normal(scans)[scan]
+    columns = rng.normal(size=(scans, shapes))[scan]
+    return common_mode.excess(left, np.ones(len(scan)), columns, scan)
+
+
+@pytest.mark.parametrize(
+    ("antennas", "scans", "shown"),
+    [
+        (4, 40, True),
+        (3, 40, False),
+        (2, 40, False),
+        (7, 40, True),
+        (6, 8, True),
+        (6, 7, False),
+        (6, 5, False),
+        (6, 15, True),
+    ],
+)
+def test_a_common_mode_needs_four_antennas_and_eight_scans(antennas, scans, shown):
+    """Fewer, and the mean is one antenna's, or chance."""
+    assert (shaken(antennas, scans).factor > 1) == shown
+
+
+@pytest.mark.parametrize(("scans", "left"), [(40, 30), (80, 60)])
+def test_a_quarter_of_the_scans_goes_to_what_candidates_could_do(scans, left):
+    """Of shapes that could be found as many are taken out first."""
+    assert shaken(6, scans, shapes=70).dof == left
+
+
+def test_the_common_mode_is_as_large_as_it_was_drawn():
+    """Of four antennas that shake together by three sigma: 1 + 4 * 9 times the variance."""
+    assert shaken(4, 2000).factor == pytest.approx(37, rel=0.12)
+    assert shaken(4, 2000, size=0.0).factor == pytest.approx(1, abs=0.12)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "degrees", "one"),
+    [
+        (0.9, 0.0, True),
+        (1.1, 0.0, False),
+        (0.6, 0.0, True),
+        (1.9, 0.0, False),
+        (0.0, 0.019, True),
+        (0.0, 0.021, False),
+        (0.0, 0.011, True),
+        (0.0, 0.039, False),
+    ],
+)
+def test_readings_within_a_second_at_a_place_are_one_pointing(seconds, degrees, one):
+    """At most 0.02 deg apart."""
+    given = recordings(2, time=1e9 + np.array([0.0, seconds]))
+    at = replace(given.at, az=np.zeros(2), el=np.array([0.7, 0.7 + degrees * DEG]))
+
+    assert (len(np.unique(pointings(replace(given, at=at)))) == 1) == one
+
+
+@pytest.mark.parametrize(
+    ("degrees", "one"), [(0.0009, True), (0.0011, False), (0.0006, True), (0.0019, False)]
+)
+def test_without_times_only_the_same_place_is_one_pointing(degrees, one):
+    """At most a thousandth of a degree apart."""
+    given = recordings(2)
+    at = replace(given.at, az=np.array([0.0, degrees * DEG]) / np.cos(0.7), el=np.full(2, 0.7))
+
+    assert (len(np.unique(pointings(replace(given, at=at)))) == 1) == one

@@ -1,0 +1,386 @@
+"""Places: what is too little to hold a step, an edge, a stretch, a bump or a slope."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis.decisions.stubs import setup
+from diagnosis.made import recordings
+
+from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis import array, boxes, edges, fields, refine, shapes, two_axes, two_axes_words
+from pyport.diagnosis.arrays import lasting, places, repeat
+from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.field_families import Field
+from pyport.diagnosis.finding import Evidence, Finding, Where
+from pyport.diagnosis.view import View
+from pyport.effects import CATALOGUE
+from pyport.fitting.two_axes import Difference
+from pyport.recordings.stacking import stack
+
+
+def viewed(left, basis=None):
+    """Return readings of one sigma as they stand beside a model."""
+    n = len(left)
+    basis = np.zeros((n, 0)) if basis is None else basis
+    return View(np.arange(n), np.ones(n), basis, np.asarray(left, float))
+
+
+def elevations(n):
+    """Return n recordings, and the problem that has their elevations alone."""
+    given = recordings(n, 0)
+    data = stack(given)
+    only = np.flatnonzero(data.is_y)
+    both = SimpleNamespace(
+        row=data.row[only], is_y=data.is_y[only], columns=lambda e, at: e.columns(at)[1]
+    )
+    return given, setup(recordings=given, stack=both)
+
+
+@pytest.mark.parametrize(("after", "placed"), [(8, True), (7, False), (4, False), (15, True)])
+def test_a_step_has_eight_readings_on_either_side(after, placed):
+    """Where fewer follow, it is somewhere else."""
+    given, problem = elevations(60)
+    time = given.at.column("time")[problem.stack.row]
+    order = np.argsort(time, kind="stable")
+    left = np.zeros(60)
+    left[order[-after:]] = 5.0
+    found = refine._moments(problem, viewed(left), CATALOGUE["epoch_offset"])
+    moments = [one.parameter for one in found]
+    middle = (time[order[-after - 1]] + time[order[-after]]) / 2
+
+    assert any(abs(one - middle) < 1e-3 for one in moments) == placed
+
+
+@pytest.mark.parametrize(("inside", "box"), [(8, True), (7, False), (4, False), (15, True)])
+def test_a_box_has_eight_readings(inside, box):
+    """In a cell of the sky with fewer there is no offset."""
+    az = np.concatenate([np.full(inside, 0.1), np.linspace(1, 6, 80)])
+    el = np.concatenate([np.full(inside, 0.3), np.full(80, 0.9)])
+    there = az < 0.2
+    edges_, tried = boxes._scanned(az, el, np.ones(len(az)), 10.0 * there)
+    gain = boxes._gain_of(az, el, np.ones(len(az)), 10.0 * there)
+
+    assert tried > 100
+    assert (gain((0.0, 0.2, 0.2, 0.4)) > 0) == box
+    assert (gain(edges_) > 105 * inside) == box
+
+
+@pytest.mark.parametrize(("above", "there"), [(8, True), (7, False), (4, False), (15, True)])
+def test_an_edge_has_eight_readings_on_either_side(above, there):
+    """A curve above which fewer stand decides nothing."""
+    n = 60
+    az = np.linspace(0, 6, n)
+    el = np.where(np.arange(n) < above, 1.4, 0.5)
+    left = np.where(np.arange(n) < above, 5.0, 0.0)
+    found = edges._free(viewed(left - left.mean()), az, el, np.ones(n, bool))
+
+    assert (found is not None) == there
+
+
+def test_an_edge_needs_thirty_two_elevations():
+    """Four times as many as a side."""
+    az, el = np.linspace(0, 6, 40), np.linspace(0.2, 1.4, 40)
+    left = np.where(el > 0.8, 3.0, -3.0)
+
+    assert edges._free(viewed(left), az, el, np.ones(40, bool)) is not None
+    few = slice(0, 40, 2)
+    assert edges._free(viewed(left[few]), az[few], el[few], np.ones(20, bool)) is None
+
+
+@pytest.mark.parametrize(("rows", "inside"), [(128, True), (110, False), (60, False), (250, True)])
+def test_a_stretch_of_a_sixteenth_has_eight_readings(rows, inside):
+    """Fewer are a handful of outliers."""
+    given = recordings(rows, 0)
+    found = shapes.design(given, stack(given))[1]
+    widths = [
+        np.count_nonzero(shapes.fields.values(one, given.at).any(axis=1))
+        for one in (shape.bumps for shape in shapes._shapes(given) if shape.family == "an offset")
+    ]
+    kept = [one for one in found if one.effect.sentence.startswith("an offset")]
+
+    assert (len(kept) == 2 * len(widths)) == inside
+    assert all(one >= 8 for one in widths) == inside
+
+
+def bumps(monkeypatch, felt):
+    """Return how many bumps a field has of which the last is felt by some readings."""
+    n = 60
+    columns = np.zeros((n, 2))
+    columns[:, 0] = 1.0
+    columns[:felt, 1] = 0.5
+    one = Field("a field", "somewhere", columns)
+    seen = []
+    monkeypatch.setattr(fields, "families", lambda _: [(1, one)])
+    monkeypatch.setattr(fields, "worth", lambda field, *_: seen.append(field.columns.shape[1]))
+    ground = SimpleNamespace(
+        setup=setup(stack=SimpleNamespace(is_y=np.ones(n, bool))),
+        axis_by_axis=lambda _: (np.eye(4), np.zeros(4)),
+    )
+    list(fields.Ground.worths(ground))
+    return seen
+
+
+@pytest.mark.parametrize(("felt", "kept"), [(8, 2), (7, 1), (4, 1), (15, 2)])
+def test_a_bump_is_felt_by_eight_readings(monkeypatch, felt, kept):
+    """Its height would be that of fewer."""
+    assert bumps(monkeypatch, felt) == [kept]
+
+
+@pytest.mark.parametrize(
+    ("wide", "placed"), [(30, True), (34, True), (37, False), (45, False), (1, False), (3, True)]
+)
+def test_a_field_has_a_place_where_it_stands_out(wide, placed):
+    """In two to thirty-five hundredths of the readings."""
+    values = np.arange(100.0)
+    curve = np.where(np.abs(values - 50) < wide / 2, 3.0, 0.1)
+    found = fields.region(Field("", "", np.ones((100, 1)), along=("x", values)), curve)
+
+    assert bool(found) == placed
+    if placed:
+        assert abs(found[0].low - (50 - wide / 2)) <= 1
+        assert abs(found[0].high - (50 + wide / 2)) <= 1
+
+
+def test_evidence_is_that_of_coefficients_from_one_normal():
+    """Of one direction known from power p: gain less one less log gain at the best width."""
+    for gain in (2.0, 5.0, 30.0, 500.0):
+        found, variance = at_best(np.array([4.0]), np.array([2 * np.sqrt(gain)]))
+
+        assert found == pytest.approx(gain - 1 - np.log(gain), abs=0.15)
+        assert variance == pytest.approx((gain - 1) / 4, rel=0.5)
+    assert at_best(np.array([4.0]), np.array([0.0]))[0] < 0
+
+
+def test_evidence_adds_over_directions_of_one_width():
+    """Two alike have twice that of one; an idle one costs its share."""
+    one, _ = at_best(np.array([1.0]), np.array([6.0]))
+    two, _ = at_best(np.array([1.0, 1.0]), np.array([6.0, 6.0]))
+    idle, _ = at_best(np.array([1.0, 1.0]), np.array([6.0, 0.0]))
+
+    assert two == pytest.approx(2 * one)
+    assert one - 5 < idle < one - 2
+
+
+ANTENNAS = tuple("ABCDEFGH")
+
+
+def parts(values, sigma, sessions=1):
+    """Return coefficients of some antennas, taken apart."""
+    antenna = np.repeat(ANTENNAS[: len(values)], sessions)
+    session = np.tile([f"s{n}" for n in range(sessions)], len(values))
+    value = np.repeat(values, sessions) + 0.0
+    return array.split(antenna, session, value, np.full(len(value), sigma))
+
+
+@pytest.mark.parametrize(
+    ("common", "there"), [(3.3, True), (2.7, False), (1.7, False), (5.5, True)]
+)
+def test_a_common_part_is_there_from_three_sigma(common, there):
+    """Of four antennas of one sigma its error is a half."""
+    assert parts(np.full(4, common / 2), 1.0).has_common == there
+
+
+@pytest.mark.parametrize(("own", "there"), [(3.3, True), (2.7, False), (1.7, False), (5.5, True)])
+def test_an_antenna_stands_out_from_three_sigma(own, there):
+    """Of its own error and that of the mean of all."""
+    found = array.Split(
+        ("",), np.zeros(1), np.ones(1), ANTENNAS[:2], np.array([0.0, own]), np.ones(2), 0.0, 0.0, 0
+    )
+
+    assert found.standing_out.tolist() == [False, there]
+
+
+def test_parts_of_antennas_are_about_what_they_share():
+    """Own parts of zero mean; a shared one with its error; changes from session to session."""
+    found = parts(np.array([1.0, 2.0, 3.0, 6.0]), 0.1)
+
+    np.testing.assert_allclose(found.own, [-2, -1, 0, 3], atol=1e-6)
+    assert found.common[0] == pytest.approx(3.0, abs=1e-6)
+    assert found.spread == pytest.approx(np.std([1, 2, 3, 6], ddof=1), rel=0.01)
+    moved = array.split(
+        np.repeat(ANTENNAS[:4], 2), np.tile(["a", "b"], 4), np.tile([0.0, 1.0], 4), np.full(8, 0.1)
+    )
+    assert moved.changes
+    assert not parts(np.array([1.0, 2, 3, 6]), 0.1, sessions=2).changes
+
+
+@pytest.mark.parametrize(("sigma", "used"), [(2.9, True), (3.1, False), (1.7, True), (5.8, False)])
+def test_an_antenna_known_three_times_worse_is_no_reference(sigma, used):
+    """Than the median one."""
+    covariance = np.diag(np.array([1.0, 1, 1, 1, 1, 1, 1, sigma]) ** 2)
+    # About the mean of eight, the errors of the others hardly change.
+    well = lasting.told_well(np.diag(np.array([1.0] * 60 + [sigma]) ** 2))
+    known = SimpleNamespace(
+        antennas=ANTENNAS, own=np.zeros((8, 1)), own_covariance=lambda _: covariance
+    )
+    found = places.places(known, 0, SimpleNamespace(latitude=0.6, height_m=0.0))
+
+    assert bool(well[-1]) == used
+    assert found.usable[-1] == used
+
+
+def surveyed(antennas):
+    """Return a comparison of displacements with a survey of some antennas."""
+    east = np.arange(8.0) * 100
+    found = places.Places(ANTENNAS, east, np.eye(8), np.ones(8, bool), 6.4e6)
+    survey = SimpleNamespace(names=ANTENNAS[:antennas], east_m=east[:antennas], file="survey")
+    return places.compare(found, survey)
+
+
+@pytest.mark.parametrize(("antennas", "there"), [(4, True), (3, False), (2, False), (7, True)])
+def test_a_survey_needs_four_antennas(antennas, there):
+    """A slope from three fits anything."""
+    assert (surveyed(antennas) is not None) == there
+
+
+@pytest.mark.parametrize(
+    ("slope", "sigma", "site"),
+    [
+        (1.0, 0.3, True),
+        (1.0, 0.36, False),
+        (1.0, 0.6, False),
+        (1.0, 0.18, True),
+        (1.28, 0.1, True),
+        (1.32, 0.1, False),
+        (1.16, 0.1, True),
+        (1.58, 0.1, False),
+    ],
+)
+def test_leans_grow_with_distance_as_displacements_do(slope, sigma, site):
+    """A slope that is there from three sigma, and no further from one."""
+    known = surveyed(8)
+    found = places.Comparison(
+        **{**vars(known), "slope": slope, "slope_sigma": sigma, "delta_bic": 5.0}
+    )
+
+    assert found.is_the_site == site
+
+
+@pytest.mark.parametrize(("antennas", "there"), [(4, True), (3, False), (2, False), (7, True)])
+def test_sessions_are_compared_in_four_antennas(monkeypatch, antennas, there):
+    """As many as a comparison with a survey needs."""
+    blocks = [
+        SimpleNamespace(session=session, antenna=name)
+        for session in "ab"
+        for name in ANTENNAS[:antennas]
+    ]
+    monkeypatch.setattr(repeat, "lasting", lambda *_: None)
+    monkeypatch.setattr(repeat, "_compared", lambda *_: "compared")
+
+    assert bool(repeat.repeats(blocks, (), 0)) == there
+
+
+def apart(sigmas):
+    """Return a difference of so many sigmas."""
+    from scipy.special import ndtr
+
+    one = np.ones(1)
+    return Difference(np.zeros(1, int), one, one, one, one, 1.0, float(2 * ndtr(-sigmas)))
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "placed"), [(3.2, True), (2.8, False), (1.7, False), (5.5, True)]
+)
+def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
+    """In an axis and a half."""
+    half = two_axes.Half("below", apart(1.0))
+    split = two_axes.Split((half, half), apart(sigmas), apart(0.5))
+    said = two_axes_words._place((split,), "tilt", ("x", "y"))
+
+    assert said.startswith("It lies in x") == placed
+
+
+@pytest.mark.parametrize(("sigmas", "same"), [(1.8, True), (2.2, False), (1.2, True), (3.5, False)])
+def test_halves_two_sigma_apart_agree(sigmas, same):
+    """Then the other axis has one tilt in both."""
+    half = two_axes.Half("below", apart(1.0))
+    split = two_axes.Split((half, half), apart(8.0), apart(sigmas))
+    said = two_axes_words._place((split,), "tilt", ("x", "y"))
+
+    assert ("y has one in both" in said) == same
+
+
+def causes(gain, left, count=1):
+    """Return the causes that would settle a disagreement, each of one column."""
+    some = [SimpleNamespace(effect=SimpleNamespace(id=f"c{n}")) for n in range(count)]
+    data = np.zeros(20)
+    data[1 : 1 + count] = np.sqrt(gain) + 0.01 * np.arange(count)
+    column = lambda n: np.eye(20)[:, n : n + 1]  # noqa: E731
+    problem = setup(
+        candidates=some,
+        expanded=lambda choices, **_: column(
+            1 + some.index(choices[0].candidate) if choices[0].candidate in some else 15
+        ),
+    )
+    difference = apart(2.0)
+    ground = SimpleNamespace(
+        others=lambda _: column(19),
+        weighed=SimpleNamespace(white=None),
+        setup=problem,
+        data=data,
+        compare=lambda *_: Difference(**{**vars(difference), "chi2": left}),
+    )
+    one = SimpleNamespace(candidate="the effect")
+    found = Difference(**{**vars(difference), "chi2": 100.0})
+    return [name for name, _ in two_axes._Ground._causes(ground, one, found)]
+
+
+@pytest.mark.parametrize(
+    ("gain", "left", "told"),
+    [
+        (9.5, 10.0, True),
+        (8.5, 10.0, False),
+        (2.5, 10.0, False),
+        (30.0, 10.0, True),
+        (30.0, 48.0, True),
+        (30.0, 52.0, False),
+        (30.0, 27.0, True),
+        (30.0, 90.0, False),
+    ],
+)
+def test_a_cause_takes_most_of_a_disagreement_away(gain, left, told):
+    """Worth three sigma for each coefficient, with at most half of the square left."""
+    assert bool(causes(gain, left)) == told
+
+
+def test_three_causes_are_listed():
+    """Those that gain most."""
+    assert causes(20.0, 1.0, count=5) == ["c4", "c3", "c2"]
+
+
+@pytest.mark.parametrize(
+    ("visible", "said"), [(96.0, False), (94.0, True), (50.0, True), (100.0, False)]
+)
+def test_what_the_fitted_terms_absorb_is_said_from_a_twentieth(visible, said):
+    """Less is not worth a word."""
+    found = Finding(
+        *("refraction", ("refraction",), "named", "", Where(("el",)), ()),
+        *(Evidence(1e-9, 50.0, None, None), visible * ARCSEC, 100 * ARCSEC),
+    )
+
+    assert ("absorb" in found.size) == said
+
+
+def test_a_path_over_columns_climbs_where_that_pays():
+    """Each degree from one column to the next costs what is said."""
+    cost = np.full((3, 92), 10.0)
+    cost[0, 20] = cost[1, 24] = cost[2, 20] = 0.0
+
+    assert edges._path(cost).tolist() == [20, 24, 20]
+    cost[1, 24] = 6.0
+    assert edges._path(cost).tolist() == [20, 20, 20]
+
+
+def test_levels_and_columns_of_the_sky():
+    """One degree up, ten around."""
+    sky = edges.sky_of(
+        np.array([0.5, 15.0, 25.0]) * DEG,
+        np.array([10.5, 20.5, 91.0]) * DEG,
+        np.ones(3, bool),
+        edges.COLUMN,
+    )
+
+    assert sky.columns == 3
+    assert sky.above(np.array([10, 20, 90])).tolist() == [True, True, True]
+    assert sky.above(np.array([11, 21, 91])).tolist() == [False, False, False]

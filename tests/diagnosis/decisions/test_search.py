@@ -1,0 +1,638 @@
+"""The search: what may join, lead, be exchanged, stand or give way to a field."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
+
+from pyport.diagnosis import (
+    case,
+    changes,
+    confirm,
+    diagnose,
+    nonparametric,
+    search,
+    soundness,
+    winner,
+)
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.significance import family_p_value, gain_needed, threshold
+from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.winner import Winner
+from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.whitening import Noise
+
+QUIET = lambda _: None  # noqa: E731
+
+
+def won(effect="refraction", evidence=20.0, **changes):
+    """Return a winner without anything to refine."""
+    one = trial(effect, evidence, **changes)
+    return Winner(one, setup(part=lambda _: None), Chosen(one.candidate, one.scope), 0.0)
+
+
+def outcome(*steps, p_value=0.5, last=(), **more):
+    """Return the end of a search with some turns in it."""
+    weighed = SimpleNamespace(
+        evidence=SimpleNamespace(beside=lambda *_, **__: beside()), covariance=None
+    )
+    problem = setup(part=lambda _: None, **more)
+    return Outcome(problem, tuple(one.chosen for one in steps), steps, weighed, p_value, last)
+
+
+def walked(monkeypatch, start, p_value, answers):
+    """Return what `_walk` asked of a turn, and its end; `answers` are the winners, then None."""
+    asked, left = [], list(answers)
+
+    def winner_of(_setup, _weighed, chosen, _trials, least, **more):
+        asked.append(SimpleNamespace(chosen=chosen, least=least, **more))
+        return left.pop(0) if left else None
+
+    monkeypatch.setattr(search, "trials_of", lambda *_: [])
+    monkeypatch.setattr(search, "family_p_value", lambda _: p_value)
+    monkeypatch.setattr(search, "winner_of", winner_of)
+    monkeypatch.setattr(search, "joined", lambda _, chosen, new: (*chosen, new))
+    monkeypatch.setattr(
+        search,
+        "_settled",
+        lambda now, steps, chosen: Outcome(
+            now.setup, chosen, steps, now.weighed, now.p_value, now.last
+        ),
+    )
+    monkeypatch.setattr(search, "_exchanged", lambda now, *_: now)
+    return asked, search._walk(start, frozenset(), QUIET)
+
+
+@pytest.mark.parametrize(
+    ("p_value", "goes_on"), [(0.006, True), (0.0095, True), (0.0105, False), (0.019, False)]
+)
+def test_the_search_goes_on_up_to_a_p_value_of_one_in_a_hundred(monkeypatch, p_value, goes_on):
+    """Beyond it only changes with time are looked for."""
+    asked, _ = walked(monkeypatch, outcome(), p_value, [])
+
+    assert [one.mismatch for one in asked] == [goes_on]
+
+
+@pytest.mark.parametrize(("gain", "least"), [(1000.0, 20.0), (5000.0, 100.0)])
+def test_a_further_finding_must_exceed_what_a_strong_one_leaves(monkeypatch, gain, least):
+    """Two per cent of the strongest gain."""
+    asked, _ = walked(monkeypatch, outcome(step(trial(gain=gain))), 0.5, [])
+
+    assert asked[0].least == pytest.approx(least)
+
+
+def test_a_search_ends_at_eight_findings(monkeypatch):
+    """However much is left."""
+    _, end = walked(monkeypatch, outcome(), 1e-9, [won() for _ in range(20)])
+
+    assert len(end.steps) == 8
+
+
+@pytest.mark.parametrize(("turns", "warned"), [(8, True), (7, False), (5, False)])
+def test_a_search_that_stopped_there_says_so(turns, warned):
+    """Eight findings are not the end."""
+    fit = SimpleNamespace(
+        solution=SimpleNamespace(
+            known=np.ones(1, bool), condition=1.0, covariance=np.eye(1), rank=1
+        )
+    )
+    done = SimpleNamespace(
+        before=fit,
+        after=fit,
+        findings=(),
+        steps=(0,) * turns,
+        weighed=SimpleNamespace(used=np.ones(100, bool)),
+    )
+
+    assert any("did not come to its end" in one for one in soundness.warnings(done)) == warned
+
+
+@pytest.mark.parametrize(
+    ("p_value", "clear"), [(0.0105, True), (0.0095, False), (0.006, False), (0.015, True)]
+)
+def test_silence_is_no_all_clear_where_something_is_left(p_value, clear):
+    """Up to a p-value of one in a hundred what is left does not look like the noise."""
+    done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
+
+    assert soundness.nothing(done).startswith("Nothing is missing") == clear
+
+
+@pytest.mark.parametrize(
+    ("sure", "stands"), [(6.2, True), (5.8, False), (3.5, False), (11.0, True)]
+)
+def test_what_stands_needs_odds_of_twenty_to_one(monkeypatch, sure, stands):
+    """The noise, estimated with it and without, does as well: dropped."""
+    monkeypatch.setattr(search, "_standing_of", lambda *_: sure)
+    monkeypatch.setattr(search, "weigh", lambda *_: None)
+    end = search._standing(outcome(step(trial("epoch_tilt"))), QUIET)
+
+    assert bool(end.chosen) == stands
+
+
+def test_the_weakest_is_dropped_first(monkeypatch):
+    """What is left is asked again."""
+    one, other = step(trial("epoch_tilt")), step(trial("drift"))
+    sure = lambda now, each: {1: 9.0, 2: 3.0 if each is other.chosen else 5.0}[len(now.chosen)]  # noqa: E731
+    monkeypatch.setattr(search, "_standing_of", sure)
+    monkeypatch.setattr(search, "weigh", lambda *_: None)
+    end = search._standing(outcome(one, other), QUIET)
+
+    assert end.chosen == (one.chosen,)
+
+
+@pytest.mark.parametrize(
+    ("ahead", "exchanged"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)]
+)
+def test_a_choice_is_exchanged_for_one_twenty_times_likelier(monkeypatch, ahead, exchanged):
+    """Beside the later ones, another effect must beat it by six."""
+    first, last = step(trial("sag_sine")), step(trial("tilt"))
+    better = won("refraction", 30.0 + ahead)
+
+    def winner_of(_setup, _weighed, _others, _trials, least, **_):
+        return better if better.trial.evidence > least else None
+
+    monkeypatch.setattr(search, "trials_of", lambda *_: [])
+    monkeypatch.setattr(search, "alone", lambda *_: trial("sag_sine", 30.0))
+    monkeypatch.setattr(search, "winner_of", winner_of)
+    monkeypatch.setattr(
+        search,
+        "_settled",
+        lambda now, steps, chosen: Outcome(
+            now.setup, chosen, steps, now.weighed, now.p_value, now.last
+        ),
+    )
+    end = search._exchanged(outcome(first, last), frozenset(), QUIET)
+
+    assert (end.chosen[0].candidate.effect.id == "refraction") == exchanged
+
+
+@pytest.mark.parametrize(("fits", "wrong"), [(True, set()), (False, {"annual_aberration"})])
+def test_a_size_that_physics_fixes_is_tested_in_the_end(monkeypatch, fits, wrong):
+    """An effect that does not have it is banned, and the search made again."""
+    value = 1.0 if fits else 1.7
+    of = trial("annual_aberration")
+    known = of.candidate.effect.coefficients[0]
+    shown = trial(
+        "annual_aberration",
+        value=value * known.expected * known.scale,
+        sigma=0.01 * known.expected * known.scale,
+    )
+    monkeypatch.setattr(search, "alone", lambda *_: shown)
+
+    assert set(search._wrong_sizes(outcome(step(of)))) == wrong
+
+
+def test_a_wrong_size_starts_the_search_again(monkeypatch):
+    """Without the effect that does not have the size of physics."""
+    banned, wrong = [], [frozenset({"annual_aberration"}), frozenset()]
+    monkeypatch.setattr(search, "_searched", lambda _, some, __: banned.append(some) or outcome())
+    monkeypatch.setattr(search, "_wrong_sizes", lambda _: wrong.pop(0))
+    monkeypatch.setattr(search, "_standing", lambda now, _: now)
+    monkeypatch.setattr(search, "_walk", lambda now, *_, **more: (now, more))
+    _, more = search.search(setup(), QUIET)
+
+    assert banned == [frozenset(), frozenset({"annual_aberration"})]
+    assert more == {"strict": True}
+
+
+def fixed(evidence, times):
+    """Return a trial of aberration, so many times as large as physics says."""
+    of = candidate("annual_aberration").effect.coefficients[0]
+    size = of.expected * of.scale
+    return trial("annual_aberration", evidence, value=times * size, sigma=0.01 * size)
+
+
+@pytest.mark.parametrize(
+    ("evidence", "times", "leads"),
+    [
+        (40.5, 1.5, True),
+        (39.5, 1.5, False),
+        (36.0, 1.5, False),
+        (48.0, 1.5, True),
+        (90.0, 2.5, False),
+        (25.0, 1.0, False),
+    ],
+)
+def test_a_wrong_size_leads_only_by_far(evidence, times, leads):
+    """By ten beside the best other, which has thirty, and bent by no more than twice."""
+    found = winner._worth(setup(), [trial("sag_sine", 30.0), fixed(evidence, times)], 0.0, ())
+
+    assert (found[0].candidate.effect.id == "annual_aberration") == leads
+
+
+def test_the_search_asks_no_change_no_shape_and_nothing_banned():
+    """Changes with time are confirmed apart; least is what evidence must exceed."""
+    trials = [
+        trial("refraction", 30.0),
+        trial("epoch_tilt", 90.0),
+        trial("skew", 20.0),
+        trial("sag_sine", 9.0),
+    ]
+    found = winner._worth(setup(), trials, 10.0, ("skew",))
+
+    assert [one.candidate.effect.id for one in found] == ["refraction"]
+
+
+@pytest.mark.parametrize(
+    ("gained", "gain", "was", "good"),
+    [
+        (31.0, 100.0, 500.0, True),
+        (29.0, 100.0, 500.0, False),
+        (16.0, 100.0, 500.0, False),
+        (59.0, 100.0, 500.0, True),
+        # No effect gains more on unseen data than there was.
+        (31.0, 1000.0, 100.0, True),
+        (29.0, 1000.0, 100.0, False),
+    ],
+)
+def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, gain, was, good):
+    """Of what it gains in the fit."""
+    misfit = {"before": was, "after": was - gained}
+    monkeypatch.setattr(winner, "folds", lambda *_: None)
+    monkeypatch.setattr(winner, "unseen_misfit", lambda _s, _w, which, _p: misfit[which])
+
+    assert winner.predicts(None, None, "before", "after", gain) == good
+
+
+def turn(monkeypatch, lasting=(), moved=(), sure=0.0, unseen=lambda _: True, **options):
+    """Return who wins a turn among lasting effects and changes."""
+    monkeypatch.setattr(winner, "_changes", lambda *_: list(moved))
+    monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
+    monkeypatch.setattr(winner, "_confirmed", lambda one, _: sure(one) if callable(sure) else sure)
+    monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
+    monkeypatch.setattr(
+        winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
+    )
+    found = winner.winner_of(setup(), None, (), (), 0.0, **options)
+    return found and found.trial.candidate.effect.id
+
+
+NAMES = ("refraction", "skew", "tilt", "sag_sine", "sag_cosine", "collimation")
+RANKED = [won(name, 50.0 - n) for n, name in enumerate(NAMES)]
+
+
+@pytest.mark.parametrize(("failing", "wins"), [(0, 0), (1, 1), (3, 3), (4, None)])
+def test_the_next_best_takes_its_turn_on_unseen_data(monkeypatch, failing, wins):
+    """Four may fail; the fifth is no candidate."""
+    bad = NAMES[:failing]
+    found = turn(monkeypatch, RANKED, unseen=lambda one: one not in bad)
+
+    assert found == (None if wins is None else NAMES[wins])
+
+
+@pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
+def test_in_a_strict_turn_everything_is_confirmed(monkeypatch, sure, wins):
+    """By odds of twenty to one."""
+    found = turn(monkeypatch, RANKED[:1], sure=sure, strict=True)
+
+    assert found == ("refraction" if wins else None)
+
+
+@pytest.mark.parametrize(("odds", "wins"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
+def test_beside_a_change_only_confirmed_effects_compete(monkeypatch, odds, wins):
+    """A lasting effect that the noise can do as well gives way to a change."""
+    found = turn(monkeypatch, RANKED[:1], [won("epoch_tilt", 10.0)], sure=odds)
+
+    assert found == ("refraction" if wins else "epoch_tilt")
+
+
+def test_the_confirmed_evidence_counts_beside_a_change(monkeypatch):
+    """Of a lasting effect the better of both kinds of evidence."""
+    found = turn(monkeypatch, [won("refraction", 5.0)], [won("epoch_tilt", 10.0)], sure=12.0)
+
+    assert found == "refraction"
+
+
+def test_without_a_mismatch_only_changes_are_looked_for(monkeypatch):
+    """The noise may have swallowed a change, and nothing else."""
+    assert turn(monkeypatch, RANKED, mismatch=False) is None
+    assert turn(monkeypatch, (), [won("epoch_tilt")], mismatch=False) == "epoch_tilt"
+    assert turn(monkeypatch, (), [won("epoch_tilt")], changes=False) is None
+
+
+@pytest.mark.parametrize(("sure", "found"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
+def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found):
+    """Its evidence is then that of the worlds with it and without."""
+    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
+    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
+    monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
+    moved = winner._changes(setup(), None, (), (), ())
+
+    assert [one.trial.evidence for one in moved] == ([sure] if found else [])
+
+
+def test_a_confirmation_pays_for_its_choice(monkeypatch):
+    """For the moment that was refined, and for the members of its family."""
+    asked = []
+    monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
+    monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
+    one = won("epoch_tilt", of=candidate("epoch_tilt", choices=7))
+    winner._confirmed(Winner(one.trial, one.setup, one.chosen, 3.0), ())
+
+    assert asked == [pytest.approx(3.0 + 2 * np.log(7))]
+
+
+def test_an_effect_pays_for_being_one_of_many():
+    """A change for the kinds of change, any other for all lasting effects."""
+    some = tuple(candidate(name) for name in ("epoch_tilt", "drift", *NAMES))
+    problem = setup(candidates=some)
+
+    assert confirm._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
+    assert confirm._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(len(NAMES)))
+
+
+def test_departures_as_wide_as_the_scatter_are_half_as_probable():
+    """The half-Cauchy prior of their standard deviation."""
+    noise = SimpleNamespace(between=3.0, within=4.0)
+    known = SimpleNamespace(noises=[noise], departures=[SimpleNamespace(sigma=5.0)])
+
+    assert confirm._improbable(known) == pytest.approx(2 * np.log(2))
+
+
+def test_evidence_beside_a_model_is_that_of_dense_algebra():
+    """Restricted likelihood of white noise, and what a column adds to it."""
+    rng = np.random.default_rng(0)
+    model, own, value = rng.normal(size=(30, 2)), rng.normal(size=(30, 1)), rng.normal(size=30)
+    plain = SimpleNamespace(
+        whiten=lambda columns: columns / 2.0,
+        log_determinant=30 * np.log(4.0),
+        noises=[SimpleNamespace(between=2.0, within=0.0)],
+        departures=[],
+    )
+    lack, gained = confirm._lack(plain, model, own, value)
+    basis = np.linalg.qr(model)[0]
+    left = (value - basis @ (basis.T @ value)) / 2
+    wanted = 30 * np.log(4) + np.linalg.slogdet(model.T @ model / 4)[1] + left @ left
+    column = (own[:, 0] - basis @ (basis.T @ own[:, 0])) / 2
+
+    assert lack == pytest.approx(wanted)
+    assert gained < (column @ left) ** 2 / (column @ column)
+
+
+def field(evidence, directions=1):
+    """Return what a field is worth."""
+    return SimpleNamespace(evidence=evidence, directions=np.ones((3, directions)), gain=1.0)
+
+
+def instead(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
+    """Tell whether a field takes the place of names from some turn on."""
+    ground = SimpleNamespace(worths=lambda: worths, worth_of=lambda one: one)
+    monkeypatch.setattr(nonparametric, "Ground", lambda *_: ground)
+    monkeypatch.setattr(nonparametric, "boxes", lambda *_: [])
+    monkeypatch.setattr(nonparametric, "weigh_model", lambda *_: None)
+    monkeypatch.setattr(nonparametric, "family_p_value", lambda _: p_value)
+    monkeypatch.setattr(nonparametric, "_together", lambda *_: together)
+    monkeypatch.setattr(nonparametric, "_with_field", lambda *_: "a field")
+    return nonparametric.field_instead(now, turn) == "a field"
+
+
+@pytest.mark.parametrize(
+    ("evidence", "wins"), [(56.5, True), (55.5, False), (53.5, False), (61.0, True)]
+)
+def test_a_field_must_beat_all_names_by_six(monkeypatch, evidence, wins):
+    """Names together have fifty."""
+    now = outcome(step(trial()))
+
+    assert instead(monkeypatch, [field(evidence)], now, together=50.0) == wins
+
+
+@pytest.mark.parametrize(
+    ("evidence", "wins"), [(20.5, True), (19.5, False), (11.0, False), (39.0, True)]
+)
+def test_a_field_must_exceed_what_a_strong_effect_leaves(monkeypatch, evidence, wins):
+    """Two per cent of its gain, a thousand."""
+    now = outcome(step(trial(gain=1000.0)), last=())
+
+    assert instead(monkeypatch, [field(evidence)], now, turn=1) == wins
+
+
+@pytest.mark.parametrize(
+    ("p_value", "wins"), [(0.0095, True), (0.0105, False), (0.006, True), (0.019, False)]
+)
+def test_a_field_without_a_name_needs_a_mismatch(monkeypatch, p_value, wins):
+    """With a p-value up to one in a hundred."""
+    assert instead(monkeypatch, [field(90.0)], outcome(), p_value=p_value) == wins
+
+
+def test_a_field_that_nothing_determines_is_none(monkeypatch):
+    """It has no direction that the data know."""
+    assert not instead(monkeypatch, [field(90.0, directions=0)], outcome())
+
+
+@pytest.mark.parametrize(("names", "evidence"), [(1, 195.0), (2, 178.0), (3, 161.0)])
+def test_each_name_beyond_the_first_costs_twelve(names, evidence):
+    """And each its price: gain less evidence."""
+    ground = SimpleNamespace(gain=lambda _: 200.0)
+    steps = [step(trial("refraction", 20.0, gain=25.0))] * names
+    problem = setup(expanded=lambda _: None)
+
+    assert nonparametric._together(ground, problem, steps) == pytest.approx(evidence)
+
+
+def test_a_p_value_is_the_share_of_draws_that_do_as_well():
+    """Of 300 draws thirty at least as good: 31 of 301; of few the chance times the candidates."""
+    drawn = np.where(np.arange(300) < 30, 12.0, 1.0)
+
+    assert family_p_value([trial(gain=10.0, drawn=drawn)]) == pytest.approx(31 / 301)
+    assert family_p_value([trial(gain=100.0, drawn=drawn)]) < 1e-9
+    assert family_p_value([]) == 1.0
+    low, high = (family_p_value([trial(gain=30.0, drawn=drawn, noise_dof=n)]) for n in (10, 1000))
+    assert high < low / 10
+
+
+def test_independent_candidates_multiply_the_chance():
+    """Two candidates whose draws differ make the chance of the best twice that of one."""
+    rng = np.random.default_rng(0)
+    some = [trial(gain=40.0, drawn=rng.chisquare(1, 3000), noise_dof=10**6) for _ in range(20)]
+    one = family_p_value(some[:1])
+    every = family_p_value(some)
+
+    assert one == pytest.approx(2.5e-10, rel=0.4)
+    assert every / one == pytest.approx(20, rel=0.4)
+
+
+def test_the_gain_that_is_needed_has_the_chance_that_is_asked():
+    """Of one coefficient and known noise, one in a hundred is 6.63."""
+    assert gain_needed(trial(noise_dof=10**7), np.log(0.01)) == pytest.approx(6.635, abs=0.01)
+    assert gain_needed(trial(noise_dof=10), np.log(0.01)) == pytest.approx(10.04, abs=0.01)
+
+
+def test_the_threshold_of_a_search_is_that_of_its_best_draw():
+    """Of draws from a chi-square with one degree, the chance that one in a hundred falls below."""
+    drawn = np.random.default_rng(0).chisquare(1, 30000)
+
+    assert np.exp(threshold([trial(drawn=drawn, noise_dof=10**6)], 0.01)) == pytest.approx(
+        0.01, rel=0.15
+    )
+    assert threshold([], 0.01) == float("-inf")
+
+
+@pytest.mark.parametrize("scale", [1.0, 3.0])
+def test_a_limit_is_the_size_at_which_half_would_be_seen(scale):
+    """Ten readings a unit each, one sigma of them 1 / sqrt(10): the gain needed is 6.6."""
+    drawn = np.random.default_rng(0).chisquare(1, 30000)
+    one = trial(sigma=scale / np.sqrt(10), drawn=drawn, noise_dof=10**6)
+    problem = setup(columns=np.ones((10, 1)))
+    limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
+
+    assert limits["refraction"] == pytest.approx(scale * np.sqrt(6.635 / 10), rel=0.06)
+
+
+def test_what_rounding_alone_sees_has_no_limit():
+    """Nor has the part of a single antenna."""
+    drawn = np.ones(300)
+    blind = trial("skew", sigma=1e101, drawn=drawn)
+    own = trial("tilt", drawn=drawn, scope="antenna")
+    found = diagnose._limits(
+        setup(columns=np.ones((10, 1))), SimpleNamespace(last=(trial(drawn=drawn), blind, own))
+    )
+
+    assert list(found) == ["refraction"]
+
+
+@pytest.mark.parametrize(
+    ("evidences", "left"),
+    [((5.0, 9.0), 2), ((-0.5, 9.0), 1), ((0.5, 9.0), 2), ((-3.0, -9.0), 1)],
+)
+def test_what_others_made_idle_is_dropped(monkeypatch, evidences, left):
+    """Evidence below zero beside the others; one always stays."""
+    some = tuple(Chosen(candidate(name), "all") for name in NAMES[:2])
+    worth = dict(zip((id(one) for one in some), evidences, strict=True))
+    monkeypatch.setattr(winner, "alone", lambda _s, _w, _c, one: trial(evidence=worth[id(one)]))
+
+    assert len(winner.without_idle(setup(), None, some)) == left
+
+
+@pytest.mark.parametrize(
+    ("effect", "antennas", "temporal"),
+    [("epoch_tilt", 1, True), ("epoch_tilt", 5, False), ("refraction", 1, False)],
+)
+def test_a_change_is_temporal_in_a_single_antenna(effect, antennas, temporal):
+    """In an array the others show what the noise does."""
+    blocks = SimpleNamespace(antennas=antennas)
+
+    assert case.temporal(setup(blocks=blocks), candidate(effect).effect) == temporal
+
+
+@pytest.mark.parametrize(
+    ("effect", "scopes"),
+    [
+        ("epoch_tilt", ["all", "antenna"]),
+        ("refraction", ["all", "session"]),
+        ("tilt", ["all", "session", "antenna", "antenna and session"]),
+    ],
+)
+def test_scopes_are_those_that_physics_allows(effect, scopes):
+    """A clock is one for all antennas; a mount has its own."""
+    every = ["all", "session", "antenna", "antenna and session"]
+    found = winner._scopes(candidate(effect), SimpleNamespace(scopes=lambda: every))
+
+    assert found == scopes
+
+
+def test_sessions_may_differ_only_in_an_array():
+    """Of a single antenna every effect is tried for all sessions together."""
+    found = winner._scopes(candidate("tilt"), SimpleNamespace(scopes=lambda: ["all", "session"]))
+
+    assert found == ["all"]
+
+
+def still(setup_):
+    """Return a covariance whose drifts and departures a test looks at."""
+    noise = Noise(0.0, 1.0, ((2.0, 100.0), (1.0, 40000.0)))
+    return changes._still(
+        setup_,
+        Covariance(
+            (),
+            (noise,),
+            np.ones(2),
+            np.ones(2),
+            (Departures("", "", "", (), np.ones((2, 1)), 1.0),),
+        ),
+    )
+
+
+def test_changes_are_proposed_beside_noise_that_holds_still():
+    """No departures; a memory beyond a session has what it changes within one."""
+    part = SimpleNamespace(time=np.arange(20) * 1000.0, first=np.arange(20))
+    problem = setup(session=np.arange(20) // 10, parts=[part])
+    found = still(problem)
+
+    assert found.departures == ()
+    assert found.noises[0].drifts[0] == (2.0, 100.0)
+    assert found.noises[0].drifts[1] == (pytest.approx(np.sqrt(9000 / 40000)), 9000.0)
+
+
+def test_within_a_single_session_nothing_drifts():
+    """A step in it is then seen as it is."""
+    part = SimpleNamespace(time=np.arange(20) * 1000.0, first=np.arange(20))
+    found = still(setup(session=np.zeros(20, int), parts=[part]))
+
+    assert found.noises[0].drifts == ()
+
+
+def steps_of(evidences):
+    """Return a problem in which some kinds of change have columns of their own, and their trials.
+
+    Each has the gain that gives it its evidence, beside a model of nothing.
+    """
+    n = len(evidences)
+    columns, trials, data = np.eye(40)[:, :n], [], np.zeros(40)
+    for k, (effect, evidence) in enumerate(evidences):
+        of = replace(candidate(effect), columns=np.array([k]))
+        trials.append(trial(of=of))
+        # At the best width a single coefficient has gain - 1 - log(gain).
+        gain = next(g for g in np.arange(1, 200, 0.01) if g - 1 - np.log(g) >= evidence)
+        data[k] = np.sqrt(gain)
+    plain = SimpleNamespace(noises=(), whiten=lambda columns: columns, departures=())
+    return columns, trials, data, plain
+
+
+def proposed(monkeypatch, evidences, **more):
+    """Return the changes that are proposed for a closer look, with their evidence."""
+    columns, trials, data, plain = steps_of(evidences)
+    base = [
+        SimpleNamespace(candidate=candidate(name))
+        for name in ("azimuth_zero", "elevation_zero", "tilt", "sag_cosine", "collimation")
+    ]
+    problem = setup(
+        base=tuple(base),
+        columns=columns,
+        residual=data,
+        frame=SimpleNamespace(departures=more.get("departures", ())),
+        expanded=lambda _, of: np.zeros((len(of), 1)),
+    )
+    monkeypatch.setattr(changes, "_still", lambda *_: plain)
+    monkeypatch.setattr(
+        changes, "whiten_model", lambda *_: np.concatenate([columns, data[:, None]], axis=1)
+    )
+    weighed = SimpleNamespace(covariance=plain, evidence=None)
+    found = changes.proposed(problem, weighed, (), trials, more.get("banned", ()))[1]
+    return {one.candidate.effect.id: one.evidence for one in found}
+
+
+@pytest.mark.parametrize(
+    ("evidence", "wanted"), [(6.6, True), (5.4, False), (3.5, False), (11.0, True)]
+)
+def test_a_change_is_proposed_from_odds_of_twenty_to_one(monkeypatch, evidence, wanted):
+    """Beside noise that holds still."""
+    assert bool(proposed(monkeypatch, [("epoch_tilt", evidence)])) == wanted
+
+
+def test_two_kinds_of_change_are_proposed_the_best_of_each(monkeypatch):
+    """Those with the most evidence."""
+    found = proposed(
+        monkeypatch,
+        [("epoch_tilt", 20.0), ("epoch_tilt", 30.0), ("epoch_sag", 12.0), ("drift", 40.0)],
+    )
+
+    assert list(found) == ["drift", "epoch_tilt"]
+    assert found["epoch_tilt"] == pytest.approx(30.0, abs=0.5)
+
+
+def test_what_is_banned_is_not_proposed(monkeypatch):
+    """Nor what does not change with time."""
+    assert proposed(monkeypatch, [("epoch_tilt", 30.0)], banned=("epoch_tilt",)) == {}
+    assert proposed(monkeypatch, [("refraction", 30.0)]) == {}
