@@ -135,7 +135,7 @@ class Problem:
     def expanded(self, choices: Sequence[Chosen], of: Array | None = None) -> Array:
         """Return a column for every coefficient of some choices, shape (m, P).
 
-        `of` stands for other columns than the design's: whitened ones, shape (2 m, K + 1).
+        `of` stands for other columns than the design's: whitened ones, shape (M, K + 1).
         """
         source = self.columns if of is None else of
         block = np.resize(self.block, len(source))
@@ -160,7 +160,7 @@ class WhitenedData:
     covariance
         Of the readings.
     white
-        All columns and the data, whitened, shape (2 m, K + 1): see `Covariance.whiten`.
+        All columns and the data, whitened, shape (M, K + 1): see `Covariance.whiten`.
     evidence
         Their products.
     """
@@ -271,12 +271,12 @@ def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
 
 
 def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chosen]) -> Array:
-    """Return some choices' columns and the data, whitened, all others zero, (2 m, K + 1)."""
+    """Return some choices' columns and the data, whitened, all others zero, (M, K + 1)."""
     size = setup.columns.shape[1]
     columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
     own = np.unique(np.concatenate(columns))
     data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
-    white = np.zeros((2 * len(setup.columns), size + 1))
+    white = np.zeros((covariance.means.stop, size + 1))
     white[:, np.append(own, size)] = covariance.whiten(data)
     return white
 
@@ -286,8 +286,8 @@ def _weighed(
 ) -> WhitenedData:
     evidence = Evidence(
         white,
-        np.concatenate([setup.block, setup.block]),
-        np.concatenate([setup.stack.is_y, setup.stack.is_y]).astype(np.intp),
+        np.resize(setup.block, len(white)),
+        np.resize(setup.stack.is_y, len(white)).astype(np.intp),
         setup.blocks,
         common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
         pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
@@ -357,7 +357,7 @@ def _common_excess(
         return common_mode.Excess()
     columns = setup.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
-    means = slice(len(setup.columns), None)
+    means = covariance.means
     one = covariance.whiten(np.ones((len(setup.columns), 1)))[means, 0]
     return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
 

@@ -209,7 +209,7 @@ def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track],
     for part, noise in zip(setup.parts, weighed.noises, strict=True):
         if part.is_y:
             first = part.first
-            white[len(data) + first] = 0.0
+            white[weighed.covariance.means.start + first] = 0.0
             # A pointing that was thought all bad may just be beyond the wrong edge.
             weights = weighed.weights[part.rows]
             heaviest = np.zeros(len(first))

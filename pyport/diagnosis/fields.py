@@ -66,7 +66,7 @@ class Ground:
         self.basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
         self.setup, self.weighed = setup, weighed
         self.left = self._without(weighed.white[:, -1:])[:, 0]
-        is_y = np.concatenate([setup.stack.is_y, setup.stack.is_y])
+        is_y = np.resize(setup.stack.is_y, len(self.left))
         there = np.any(self.basis != 0, axis=1) | (self.left != 0)
         self.rows = [np.flatnonzero((is_y == axis) & there) for axis in (False, True)]
 

@@ -174,8 +174,8 @@ def _without_each(
     A fold is taken off the sufficient statistics of the whole; nothing is fitted anew.
     """
     parts = [setup.part(one) for one in choices]
-    block = np.concatenate([setup.block, setup.block])
-    fold = np.concatenate([partition.fold, partition.fold])
+    block = np.resize(setup.block, len(white))
+    fold = np.resize(partition.fold, len(white))
     whole = Gram.of(white, block, len(setup.blocks)).matrices
     for one in np.unique(partition.fold):
         rows = np.flatnonzero(fold == one)

@@ -65,7 +65,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
         )
         model = model[:, :0]
     resampled, unit = _units(setup, own)
-    products = _products(columns, np.concatenate([unit, unit]))
+    products = _products(columns, np.resize(unit, len(columns)))
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
     slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]

@@ -108,7 +108,7 @@ class _Ground:
 
     def __init__(self, setup: Problem, weighed: WhitenedData, choices: tuple[Chosen, ...]):
         self.setup, self.weighed, self.choices = setup, weighed, choices
-        self.is_y = np.concatenate([setup.stack.is_y, setup.stack.is_y])[:, None]
+        self.is_y = np.resize(setup.stack.is_y, len(weighed.white))[:, None]
         self.data = self.weighed.white[:, -1]
         self.dof = float(self.weighed.evidence.dof.sum())
 

@@ -22,6 +22,7 @@ from pyport.noise.whitening import (
     series_errors,
     unwhiten_series,
     variance_of_means,
+    whiten_lone,
     whiten_series,
 )
 from pyport.thresholds import OUTLIER_WEIGHT
@@ -97,27 +98,28 @@ class Covariance:
         Returns
         -------
         Array
-            Shape (2 m, K): for each reading its deviation from its pointing's mean, and the
-            pointing's mean at its first reading, zero elsewhere. Sums of products over all
-            rows are what generalised least squares needs.
+            Shape (M, K), M being m or 2 m: for each reading its deviation from its pointing's
+            mean, which nobody needs where all stand alone, and the pointing's mean at its first
+            reading, zero elsewhere. Sums of products over all rows are what generalised least
+            squares needs; labels of the rows are `np.resize` of the readings'.
         """
         return self._without_departures(self._within_axes(columns))
 
     def unwhiten(self, white: Array) -> Array:
-        """Return the transpose of `whiten`, applied to columns (2 m, K): shape (m, K).
+        """Return the transpose of `whiten`, applied to columns (M, K): shape (m, K).
 
         Of whitened columns it makes the inverse covariance times the columns.
         """
         out = self._without_departures(white.copy())
-        m = len(white) // 2
+        start = self.means.start
         for x, y, correlation in self._coupled:
-            rows = m + y
+            rows = start + y
             out[rows] /= np.sqrt(1 - correlation**2)
-            out[m + x] -= correlation * out[rows]
-        columns = np.zeros((m, white.shape[1]))
+            out[start + x] -= correlation * out[rows]
+        columns = np.zeros((len(self.weights), white.shape[1]))
         for part, noise in zip(self.parts, self.noises, strict=True):
             columns[part.rows] = unwhiten_series(
-                out[m + part.first],
+                out[start + part.first],
                 out[part.rows],
                 self.weights[part.rows],
                 self.precision[part.rows],
@@ -131,10 +133,10 @@ class Covariance:
 
         An estimator is the weight of each reading in what is estimated.
         """
-        m = len(estimators)
-        out = np.zeros((2 * m, estimators.shape[1]))
+        start, rows = self.means.start, self.means.stop
+        out = np.zeros((rows, estimators.shape[1]))
         for part, noise in zip(self.parts, self.noises, strict=True):
-            out[m + part.first], inside = series_errors(
+            out[start + part.first], inside = series_errors(
                 estimators[part.rows],
                 self.weights[part.rows],
                 self.precision[part.rows],
@@ -144,34 +146,41 @@ class Covariance:
             if inside is not None:
                 out[part.rows] = inside
         for x, y, correlation in self._coupled:
-            out[m + x] += correlation * out[m + y]
-            out[m + y] *= np.sqrt(1 - correlation**2)
+            out[start + x] += correlation * out[start + y]
+            out[start + y] *= np.sqrt(1 - correlation**2)
         departing = [(one.columns * one.sigma).T @ estimators for one in self.departures]
         return np.concatenate([out, *departing])
 
     def _without_departures(self, out: Array) -> Array:
-        """Take what departures do out of whitened columns (2 m, K), in place."""
-        for rows, directions, shrinkage in self._departing:
-            own = out[rows]
-            out[rows] = own + directions @ (shrinkage[:, None] * (directions.T @ own))
+        """Take what departures do out of whitened columns (M, K), in place."""
+        for rows, unit, inner, _ in self._departing:
+            out[rows] += unit @ (inner @ (unit.T @ out[rows]))
         return out
 
     def _within_axes(self, columns: Array) -> Array:
         """Whiten as if no session or source departed."""
-        out = np.zeros((2 * len(columns), columns.shape[1]))
+        start = self.means.start
+        out = np.zeros((self.means.stop, columns.shape[1]))
         for part, noise in zip(self.parts, self.noises, strict=True):
+            if whiten_lone(columns, self.weights, self.precision, part, noise, out[start:]):
+                continue
             means, deviations = whiten_series(
                 columns[part.rows], self.weights[part.rows], self.precision[part.rows], part, noise
             )
             if deviations is not None:
                 out[part.rows] = deviations
-            out[len(columns) + part.first] = means
+            out[start + part.first] = means
         for x, y, correlation in self._coupled:
-            rows = len(columns) + y
-            out[rows] = (out[rows] - correlation * out[len(columns) + x]) / np.sqrt(
-                1 - correlation**2
-            )
+            rows = start + y
+            out[rows] = (out[rows] - correlation * out[start + x]) / np.sqrt(1 - correlation**2)
         return out
+
+    @cached_property
+    def means(self) -> slice:
+        """Return the whitened rows that hold pointings' means."""
+        m = len(self.weights)
+        alone = all(part.readings.max() == 1 for part in self.parts)
+        return slice(0, m) if alone else slice(m, 2 * m)
 
     @cached_property
     def _coupled(self) -> list[tuple[Codes, Codes, float]]:
@@ -182,11 +191,12 @@ class Covariance:
         ]
 
     @cached_property
-    def _departing(self) -> list[tuple[Codes, Array, Array]]:
-        """Return for each antenna the rows, directions and shrinkage that departures ask for.
+    def _departing(self) -> list[tuple[Codes | slice, Array, Array, Array]]:
+        """Return for each antenna what departures ask for: rows, Z, W and shrinkage h.
 
-        With Z the whitened columns times their standard deviations, the inverse root of
-        1 + Z Z' is 1 + U (1 / sqrt(1 + s^2) - 1) U', where Z Z' = U s^2 U'.
+        With Z the whitened columns times their standard deviations and Z Z' = U s^2 U', the
+        inverse root of 1 + Z Z' is 1 + U h U', h = 1 / sqrt(1 + s^2) - 1. Of Z' Z = V s^2 V'
+        follows U = Z V / s, so that it is 1 + Z W Z', W = V h / s^2 V'.
         """
         found = []
         for antenna in dict.fromkeys(one.antenna for one in self.departures):
@@ -196,11 +206,14 @@ class Covariance:
                     axis=1,
                 )
             )
-            rows = np.flatnonzero(unit.any(axis=1))
-            power, vectors = np.linalg.eigh(unit[rows].T @ unit[rows])
+            there = unit.any(axis=1)
+            rows = slice(None) if there.all() else np.flatnonzero(there)
+            unit = unit[rows]
+            power, vectors = np.linalg.eigh(unit.T @ unit)
             kept = power > NEGLIGIBLE
-            directions = unit[rows] @ (vectors[:, kept] / np.sqrt(power[kept]))
-            found.append((rows, directions, 1 / np.sqrt(1 + power[kept]) - 1))
+            power, vectors = power[kept], vectors[:, kept]
+            shrinkage = 1 / np.sqrt(1 + power) - 1
+            found.append((rows, unit, vectors * (shrinkage / power) @ vectors.T, shrinkage))
         return found
 
     def departed(self, residual: Array) -> Array:
@@ -229,7 +242,7 @@ class Covariance:
             total += float(np.log(factor(none, variance, part.time, noise.drifts)[0]).sum())
         for x, _, correlation in self._coupled:
             total += len(x) * float(np.log1p(-(correlation**2)))
-        for _, _, shrinkage in self._departing:
+        for *_, shrinkage in self._departing:
             total -= 2 * float(np.log1p(shrinkage).sum())
         return total
 

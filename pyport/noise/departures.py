@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
@@ -131,37 +132,55 @@ class _Projected:
     misfit: float
     dof: int
 
-    def lack(self, variances: Array) -> float:
+    def lack(self, variances: Array, triangle: Array | None) -> float:
         """Return minus twice the restricted log-likelihood, the scale profiled out."""
-        root = np.sqrt(variances[self.kind])
-        inner = np.eye(len(root)) + root[:, None] * self.products * root
-        if not np.isfinite(inner).all():
+        if triangle is None:
             return np.inf
-        try:
-            triangle = np.linalg.cholesky(inner)
-        except np.linalg.LinAlgError:
-            # Rounding of the products outweighs one: the data do not hold so large a variance.
-            return np.inf
-        along = np.linalg.solve(triangle, root * self.moments)
+        active = np.flatnonzero(variances[self.kind])
+        root = np.sqrt(variances[self.kind[active]])
+        along = _solved(triangle, root * self.moments[active])
         left = max(self.misfit - float(along @ along), 1e-300)
         return 2 * float(np.log(np.diag(triangle)).sum()) + self.dof * float(np.log(left))
 
-    def step(self, variances: Array) -> tuple[Array, Array]:
+    def triangle(self, variances: Array) -> Array | None:
+        """Return the triangle of 1 + R P R, P of the columns that depart, R their deviations.
+
+        None where the rounding of the products outweighs one: the data do not hold so large a
+        variance.
+        """
+        active = np.flatnonzero(variances[self.kind])
+        root = np.sqrt(variances[self.kind[active]])
+        inner = self.products if len(active) == len(self.kind) else self.products[active][:, active]
+        inner = inner * root
+        inner *= root[:, None]
+        inner[np.diag_indices(len(active))] += 1.0
+        if not np.isfinite(inner).all():
+            return None
+        try:
+            return np.asarray(np.linalg.cholesky(inner))
+        except np.linalg.LinAlgError:
+            return None
+
+    def step(self, variances: Array, triangle: Array) -> tuple[Array, Array]:
         """Return the gradient of `lack` and its expected curvature in the variances."""
-        root = np.sqrt(variances[self.kind])
-        inner = np.eye(len(root)) + root[:, None] * self.products * root
-        scaled = self.products * root
-        inverse = np.linalg.inv(inner)
-        kernel = self.products - scaled @ inverse @ scaled.T
-        seen = self.moments - scaled @ (inverse @ (root * self.moments))
-        left = self.misfit - float((root * self.moments) @ inverse @ (root * self.moments))
+        active = np.flatnonzero(variances[self.kind])
+        root = np.sqrt(variances[self.kind[active]])[:, None]
+        beside = np.concatenate([self.products[active], self.moments[active, None]], axis=1)
+        taken = _solved(triangle, root * beside)
+        kernel = self.products - taken[:, :-1].T @ taken[:, :-1]
+        seen = self.moments - taken[:, :-1].T @ taken[:, -1]
+        left = self.misfit - float(taken[:, -1] @ taken[:, -1])
         scale = max(left, 1e-300) / self.dof
         count = len(variances)
-        power = np.bincount(self.kind, np.diag(kernel), count)
-        gradient = power - np.bincount(self.kind, seen**2, count) / scale
-        cells = self.kind[:, None] * count + self.kind
-        curvature = np.bincount(cells.ravel(), (kernel**2).ravel(), count**2)
-        return gradient, np.asarray(curvature, float).reshape(count, count)
+        of_kind = (self.kind[:, None] == np.arange(count)).astype(float)
+        gradient = np.diag(kernel) @ of_kind - seen**2 @ of_kind / scale
+        return gradient, np.asarray(of_kind.T @ (kernel**2 @ of_kind))
+
+
+def _solved(triangle: Array, right: Array) -> Array:
+    if not len(right):
+        return right
+    return np.asarray(solve_triangular(triangle, right, lower=True, check_finite=False))
 
 
 def estimate(
@@ -204,8 +223,11 @@ def _project(
     ]
     parts = [*(one.columns for one in some), *shared_by_all, design, value[:, None]]
     columns = np.concatenate(parts, axis=1)
-    white = np.nan_to_num(replace(covariance, departures=()).whiten(columns))
+    white = replace(covariance, departures=()).whiten(columns)
     gram = white.T @ white
+    if not np.isfinite(np.diag(gram)).all():
+        white = np.nan_to_num(white)
+        gram = white.T @ white
     q = len(kind)
     model, others = np.arange(q, len(gram) - 1), np.append(np.arange(q), len(gram) - 1)
     length = np.sqrt(np.maximum(np.diag(gram)[model], 1e-300))
@@ -218,7 +240,7 @@ def _project(
     # What the model draws all of is nothing that departs.
     drawn = np.diag(left)[:-1] < DRAWN * np.diag(gram)[:q]
     left[:-1][drawn], left[:, :-1][:, drawn] = 0.0, 0.0
-    used = int(np.count_nonzero(np.abs(white).max(axis=1) > 0))
+    used = int(np.count_nonzero(white.any(axis=1)))
     return _Projected(
         left[:-1, :-1],
         left[:-1, -1],
@@ -236,9 +258,11 @@ def _fitted(projected: _Projected, count: int) -> Array:
     power = np.bincount(projected.kind, np.diag(projected.products), count)
     many = np.bincount(projected.kind, minlength=count)
     variances = np.where(power > 0, many / np.maximum(power, 1e-300), 0.0)
-    lack = projected.lack(variances)
+    while (triangle := projected.triangle(variances)) is None:
+        variances = variances / 4
+    lack = projected.lack(variances, triangle)
     for _ in range(ROUNDS):
-        gradient, curvature = projected.step(variances)
+        gradient, curvature = projected.step(variances, triangle)
         free = (variances > 0) | ((gradient < 0) & (power > 0))
         move = np.zeros(count)
         if free.any():
@@ -248,14 +272,15 @@ def _fitted(projected: _Projected, count: int) -> Array:
         share = 1.0
         while share > 1e-3:
             new = np.maximum(variances + share * move, 0.0)
-            better = projected.lack(new)
-            if better <= lack + 1e-12:
+            factored = projected.triangle(new)
+            better = projected.lack(new, factored)
+            if factored is not None and better <= lack + 1e-12:
                 break
             share /= 2
         else:
             break
         change = lack - better
-        variances, lack = new, better
+        variances, lack, triangle = new, better, factored
         if change < CONVERGED:
             break
     return variances
@@ -265,12 +290,12 @@ def _without_idle(projected: _Projected, variances: Array) -> Array:
     """Set variances to zero that the data can do without, the idlest first."""
     variances = variances.copy()
     while (variances > 0).any():
-        lack = projected.lack(variances)
+        lack = projected.lack(variances, projected.triangle(variances))
         without = {}
         for one in np.flatnonzero(variances > 0):
             fewer = variances.copy()
             fewer[one] = 0.0
-            without[int(one)] = projected.lack(fewer) - lack
+            without[int(one)] = projected.lack(fewer, projected.triangle(fewer)) - lack
         idlest = min(without, key=lambda one: without[one])
         if without[idlest] > DEPARTURE_WORTH:
             break

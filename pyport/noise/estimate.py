@@ -235,9 +235,9 @@ def _scattered(
     covariance: Covariance, value: Array, design: Array, given: Frame, floors: dict[bool, float]
 ) -> Covariance:
     """Estimate tails, the variance function and the axes' coupling from whitened residuals."""
-    m = len(value)
     alone = replace(covariance, coupling={})
-    left = _residual(alone.whiten(np.concatenate([design, value[:, None]], axis=1)))[m:]
+    white = alone.whiten(np.concatenate([design, value[:, None]], axis=1))
+    left = _residual(white)[alone.means]
     weights, precision = covariance.weights.copy(), covariance.precision.copy()
     noises = []
     for part, noise in zip(covariance.parts, covariance.noises, strict=True):

@@ -16,6 +16,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
+from pyport.pointing import kernel
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, group
 
@@ -178,6 +179,24 @@ def whiten_series(
     return decorrelate(means, variance, part, noise), deviations
 
 
+def whiten_lone(
+    columns: Array, weights: Array, precision: Array, part: Series, noise: Noise, out: Array
+) -> bool:
+    """Write what `whiten_series` returns where the kernel can and readings stand alone.
+
+    Parameters
+    ----------
+    columns, weights, precision, out
+        Of all readings, not only of the rows of the series: shapes (m, K), (m,), (m,), (m, K).
+    """
+    if part.readings.max() > 1 or part.order is not None:
+        return False
+    rows = part.rows
+    variance = by_pointing(columns[:0], weights[rows], precision[rows], part, noise)[1]
+    drifts = () if part.time is None else noise.drifts
+    return kernel.whiten(columns, variance, part.time, drifts, (rows, out)) is not None
+
+
 def by_pointing(
     columns: Array, weights: Array, precision: Array, part: Series, noise: Noise
 ) -> tuple[Array, Array, Array | None]:
@@ -240,6 +259,9 @@ def factor(
     """
     if time is None or len(drifts) == 0:
         return variance, columns / np.sqrt(variance)[:, None]
+    compiled = kernel.whiten(columns, variance, time, drifts)
+    if compiled is not None:
+        return compiled
     from celerite2 import driver
 
     d, *triangle = _triangle(variance, time, drifts)

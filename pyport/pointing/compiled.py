@@ -10,7 +10,7 @@ import os
 from types import ModuleType
 
 #: What `module.c` must offer; raised with it, so that an older kernel is left out.
-INTERFACE = 2
+INTERFACE = 3
 
 
 def _installed() -> ModuleType | None:

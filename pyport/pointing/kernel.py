@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.pointing import compiled
 from pyport.pointing.leaning import Leaning
 
@@ -108,6 +108,29 @@ def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:
     normal, right = np.empty((len(columns),) * 2), np.empty(len(columns))
     KERNEL.gram(columns, weight, target, normal, right)
     return normal, right
+
+
+def whiten(
+    columns: Array,
+    variance: Array,
+    time: Array | None,
+    drifts: Sequence[tuple[float, float]],
+    among: tuple[Codes, Array] | None = None,
+) -> tuple[Array, Array] | None:
+    """Return what :func:`pyport.noise.whitening.factor` does; None where numpy has to.
+
+    `among` says which rows of the columns are meant, shape (n,), and where the result goes, an
+    array of the columns' shape, whose other rows stay as they are.
+    """
+    if KERNEL is None:
+        return None
+    amplitude, memory = np.array(drifts, float).reshape(-1, 2).T
+    time = np.zeros(len(variance)) if time is None else time
+    rows, white = among or (np.arange(len(variance)), np.empty(columns.shape))
+    d = np.empty(len(variance))
+    given = time, 1 / memory, amplitude**2, variance, columns
+    done = KERNEL.whiten(columns.shape[1], rows, *map(np.ascontiguousarray, given), d, white)
+    return (d, white) if done else None
 
 
 def _flat(angles: Array) -> Array:

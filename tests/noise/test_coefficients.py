@@ -45,7 +45,7 @@ def test_transpose_and_errors_belong_to_the_same_covariance(readings, within):
     whitening = given.whiten(unit)
     errors = given.errors(unit)
 
-    np.testing.assert_allclose(given.unwhiten(np.eye(4 * N)), whitening.T, atol=1e-12)
+    np.testing.assert_allclose(given.unwhiten(np.eye(len(whitening))), whitening.T, atol=1e-12)
     np.testing.assert_allclose(errors.T @ errors @ whitening.T @ whitening, unit, atol=1e-10)
 
 

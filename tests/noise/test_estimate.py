@@ -138,5 +138,8 @@ def test_a_variance_that_rounding_makes_impossible_is_no_candidate():
     kind = np.zeros(2, np.intp)
     given = departures._Projected(np.diag([1.0, -1e-6]), np.array([0.1, 0.0]), kind, 10.0, 20)
 
-    assert np.isfinite(given.lack(np.array([1.0])))
-    assert given.lack(np.array([1e8])) == np.inf
+    small, large = np.array([1.0]), np.array([1e8])
+
+    assert np.isfinite(given.lack(small, given.triangle(small)))
+    assert given.triangle(large) is None
+    assert given.lack(large, None) == np.inf

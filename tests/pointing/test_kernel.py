@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pyport.angles import DEG
+from pyport.noise.whitening import factor
 from pyport.pointing import approximate_offsets, exact_offsets, has_jumped, kernel, recovered
 from pyport.steering import RT32_GRID, Grid, Table
 from pyport.steering.as_written import refraction4
@@ -160,6 +161,37 @@ def test_products_of_columns(level, rows):
 
     np.testing.assert_allclose(normal, columns * weight @ columns.T, atol=1e-12, err_msg=level)
     np.testing.assert_allclose(right, columns @ target, atol=1e-12)
+
+
+@pytest.mark.parametrize("drifts", [(), ((0.7, 30.0),), ((0.7, 30.0), (1.5, 900.0), (3.0, 9e4))])
+def test_whitening_is_celerites(monkeypatch, level, drifts):
+    """Columns, and the variance of each row given those before it; also of some rows alone."""
+    rng = np.random.default_rng(7)
+    columns, variance = rng.normal(size=(400, 13)), rng.uniform(0.5, 2, 400)
+    time = np.sort(np.round(rng.uniform(0, 1e4, 400), -1))
+    rows = np.sort(rng.permutation(400)[:250])
+    found = factor(columns, variance, time, drifts)
+    placed = np.full((400, 13), 7.0)
+    some = kernel.whiten(columns, variance[rows], time[rows], drifts, (rows, placed))
+    with monkeypatch.context() as without:
+        without.setattr(kernel, "KERNEL", None)
+        expected = factor(columns, variance, time, drifts)
+        fewer = factor(columns[rows], variance[rows], time[rows], drifts)
+
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-12, err_msg=level)
+    np.testing.assert_allclose(some[0], fewer[0], rtol=1e-12)
+    np.testing.assert_allclose(placed[rows], fewer[1], rtol=1e-9, atol=1e-12)
+    assert np.all(np.delete(placed, rows, axis=0) == 7)
+
+
+def test_variances_that_are_none_are_left_to_numpy():
+    """A covariance that is not positive definite, and rows that there are not."""
+    columns, time = np.ones((3, 2)), np.arange(3.0)
+
+    assert kernel.whiten(columns, np.array([1.0, -5, 1]), time, ((0.1, 9.0),)) is None
+    with pytest.raises(ValueError, match="other rows"):
+        kernel.whiten(columns, np.ones(3), time, (), (np.array([0, 1, 3]), np.empty((3, 2))))
 
 
 GRIDS = {

@@ -8,6 +8,7 @@
 #include "loops.h"
 #include "polynomials.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -367,6 +368,67 @@ static void gram(size_t k, size_t n, const double *columns, const double *weight
             normal[b * k + a] = normal[a * k + b];
 }
 
+/* The covariance of Ornstein-Uhlenbeck processes is semiseparable, and so is the inverse of its
+   triangle: Foreman-Mackey et al. 2017, AJ 154, 220. What the rows before say of the next one is
+   carried along in `carried`, a row for each term. */
+static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
+                  const double *rate, const double *power, const double *variance, const double *columns, double *room,
+                  double *d, double *white)
+{
+    double *known = room, *carried = known + terms * terms, *decay = carried + terms * k;
+    double *weight = decay + terms, *seen = weight + terms, *last = seen + terms, total = 0;
+    for (size_t a = 0; a < terms; a++)
+        total += power[a];
+    for (size_t a = 0; a < terms * (terms + k); a++)
+        room[a] = 0;
+    for (size_t a = 0; a < terms; a++)
+        weight[a] = 0;
+    for (size_t a = 0; a < k; a++)
+        last[a] = 0;
+    for (size_t i = 0; i < n; i++)
+    {
+        const double *from = columns + (size_t)rows[i] * k;
+        double *to = white + (size_t)rows[i] * k;
+        double before = i ? d[i - 1] : 0, left = variance[i] + total;
+        for (size_t a = 0; a < terms; a++)
+            decay[a] = i ? exp(rate[a] * (time[i - 1] - time[i])) : 0;
+        for (size_t a = 0; a < terms; a++)
+        {
+            double sum = 0;
+            for (size_t b = 0; b < terms; b++)
+            {
+                double *of = known + a * terms + b;
+                *of = decay[a] * (*of + before * weight[a] * weight[b]) * decay[b];
+                sum += power[b] * *of;
+            }
+            seen[a] = sum;
+            left -= sum * power[a];
+        }
+        if (!(left > 0))
+            return 0;
+        for (size_t a = 0; a < terms; a++)
+        {
+            double share = weight[a], fading = decay[a], *of = carried + a * k;
+            EACH for (size_t c = 0; c < k; c++) of[c] = fading * (of[c] + share * last[c]);
+            weight[a] = (1 - seen[a]) / left;
+        }
+        EACH for (size_t c = 0; c < k; c++) last[c] = 0;
+        for (size_t a = 0; a < terms; a++)
+        {
+            double strength = power[a], *of = carried + a * k;
+            EACH for (size_t c = 0; c < k; c++) last[c] += strength * of[c];
+        }
+        double scale = 1 / __builtin_sqrt(left);
+        EACH for (size_t c = 0; c < k; c++)
+        {
+            last[c] = from[c] - last[c];
+            to[c] = last[c] * scale;
+        }
+        d[i] = left;
+    }
+    return 1;
+}
+
 static void elementary(int which, size_t n, const double *y, const double *x, double *out)
 {
     double sine, cosine;
@@ -380,4 +442,4 @@ static void elementary(int which, size_t n, const double *y, const double *x, do
         EACH for (size_t i = 0; i < n; i++) out[i] = arctangent(y[i], x[i]);
 }
 
-const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, elementary};
+const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, whiten, elementary};

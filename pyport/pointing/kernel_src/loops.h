@@ -4,6 +4,7 @@
 #define PYPORT_KERNEL_LOOPS_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* Parameters of a form, as pyport.pointing.kernel makes them. */
 enum parameter {
@@ -34,11 +35,18 @@ struct loops {
     /* Products of k columns of n rows, each row so heavy, and of the columns with a target. */
     void (*gram)(size_t k, size_t n, const double *columns, const double *weight,
                  const double *target, double *normal, double *right);
+    /* Whiten some n rows of k columns, written in their place, under scatter and drifts of so many terms: d is the variance of a
+       row given those before it, `room` holds DRIFT_ROOM(terms, k) numbers; 0 where a d is none. */
+    int (*whiten)(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
+                  const double *rate, const double *power, const double *variance, const double *columns, double *room,
+                  double *d, double *white);
     /* A function of n numbers: 0 sine, 1 cosine, 2 arcsine of x; 3 arctangent of y and x. */
     void (*elementary)(int which, size_t n, const double *y, const double *x, double *out);
 };
 
 /* Arrays that a grid's azimuths need. */
 #define COLUMN_ROOMS 5
+/* Numbers that whitening needs. */
+#define DRIFT_ROOM(terms, k) ((terms) * ((terms) + (k) + 3) + (k))
 
 #endif

@@ -189,6 +189,61 @@ static PyObject *gram(PyObject *self, PyObject *args)
     return answer(&of, k);
 }
 
+/* Indices of rows, each below m where there is anything in a row. */
+static int take_rows(PyObject *from, Py_buffer *rows, size_t n, size_t m)
+{
+    if (PyObject_GetBuffer(from, rows, PyBUF_FORMAT | PyBUF_C_CONTIGUOUS) < 0)
+        return 0;
+    const char *format = rows->format ? rows->format : "";
+    if (rows->itemsize == sizeof(int64_t) && (!strcmp(format, "l") || !strcmp(format, "q"))
+        && (size_t)rows->len == n * sizeof(int64_t))
+    {
+        const int64_t *of = rows->buf;
+        size_t good = 0;
+        for (size_t i = 0; i < n; i++)
+            good += of[i] >= 0 && (size_t)of[i] < m;
+        if (good == n)
+            return 1;
+    }
+    PyBuffer_Release(rows);
+    PyErr_SetString(PyExc_ValueError, "indices of other rows than there are");
+    return 0;
+}
+
+static PyObject *whiten(PyObject *self, PyObject *args)
+{
+    PyObject *indices, *given[7];
+    Py_ssize_t width;
+    Py_buffer rows;
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "nOOOOOOOO", &width, &indices, given, given + 1, given + 2,
+                          given + 3, given + 4, given + 5, given + 6)
+        || !take(&of, given, 7, 5))
+        return NULL;
+    size_t n = size(&of, 0), terms = size(&of, 1), all = size(&of, 4), k = (size_t)width;
+    if (size(&of, 2) != terms || size(&of, 3) != n || size(&of, 5) != n || size(&of, 6) != all
+        || width < 0 || (k ? all % k : all) || terms > 1024)
+        return wrong(&of);
+    if (!take_rows(indices, &rows, n, k ? all / k : SIZE_MAX))
+        return wrong(&of);
+    double *room = PyMem_Malloc((DRIFT_ROOM(terms, k) + 1) * sizeof(double));
+    int done = 0;
+    if (room)
+    {
+        Py_BEGIN_ALLOW_THREADS
+        done = chosen->whiten(n, rows.buf, terms, k, values(&of, 0), values(&of, 1),
+                              values(&of, 2), values(&of, 3), values(&of, 4), room, values(&of, 5),
+                              values(&of, 6));
+        Py_END_ALLOW_THREADS
+    }
+    else
+        PyErr_NoMemory();
+    PyMem_Free(room);
+    PyBuffer_Release(&rows);
+    return room ? answer(&of, (size_t)done) : wrong(&of);
+}
+
 static PyObject *elementary(PyObject *self, PyObject *args)
 {
     int which;
@@ -330,6 +385,10 @@ static PyMethodDef methods[] = {
     {"gram", gram, METH_VARARGS,
      "Write the products of k columns of n rows, each row so heavy, and those with a target.\n\n"
      "(columns of shape (k, n), weights, target, products of shape (k, k), products with it)."},
+    {"whiten", whiten, METH_VARARGS,
+     "Write columns of unit scatter under drifts; return whether the variances allowed it.\n\n"
+     "(k, indices of n rows, time, rates, variances of the drifts, variance of each row, columns\n"
+     "(m, k), variance of each row given those before, whitened columns (m, k))."},
     {"elementary", elementary, METH_VARARGS,
      "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
      "of y and x; y, x, values)."},
@@ -360,7 +419,7 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
     PyObject *module = PyModule_Create(&definition);
-    if (module && PyModule_AddIntConstant(module, "INTERFACE", 2) < 0)
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 3) < 0)
         Py_CLEAR(module);
     return module;
 }
