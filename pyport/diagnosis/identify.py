@@ -64,6 +64,8 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
+        if _changes(winner, rival):
+            continue
         close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
         # A rival with many more coefficients can draw any curve; that is no likeness.
         same = (
@@ -88,6 +90,15 @@ def _follows_another(winner: CandidateFit, rival: CandidateFit) -> bool:
     one, other = winner.candidate.effect, rival.candidate.effect
     close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
     return close and one.id == other.id and one.driver != other.driver
+
+
+def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:
+    """Tell whether a rival is a change of the very term that the winner is.
+
+    What changes is there. In one night a term times the hour draws nearly what the term draws.
+    """
+    effect = winner.candidate.effect
+    return rival.candidate.effect.change_of == (effect.of or effect.id)
 
 
 def _only_adds_to(beside: Projection, one: CandidateFit, rival: CandidateFit) -> bool:

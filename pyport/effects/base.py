@@ -262,7 +262,7 @@ class Effect:
         was recorded.
     change_of
         The id of the effect whose coefficients change, on an alt-azimuth mount: such a change is
-        one of a term that the model has.
+        one of a term that the model has, and no second name for that term.
     member
         What distinguishes this member of its family, as numbers, texts and lists of them, so
         that a file can hold it; empty where there is no choice.

@@ -130,6 +130,7 @@ def driven(term: str, driver: Driver) -> Effect:
             "the same term along elevation",
         ),
         driver=driver.follows,
+        change_of=term,
         member={"term": term, "follows": driver.name}
         | ({} if driver.centre is None else {"centre": driver.centre}),
         make=_made,

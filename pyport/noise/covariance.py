@@ -18,6 +18,7 @@ from pyport.angles import Array, Codes
 from pyport.noise.whitening import (
     Noise,
     Series,
+    centring,
     factor,
     series_errors,
     unwhiten_series,
@@ -240,6 +241,7 @@ class Covariance:
             )
             none = np.zeros((len(variance), 0))
             total += float(np.log(factor(none, variance, part.time, noise.drifts)[0]).sum())
+            total += float(np.log(centring(variance, part, noise)[1]).sum())
         for x, _, correlation in self._coupled:
             total += len(x) * float(np.log1p(-(correlation**2)))
         for *_, shrinkage in self._departing:

@@ -61,12 +61,16 @@ class Frame:
         What the scatter may follow, for each reading: shape (m, k) each.
     recorded
         Recorded variance of each reading over its axis's median, (m,), None without any.
+    centred
+        Whether a drift is counted from its mean. On a mount that turns over no zero is a constant
+        in its second angle, so that a drift would pass for what is; on others the model has one.
     """
 
     parts: tuple[Series, ...]
     departures: tuple[Departures, ...]
     drivers: tuple[scatter.Driver, ...]
     recorded: Array | None
+    centred: bool = False
 
 
 def frame(recordings: Recordings, data: Stack) -> Frame:
@@ -76,6 +80,7 @@ def frame(recordings: Recordings, data: Stack) -> Frame:
         departures.possible(recordings, data),
         tuple(replace(one, columns=one.columns[data.row]) for one in scatter.drivers(recordings)),
         scatter.recorded(recordings, data),
+        recordings.at.mount.turns_over,
     )
 
 
@@ -140,7 +145,9 @@ def estimate(
             )
         starts = [one.best for one in drafts]
         noises = [
-            one.noise(beside(drafts, parts, n), floors[parts[n].is_y])
+            replace(
+                one.noise(beside(drafts, parts, n), floors[parts[n].is_y]), centred=given.centred
+            )
             for n, one in enumerate(drafts)
         ]
         covariance = replace(

@@ -87,6 +87,8 @@ class Noise:
         `replicates` or `reml`.
     tail
         By what factor `between` was widened because the tails are heavy.
+    centred
+        Whether what drifts is counted from its mean: what never changes is no drift.
     """
 
     within: float
@@ -95,6 +97,7 @@ class Noise:
     dof: float = np.inf
     how: str = "reml"
     tail: float = 1.0
+    centred: bool = False
 
     @property
     def drift(self) -> float:
@@ -176,7 +179,9 @@ def whiten_series(
         and relative precision (n,), one for a reading of usual scatter.
     """
     means, variance, deviations = by_pointing(columns, weights, precision, part, noise)
-    return decorrelate(means, variance, part, noise), deviations
+    white = decorrelate(means, variance, part, noise)
+    directions, power = centring(variance, part, noise)
+    return _scaled(white, directions, 1 / np.sqrt(power)), deviations
 
 
 def whiten_lone(
@@ -242,6 +247,41 @@ def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> 
     return factor(columns, variance, part.time, noise.drifts)[1]
 
 
+def centring(variance: Array, part: Series, noise: Noise) -> tuple[Array, Array]:
+    """Return by what a centred drift differs from one that may have a mean.
+
+    With C = W + D the covariance of pointings and b = D 1 / n, the drift less its mean has the
+    covariance D - 1 b' - b 1' + mean(b) 1 1'. Where a constant is fitted that is the same to every
+    result; where none is, the drift would pass for one.
+
+    Returns
+    -------
+    directions, power
+        In the space that C whitens: orthonormal, shape (p, k), and the variance in each, (k,).
+    """
+    if not noise.centred or part.time is None or not noise.drifts:
+        return np.zeros((len(variance), 0)), np.zeros(0)
+    from celerite2 import driver
+
+    one = np.ones((len(variance), 1))
+    d, *triangle = _triangle(variance, part.time, noise.drifts)
+    above = driver.matmul_upper(*triangle, one, one.copy()) * d[:, None]
+    whole = driver.matmul_lower(*triangle, above, above.copy())[:, 0]
+    mean = (whole - variance) / len(variance)
+    columns = np.stack([one[:, 0], mean], axis=1)
+    basis, triangular = np.linalg.qr(decorrelate(columns, variance, part, noise))
+    added = np.array([[mean.mean(), -1.0], [-1.0, 0.0]])
+    power, vectors = np.linalg.eigh(np.eye(2) + triangular @ added @ triangular.T)
+    return basis @ vectors, power
+
+
+def _scaled(white: Array, directions: Array, by: Array) -> Array:
+    """Return whitened columns (p, K) multiplied by some factors (k,) in orthonormal directions."""
+    if not len(by):
+        return white
+    return np.asarray(white + directions @ ((by - 1)[:, None] * (directions.T @ white)))
+
+
 def factor(
     columns: Array,
     variance: Array,
@@ -300,6 +340,8 @@ def unwhiten_series(
 ) -> Array:
     """Return the transpose of `whiten_series`: columns (n, K) of means (p, K) and deviations."""
     variance = variance_of_means(weights, precision, part, noise)
+    directions, power = centring(variance, part, noise)
+    means = _scaled(means, directions, 1 / np.sqrt(power))
     if part.time is None or not noise.drifts:
         inner = means / np.sqrt(variance)[:, None]
     else:
@@ -334,6 +376,8 @@ def series_errors(
 
         d, *triangle = _triangle(variance, part.time, noise.drifts)
         outer = driver.matmul_upper(*triangle, pooled, pooled.copy()) * np.sqrt(d)[:, None]
+    directions, power = centring(variance, part, noise)
+    outer = _scaled(outer, directions, np.sqrt(power))
     if part.readings.max() == 1 or noise.within == 0:
         return outer, None
     own = _precisions(weights, precision, noise)

@@ -76,6 +76,20 @@ def test_a_circle_of_the_rotator_is_found_in_eighteen_rows(rows, nights, times):
     assert found[0].variant == f"phi = {sign}{twice}rotator_deg"
 
 
+def test_a_lean_that_the_model_lacks_has_one_name_in_one_night():
+    """What leans by the hour draws the same there, but it is a change of what is missing."""
+
+    def leaning(at, _):
+        x, y = CATALOGUE["tilt"].columns(at)
+        return 3 * x[:, 0] - 2 * x[:, 1], 3 * y[:, 0] - 2 * y[:, 1]
+
+    usual = ("azimuth_zero", "collimation", "elevation_zero", "skew", "sag_cosine")
+    given = drawn(200, 1, 5, 3.0, leaning)
+    found = diagnose(given, load("altaz"), refit=usual).findings
+
+    assert [(one.effect, one.members) for one in found] == [("tilt", ("tilt",))]
+
+
 def test_focus_that_moves_the_beam_is_named_with_its_size():
     """A beam that goes 8 arcsec across with each mm of focus: the collimation follows it."""
     given = drawn(200, 3, 1, 3.0, lambda at, _: (8 * at.column("focus_mm"), 0 * at.el))

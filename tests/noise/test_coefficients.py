@@ -14,7 +14,7 @@ from tests.noise.test_estimate import recordings
 N = 24
 
 
-def covariance(readings, within):
+def covariance(readings, within, *, centred=False):
     """Return a covariance with everything in it: drifts, departures, coupled axes, weights."""
     rng = np.random.default_rng(3)
     pointings = N // readings
@@ -24,7 +24,7 @@ def covariance(readings, within):
     time = np.sort(rng.uniform(0, 1e4, pointings))
     number = np.arange(pointings)
     parts = [Series(k * N + np.arange(N), pointing, time, number, "A", k == 1) for k in (0, 1)]
-    noise = Noise(within, 1.0, ((0.7, 500.0), (1.2, 5000.0)))
+    noise = Noise(within, 1.0, ((0.7, 500.0), (1.2, 5000.0)), centred=centred)
     moved = rng.standard_normal((2 * N, 3))
     return Covariance(
         tuple(parts),
@@ -36,10 +36,11 @@ def covariance(readings, within):
     )
 
 
+@pytest.mark.parametrize("centred", [False, True])
 @pytest.mark.parametrize(("readings", "within"), [(1, 0.0), (1, 0.5), (2, 0.5)])
-def test_transpose_and_errors_belong_to_the_same_covariance(readings, within):
+def test_transpose_and_errors_belong_to_the_same_covariance(readings, within, centred):
     """`unwhiten` is the transpose of `whiten`; `errors` has products of the inverse of both."""
-    given = covariance(readings, within)
+    given = covariance(readings, within, centred=centred)
     unit = np.eye(2 * N)
 
     whitening = given.whiten(unit)

@@ -15,10 +15,10 @@ from pyport.examiner.mounts.steel import Flaws, axes_of, offsets
 from pyport.examiner.nulls import noises, schedule
 from pyport.examiner.worlds.mount import Mount, Wave
 
-#: Rows of a case, in turn, its nights, and the kinds of noise.
+#: Rows of a case, in turn, its nights, and the kinds of noise with the rms of each, outliers apart.
 ROWS, SESSIONS = (200, 400, 800), (1, 4)
-NOISES = ("white", "student-3", "outliers-both-ways")
-#: The white sigma [arcsec], of the model's terms, and how visible a cause is in units of it.
+NOISES = {"white": 1.0, "student-3": math.sqrt(3.0), "outliers-both-ways": 1.0}
+#: The noise's rms [arcsec], of the model's terms, and how visible a cause is in units of it.
 SIGMA_ARCSEC, TERM_ARCSEC, VISIBLE = (3.0, 10.0), 60.0, 0.5
 #: A German mount is used on both of its sides so far from the meridian [rad].
 OVERLAP = math.radians(20)
@@ -130,7 +130,8 @@ def draw(case: Case) -> World:
     kept = np.sort(rng.permutation(kept)[:rows])
     side = _sides(rng, case.mount, first)[kept]
     at = _taken(at, kept)
-    noise = noises.KINDS[NOISES[case.number // len(ROWS) % len(NOISES)]].draw(rng, at).value
+    kind = list(NOISES)[case.number // len(ROWS) % len(NOISES)]
+    noise = noises.KINDS[kind].draw(rng, at).value / NOISES[kind]
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
 
     def shown(flaws: Flaws) -> Array:
