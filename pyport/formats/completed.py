@@ -8,6 +8,8 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pyport.effects import Effect
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
@@ -27,6 +29,7 @@ from pyport.formats.waves import Waves, waves
 from pyport.models import toml
 from pyport.models.model import Model
 from pyport.models.terms.alike import shape_of
+from pyport.models.terms.field_system import GRAVITY
 from pyport.models.terms.words import SCALES
 from pyport.mounts import ALTAZ
 
@@ -86,8 +89,10 @@ def write_model(
         raise BadInput(f"{wrong}: {ways} or --leave-out", path)
     made = dict(model.completed.made) if model.completed else dict(model.told)
     title = str(made.get("title") or made.get("telescope") or model.name)
-    details = {key: made[key] for key in KEPT if key in made and vocabulary == "field-system"}
-    file = ModelFile(vocabulary, tuple(_summed(found)), title, details=details)
+    field_system = chosen.vocabulary == "field-system"
+    details = {key: made[key] for key in KEPT if key in made and field_system}
+    phi = _phi_deg(model, path) if field_system else Decimal(90)
+    file = ModelFile(vocabulary, tuple(_summed(found)), title, phi, details)
     if chosen.vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
     rest = replace(rest_of(model, file, lost, rest_as, conditions or {}), waves=instead)
@@ -99,10 +104,26 @@ def _vocabulary(chosen: models.ModelFormat, model: Model, path: Path) -> str:
     """Return the vocabulary that a format has for a model's mount."""
     if model.mount is ALTAZ:
         return chosen.vocabulary
-    for name, mount in MOUNT_OF.items():
-        if mount == model.mount.model and name.startswith(chosen.vocabulary):
-            return name
+    # TPOINT tells by its readings that a mount has turned over; the Field System knows no such one
+    if chosen.any_mount and (chosen.vocabulary == "tpoint" or not model.mount.turns_over):
+        for name, mount in MOUNT_OF.items():
+            if mount == model.mount.model and name.startswith(chosen.vocabulary):
+                return name
     raise BadInput(f"{chosen.name} has no terms for {model.mount.sentence}: keep a .toml", path)
+
+
+def _phi_deg(model: Model, path: Path) -> Decimal:
+    """Return the elevation of a mount's first axis.
+
+    Raises
+    ------
+    BadInput
+        It depends on the latitude, which the model does not tell.
+    """
+    if model.mount.needs_latitude and model.site is None:
+        raise BadInput("no latitude, and the first axis of this mount leans by it", path)
+    latitude = 0.0 if model.site is None else model.site.latitude
+    return rounded(Decimal(repr(float(np.degrees(model.mount.leans(latitude))))), 4)
 
 
 @dataclass(frozen=True)
@@ -162,6 +183,8 @@ def _in_vocabulary(told: _Told, vocabulary: str) -> list[Entry]:
     """Return a coefficient under the name, or names, that a vocabulary has for it, if any."""
     for own, words in WORDS.items():
         word = words(told.name)
+        if word is not None and own == "field-system" and vocabulary.startswith(f"{own}-"):
+            return [told.entry(told.name, word.unit)]
         same_unit = told.effect.coefficients[told.column].unit == (word.unit if word else None)
         if word is not None and word.parts and same_unit:
             file = ModelFile(own, (told.entry(told.name, word.unit),))
@@ -174,7 +197,8 @@ def _in_vocabulary(told: _Told, vocabulary: str) -> list[Entry]:
     word = None if name is None else WORDS[vocabulary](name[0])
     if found is None or name is None or word is None:
         return []
-    return [told.entry(name[0], word.unit, name[1] / found[1])]
+    names = GRAVITY if vocabulary in MOUNT_OF and name[0] in GRAVITY else (name[0],)
+    return [told.entry(one, word.unit, name[1] / found[1]) for one in names]
 
 
 def _summed(entries: Sequence[Entry]) -> list[Entry]:

@@ -26,6 +26,8 @@ WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
     "tpoint-equatorial": tpoint_polar.word,
     "field-system": field_system.word,
+    "field-system-hadc": field_system.word,
+    "field-system-xy": field_system.word,
     "katpoint": field_system.katpoint_word,
     "ska-mid": ska_mid.word,
 }
@@ -33,12 +35,18 @@ NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
     "tpoint-equatorial": tpoint_polar.name_of,
     "field-system": field_system.name_of,
+    "field-system-hadc": field_system.name_on_leaning,
+    "field-system-xy": field_system.name_on_leaning,
     "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
     "ska-mid": ska_mid.name_of,
 }
 
 #: The vocabularies of mounts other than alt-azimuth ones, and the model of those.
-MOUNT_OF = {"tpoint-equatorial": "equatorial"}
+MOUNT_OF = {
+    "tpoint-equatorial": "equatorial",
+    "field-system-hadc": "equatorial",
+    "field-system-xy": "xy",
+}
 
 
 @dataclass(frozen=True)
@@ -62,7 +70,7 @@ class ModelFile:
     vocabulary: str  #: one of `WORDS`
     entries: tuple[Entry, ...]  #: its terms, in the file's order
     title: str = ""  #: the caption, "" without one
-    phi_deg: Decimal = Decimal(90)  #: the Field System's; 90 for an alt-azimuth mount
+    phi_deg: Decimal = Decimal(90)  #: the Field System's: the elevation of the first axis
     #: What else the file holds, for writing it again.
     details: Mapping[str, Any] = field(default_factory=dict)
 

@@ -18,20 +18,26 @@ from pyport.recordings.formats.lines import Line
 
 @dataclass(frozen=True)
 class ModelFormat:
-    """A format of model files: its name, suffixes, vocabulary, and how it is read and written."""
+    """A format of model files: its name, suffixes, vocabulary, and how it is read and written.
+
+    `any_mount` tells whether it has terms for others than alt-azimuth ones.
+    """
 
     name: str
     suffixes: tuple[str, ...]
     vocabulary: str
     read: Callable[[Path], ModelFile]
     write: Callable[[ModelFile, Path], None] | None
+    any_mount: bool = False
 
 
 FORMATS = {
     one.name: one
     for one in (
-        ModelFormat("tpoint-mod", (".mod",), "tpoint", tpoint_mod.read, tpoint_mod.write),
-        ModelFormat("fs-ctl", (".ctl",), "field-system", ctl.read, ctl.write),
+        ModelFormat(
+            "tpoint-mod", (".mod",), "tpoint", tpoint_mod.read, tpoint_mod.write, any_mount=True
+        ),
+        ModelFormat("fs-ctl", (".ctl",), "field-system", ctl.read, ctl.write, any_mount=True),
         ModelFormat("fs-err-model", (), "field-system", ctl.read_new_model, None),
         ModelFormat(
             "katpoint", (".txt", ".katpoint"), "katpoint", katpoint_model.read, katpoint_model.write

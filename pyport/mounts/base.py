@@ -151,6 +151,10 @@ class Mount:
         of_axes = _steps(*self.angles(az, el, latitude))
         return np.einsum("aik,ij,bjk->abk", of_axes, self.frame(latitude), of_sky)
 
+    def leans(self, latitude: float = 0.0) -> float:
+        """Return the elevation of the first axis [rad]: a quarter turn where it is the vertical."""
+        return np.pi / 2 if self.frame is None else float(np.arcsin(self.frame(latitude)[2, 2]))
+
     def reaches(self, first: Array, second: Array) -> NDArray[np.bool_]:
         """Tell which axis angles are within the limits and outside the blind spot, shape (n,)."""
         inside = (first >= self.first.low) & (first <= self.first.high)

@@ -222,7 +222,7 @@ def test_a_bad_model_names_its_line(tmp_path, text, line, words):
     [
         ("no sections\n", 1, "no line begins with"),
         ("$data\n 1 2 3\n", 1, r"no section \$antenna"),
-        ("$antenna\n TEST xyns 1\n$data\n 1 1 2 3 4 5 6\n", 2, "'xyns', expected azel"),
+        ("$antenna\n TEST spin 1\n$data\n 1 1 2 3 4 5 6\n", 2, "'spin', expected azel, hadc"),
         ("$antenna\n TEST azel 1\n$data\n 1 2 3\n", 4, "2 numbers behind the flag"),
         ("$antenna\n TEST azel 1\n$data\n x 1 2 3 4 5 6\n", 4, "flag is 'x'"),
         ("$antenna\n TEST azel 1\n$data\n 1 1 2 3 4 5 six\n", 4, "'six', expected a number"),

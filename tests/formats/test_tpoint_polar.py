@@ -9,6 +9,7 @@ import pyport
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import Circumstances, Site
 from pyport.errors import BadInput
+from pyport.formats.convert import convert
 from pyport.formats.model_file import WORDS
 from pyport.formats.models import load
 from pyport.models.terms import tpoint_polar
@@ -146,6 +147,41 @@ def test_a_session_gives_back_its_model(tmp_path, kind):
     for name, value in written.items():
         assert fit.coefficients[name].value == pytest.approx(value, abs=1e-4)
         assert again.coefficients[name].value == pytest.approx(value, abs=1e-4)
+
+
+def test_a_session_is_written_again(tmp_path):
+    """Both sides of the pier, from a file of columns: what the mount read, to 4e-6 arcsec."""
+    night, table, again = (tmp_path / name for name in ("night.dat", "night.csv", "again.dat"))
+    night.write_text(records("degrees"))
+    convert(str(night), table)
+    convert(str(table), again)
+    first, second = (read(one) for one in (night, again))
+
+    assert ": EQUAT\n" in again.read_text()
+    assert second.at.mount is KINDS["german"]
+    np.testing.assert_array_equal(first.at.column("pier_side"), second.at.column("pier_side"))
+    np.testing.assert_allclose([second.x, second.y], [first.x, first.y], atol=4e-6 * ARCSEC)
+    np.testing.assert_allclose([second.at.az, second.at.el], [first.at.az, first.at.el])
+    table.write_text("# mount: xy-ns\nx_deg,y_deg,d_x_deg,d_y_deg\n10,20,0.1,0.1\n")
+    with pytest.raises(BadInput, match="TPOINT has no X-Y mount"):
+        convert(str(table), again)
+
+
+@pytest.mark.parametrize(
+    ("record", "words"),
+    [
+        ("10 20 30.1 +20 10 11.2 10 20 31.0 +20 10 12.1", "12 words .*format 1"),
+        ("10 20 30.1 +20 10 11.2 1234567 7654321", "8 words .*format 4"),
+        ("10 20 30.1 +20 10 11.2 10 20 31.0 +20 10 12.1 100.2 30", "the sidereal time is 100.2"),
+    ],
+)
+def test_records_of_other_formats_are_refused(tmp_path, record, words):
+    """What is no catalogue's place with a sidereal time, and no degrees, is no record."""
+    night = tmp_path / "night.dat"
+    night.write_text(f"drawn\n: EQUAT\n41 18 00.0\n{record}\nEND\n")
+
+    with pytest.raises(BadInput, match=f"night.dat:4: {words}"):
+        read(night)
 
 
 def test_a_model_of_one_mount_is_refused_by_another(tmp_path):

@@ -13,7 +13,7 @@ TIME = np.sort(_RNG.uniform(0, 1e4, N))
 
 def covariance(*, centred):
     """Return the covariance of one axis of N pointings."""
-    part = Series(np.arange(N), np.arange(N), TIME, np.arange(N), "A", False)
+    part = Series(np.arange(N), np.arange(N), TIME, np.arange(N), "A", is_y=False)
     noise = Noise(0.0, 0.4, DRIFTS, centred=centred)
     return Covariance((part,), (noise,), np.ones(N), np.ones(N))
 
@@ -39,7 +39,7 @@ def test_centred_drift_has_the_covariance_of_its_deviations():
 
 
 def test_centring_changes_nothing_beside_a_constant_and_shows_the_constant():
-    """With a constant fitted another column is known as before; the constant is known far better."""
+    """With a constant fitted another column is known as before, the constant far better."""
     columns = np.stack([np.ones(N), np.cos(TIME / 3000)], axis=1)
 
     known = {}

@@ -1,7 +1,9 @@
 """The VLBI Field System's P1..P30, which katpoint (P1..P22) and DISCOS share.
 
-Offsets are raw minus true, azimuth as a coordinate; `phi` is 90 deg for an
-alt-azimuth mount. Himwich, Mark IV Field System documentation, Pointing Model (1993).
+Offsets are raw minus true, of the first angle as a coordinate. `phi` is the elevation of the
+first axis: 90 deg for an alt-azimuth mount, the latitude for hour angle and declination, 0 for
+X and Y. The terms are functions of the two angles of the axes, whichever those are.
+Himwich, Mark IV Field System documentation, Pointing Model (1993).
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ import math
 
 from pyport.models.terms.shapes import Shape, Wave, product
 from pyport.models.terms.words import Word
+from pyport.mounts import ALTAZ
 
 NUMBER, KATPOINT_NUMBER = 30, 22
 #: Those that scale an angle, which katpoint gives as a ratio.
@@ -43,9 +46,23 @@ _SHAPES: dict[int, tuple[Shape, int]] = {
 }
 _NUMBER_OF = {shape: (n, sign) for n, (shape, sign) in reversed(_SHAPES.items())}
 
-#: P2 slides along the horizon, P8 sags toward the pole that phi leans to.
+#: P2 slides along the horizon, P8 sags toward the pole that phi leans to: of one size they are the
+#: gravity that pulls a tube down.
 _SLIDE = product("xel", Wave("S", "A"))
 _POLE = product("el", Wave("S", "E"), Wave("C", "A"))
+#: Waves of the second angle, where that is no elevation.
+_ALONG = (Shape("elevation_encoder_harmonics", 1, 1), Shape("elevation_encoder_harmonics", 0, 1))
+#: What the terms of other mounts are, beyond those of `_SHAPES` that are theirs as well.
+_TILTED = {10: (_ALONG[0], 1), 11: (_ALONG[1], 1)}
+#: A cotangent of the second angle: refraction where that is the elevation, elsewhere nothing.
+_REFRACTION = 23
+_NUMBER_OF_TILTED = {
+    shape: (n, sign)
+    for n, (shape, sign) in reversed({**_SHAPES, **_TILTED}.items())
+    if n not in (8, _REFRACTION)
+}
+#: The terms that together are the gravity on a tube, on a mount whose first axis leans.
+GRAVITY = ("P2", "P8")
 
 
 def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, unit: str = "deg") -> Word | None:
@@ -58,16 +75,22 @@ def word(name: str, phi_deg: float = ALTAZ_PHI_DEG, unit: str = "deg") -> Word |
     number = int(name[1:])
     if number > NUMBER:
         return None
-    parts: tuple[tuple[Shape, float], ...] = ()
-    if number in _SHAPES:
-        parts = (_SHAPES[number],)
-    if phi_deg != ALTAZ_PHI_DEG:
+    leans = phi_deg != ALTAZ_PHI_DEG
+    shapes = {**_SHAPES, **_TILTED} if leans else _SHAPES
+    parts: tuple[tuple[Shape, float], ...] = (shapes[number],) if number in shapes else ()
+    if leans:
         sine, cosine = math.sin(math.radians(phi_deg)), math.cos(math.radians(phi_deg))
         if number == 2:
             parts = ((_SLIDE, -cosine),)
         if number == 8:
-            parts = ((Shape("sag_cosine"), sine), (_POLE, -cosine))
-    return Word(name, parts, unit, silent=number == 2 and not parts)
+            parts = ((_ALONG[0], sine), (_POLE, -cosine))
+    return Word(
+        name,
+        parts,
+        unit,
+        silent=number == 2 and not parts,
+        mounts=() if leans and number != _REFRACTION else (ALTAZ.model,),
+    )
 
 
 def katpoint_word(name: str) -> Word | None:
@@ -79,6 +102,17 @@ def katpoint_word(name: str) -> Word | None:
     if one is None or int(name[1:]) > KATPOINT_NUMBER:
         return None
     return Word(name, (), one.unit, silent=True) if name == "P10" else one
+
+
+def name_on_leaning(shape: Shape) -> tuple[str, int] | None:
+    """Return the parameter of a mount whose first axis leans, for a shape; None without one.
+
+    Gravity has two of one size, of which this is the second: `GRAVITY`.
+    """
+    if shape == Shape("sag_cosine"):
+        return GRAVITY[1], 1
+    number, sign = _NUMBER_OF_TILTED.get(shape, (0, 0))
+    return (f"P{number}", sign) if number else None
 
 
 def name_of(shape: Shape, last: int = NUMBER) -> tuple[str, int] | None:

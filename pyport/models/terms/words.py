@@ -39,7 +39,9 @@ class Word:
     silent
         Of a word without parts: the program takes any value and does nothing with it.
     mount
-        The model of the mounts that have it (`Mount.model`), "" where any may.
+        The model of the mounts in whose words it is (`Mount.model`), "" where it has none.
+    mounts
+        The models of the mounts that may have it; empty for all.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Word:
     unit: str
     silent: bool = False
     mount: str = ""
+    mounts: tuple[str, ...] = ()
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
@@ -80,7 +83,7 @@ class Word:
             parameter=parent.parameter,
             member={"word": self.name, "unit": self.unit, "parts": parts}
             | ({"mount": self.mount} if self.mount else {}),
-            mounts=(self.mount,) if self.mount else (),
+            mounts=(self.mount,) if self.mount else self.mounts,
             of=parent.of,
         )
 

@@ -9,7 +9,10 @@ from fractions import Fraction
 from pathlib import Path
 
 from pyport.columns import SET_ASIDE, angle_of
+from pyport.effects.mounts import declared
 from pyport.errors import BadInput
+from pyport.mounts import ALTAZ, KINDS, Mount
+from pyport.recordings.mounted import ALSO, names_of
 from pyport.recordings.tabulate import Table
 
 #: Decimals of a degree that a number gets which has no end in degrees: 0.4 microarcsec.
@@ -160,3 +163,59 @@ def left_out(table: Table, held: Sequence[str]) -> list[str]:
 #: What every format of azimuth and elevation offsets holds.
 OFFSETS_HELD = ("az", "el", "d_az", "d_xel", "d_el", "d_zd", SET_ASIDE)
 SIGMAS_HELD = ("sigma_az", "sigma_xel", "sigma_el")
+
+
+def mount_of(table: Table) -> Mount:
+    """Return the mount that a table declares or, where it is silent, that its offsets are of."""
+    for word in declared(table.meta):
+        if ALSO.get(word, word) in KINDS:
+            return KINDS[ALSO.get(word, word)]
+    there = {angle[0] for name in table.columns if (angle := angle_of(name))}
+    return next((one for one in KINDS.values() if names_of(one).offsets & there), ALTAZ)
+
+
+def readings(table: Table, mount: Mount, path: Path) -> tuple[Numbers, ...]:
+    """Return both angles of the axes and their offsets, as coordinates, in degrees.
+
+    Raises
+    ------
+    BadInput
+        The table has no such columns.
+    """
+    if mount is ALTAZ:
+        return (*position(table, path), *offsets(table, path))
+    angles = [in_degrees(table, one.column) for one in mount.axes]
+    across = _first(table, mount, mount.first.offset, mount.across_column)
+    found = (*angles, across, in_degrees(table, mount.second.offset))
+    names = [*(one.column for one in mount.axes), *(one.offset for one in mount.axes)]
+    lost = [f"{name}_deg" for name, one in zip(names, found, strict=True) if one is None]
+    if lost:
+        raise BadInput(f"no columns {' and '.join(lost)}, and this format holds them", path)
+    return tuple(one for one in found if one is not None)
+
+
+def sigmas(table: Table, mount: Mount, path: Path) -> tuple[Numbers | None, Numbers | None]:
+    """Return the errors of both offsets, as coordinates, in degrees, None for those not there."""
+    if mount is ALTAZ:
+        return coordinate(table, "sigma_az", "sigma_xel", path), in_degrees(table, "sigma_el")
+    first, across, along = names_of(mount).sigmas
+    return _first(table, mount, first, across), in_degrees(table, along)
+
+
+def _first(table: Table, mount: Mount, quantity: str, on_sky: str) -> Numbers | None:
+    """Return an angle of the first axis as a coordinate, from one on the sky where that is told."""
+    told, sky = in_degrees(table, quantity), in_degrees(table, on_sky)
+    second = in_degrees(table, mount.second.column)
+    if told is not None or sky is None or second is None:
+        return told
+    pairs = zip(sky, second, strict=True)
+    return [None if one is None or at is None else over_cos(one, at) for one, at in pairs]
+
+
+def held(mount: Mount, *, sigmas: bool = False) -> tuple[str, ...]:
+    """Return the quantities that a format of a mount's angles, offsets and errors holds."""
+    if mount is ALTAZ:
+        return (*OFFSETS_HELD, *(SIGMAS_HELD if sigmas else ()))
+    names = names_of(mount)
+    angles = (one.column for one in mount.axes)
+    return (*angles, *names.offsets, *(names.sigmas if sigmas else ()), SET_ASIDE)

@@ -4,7 +4,8 @@ A star's line holds its azimuth and elevation, then those that the telescope
 read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR);
 or its right ascension and declination: see `tpoint_equatorial`. Of an equatorial
 mount (EQUAT) it holds hour angles and declinations, or the same right ascensions;
-a telescope that had turned over reads a declination beyond the pole.
+a telescope that had turned over reads a declination beyond the pole. These are TPOINT's
+formats 4 and 1; the others are refused, for no public source tells their columns.
 `;` and `!` begin a comment; a star's line behind one is masked, not lost.
 """
 
@@ -19,7 +20,6 @@ from pyport.effects.base import OVER, PIER_SIDE
 from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.mounts import KINDS
 from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
@@ -33,8 +33,9 @@ TITLE, OPTIONS, SITE = "tpoint_title", "tpoint_options", "tpoint_site"
 REMARK = "tpoint_remark_"
 #: What stands behind azimuth and elevation, true and as read.
 ROTATOR, AUXILIARY, NOTE = "rotator_deg", "auxiliary_", "note"
-#: The option of an equatorial mount.
+#: The option of an equatorial mount, and that of each mount that TPOINT knows.
 POLAR = "EQUAT"
+OPTION = {"altaz": "ALTAZ", "equatorial": POLAR}
 _COMMENT = ";!"
 _MARK = re.compile(f"[{_COMMENT}]")
 _NAN = "nan"
@@ -79,7 +80,7 @@ def read(path: Path) -> Raw:
         raise BadInput("no line with the latitude, expected one such as 53 05 43.8", path)
     if not found:
         raise BadInput("no observations below the latitude", path, site.number)
-    equatorial = [tpoint_equatorial.is_star(words) for _, words, _, _ in found]
+    equatorial = [tpoint_equatorial.is_star(line, words) for line, words, _, _ in found]
     if all(equatorial):
         return _of_stars(path, meta, found, site)
     if any(equatorial):
@@ -220,19 +221,21 @@ def write(table: Table, path: Path) -> list[str]:
     BadInput
         There is no latitude, or no offset of one axis.
     """
-    if table.meta.get(MOUNT, "") in KINDS:
-        raise BadInput("a .dat of other mounts than alt-azimuth is read, not written", path)
-    az, el = exact.position(table, path)
-    d_az, d_el = exact.offsets(table, path)
+    mount = exact.mount_of(table)
+    if mount.model not in OPTION:
+        raise BadInput(f"TPOINT has no {mount.sentence.removeprefix('an ')}", path)
+    az, el, d_az, d_el = exact.readings(table, mount, path)
     read_az = [_read(a, d, wrapped=True) for a, d in zip(az, d_az, strict=True)]
     read_el = [_read(e, d) for e, d in zip(el, d_el, strict=True)]
+    if mount.turns_over:
+        read_az, read_el = _turned_over(table, read_az, read_el, path)
     decimals = exact.decimals_of(az, el, read_az, read_el, least=7)
     extra = [name for name in table.columns if name == ROTATOR or name.startswith(AUXILIARY)]
     rest = [_further(table, name) for name in extra]
     notes = exact.cells(table, NOTE) if NOTE in table.columns else [""] * len(az)
     remarks = {key: text for key, text in table.meta.items() if key.startswith(REMARK)}
     head = [table.meta.get(TITLE, table.meta.get("telescope", "pyport"))]
-    head += [f": {option}" for option in table.meta.get(OPTIONS, "ALTAZ").split()]
+    head += [f": {one}" for one in table.meta.get(OPTIONS, OPTION[mount.model]).split()]
     with write_whole(path) as out:
         out.writelines(f"{line}\n" for line in [*head, _site_line(table, path)])
         for n, why in enumerate(exact.asides(table)):
@@ -244,7 +247,20 @@ def write(table: Table, path: Path) -> list[str]:
             out.write(f"{';' * bool(why)}{' '.join(words)}{note}\n")
         out.writelines(f"{remarks[key]}\n" for key in _before(remarks, len(az)))
         out.write("END\n")
-    return exact.left_out(table, (*exact.OFFSETS_HELD, *extra, NOTE))
+    sides = (PIER_SIDE,) if mount.turns_over else ()
+    return exact.left_out(table, (*exact.held(mount), *extra, NOTE, *sides))
+
+
+def _turned_over(
+    table: Table, first: exact.Numbers, second: exact.Numbers, path: Path
+) -> tuple[exact.Numbers, exact.Numbers]:
+    """Return what a mount reads that has turned over in some rows: declinations beyond the pole."""
+    if PIER_SIDE not in table.columns:
+        raise BadInput(f"no column {PIER_SIDE}, and a German mount reads both sides", path)
+    over = [side.lower() == OVER for side in exact.cells(table, PIER_SIDE)]
+    ahead = [a + 180 if a is not None and o else a for a, o in zip(first, over, strict=True)]
+    beyond = [180 - b if b is not None and o else b for b, o in zip(second, over, strict=True)]
+    return ahead, beyond
 
 
 def _further(table: Table, name: str) -> list[str]:

@@ -23,6 +23,8 @@ from pyport.recordings.sky import equator, horizon
 
 #: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.
 APPARENT = 14
+#: So many hours, degrees and minutes in whole numbers are no angles in degrees.
+SHORTEST = 6
 #: With two proper motions and an equinox.
 MEAN = APPARENT + 3
 #: Weather behind the date of the run's record: temperature [C], pressure [hPa], height [m],
@@ -95,9 +97,20 @@ def _turn(degrees: float) -> float:
     return float(wrap(degrees * DEG)) / DEG
 
 
-def is_star(words: Sequence[str]) -> bool:
-    """Tell whether a line is such a record: hours and minutes are whole, degrees are not."""
-    return len(words) >= APPARENT and all("." not in word for word in (*words[:2], *words[3:5]))
+def is_star(line: Line, words: Sequence[str]) -> bool:
+    """Tell whether a line is such a record: hours and minutes are whole, degrees are not.
+
+    Raises
+    ------
+    BadInput
+        It begins like one, and is too short: TPOINT has two more kinds of records, which no
+        public source describes.
+    """
+    begins = len(words) >= SHORTEST and all("." not in one for one in (*words[:2], *words[3:5]))
+    if begins and len(words) < APPARENT:
+        wanted = f"expected {APPARENT} or more (format 1), or angles in degrees (format 4)"
+        raise line.error(f"{len(words)} words of hours, degrees and minutes, {wanted}")
+    return begins
 
 
 def star(line: Line, words: Sequence[str], site: Sequence[str]) -> Star:

@@ -2,6 +2,7 @@
 
 Degrees: flag, azimuth, elevation, offsets in azimuth (as a coordinate) and
 elevation, raw minus true, and their one-sigma errors. A flag of 1 means use it.
+The antenna's record tells the axes: azimuth and elevation, hour angle and declination, or X and Y.
 """
 
 from __future__ import annotations
@@ -9,8 +10,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from pyport.columns import SET_ASIDE
+from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.mounts import ALTAZ, KINDS, Mount
 from pyport.recordings.formats import exact
 from pyport.recordings.formats.lines import Line, raw_of, spelled
 from pyport.recordings.formats.sections import section, sections
@@ -20,11 +23,13 @@ from pyport.recordings.tabulate import Table
 #: Why a row whose flag is not 1 is not used.
 FLAGGED = "flagged in the file"
 
-XTR_COLUMNS = ("az_deg", "el_deg", "d_az_deg", "d_el_deg", "sigma_az_deg", "sigma_el_deg")
-#: Least decimals of each.
+#: The Field System's words for the axes, and the mount that has them.
+AXES = {"azel": "altaz", "hadc": "equatorial", "xyns": "xy-ns", "xyew": "xy-ew"}
+#: What it writes where it knows none.
+NO_AXES = "xxxx"
+#: Least decimals of each column.
 _DIGITS = (5, 5, 7, 7, 7, 7)
 ANTENNA = "field_system_antenna"
-ERR_COLUMNS = XTR_COLUMNS[:4]
 
 
 def read_xtr(path: Path) -> Raw:
@@ -33,7 +38,7 @@ def read_xtr(path: Path) -> Raw:
     Raises `BadInput`: no `$data`, or a line of it that is no recording.
     """
     found = sections(path)
-    return _tabulated(path, section(found, "data", path), _antenna(found, path), XTR_COLUMNS)
+    return _tabulated(path, section(found, "data", path), _antenna(found, path), 6)
 
 
 def read_err(path: Path) -> Raw:
@@ -42,7 +47,7 @@ def read_err(path: Path) -> Raw:
     Raises `BadInput`: no `$observed`, or a line of it that is no recording.
     """
     found = sections(path)
-    return _tabulated(path, section(found, "observed", path), _antenna(found, path), ERR_COLUMNS)
+    return _tabulated(path, section(found, "observed", path), _antenna(found, path), 4)
 
 
 def write(table: Table, path: Path) -> list[str]:
@@ -50,12 +55,15 @@ def write(table: Table, path: Path) -> list[str]:
 
     Raises `BadInput`: an axis or its errors are missing: the Field System weighs by them.
     """
-    az, el = exact.position(table, path)
-    sigma_az = exact.coordinate(table, "sigma_az", "sigma_xel", path)
-    sigma_el = exact.in_degrees(table, "sigma_el")
-    if sigma_az is None or sigma_el is None:
-        raise BadInput("no errors sigma_xel_deg and sigma_el_deg, and this format holds them", path)
-    columns = (az, el, *exact.offsets(table, path), sigma_az, sigma_el)
+    mount = exact.mount_of(table)
+    word = _word(mount)
+    if word is None:
+        raise BadInput(f"no axes of {mount.sentence}, expected {', '.join(AXES.values())}", path)
+    errors = exact.sigmas(table, mount, path)
+    if None in errors:
+        names = f"sigma_{mount.across_column[2:]}_deg and sigma_{mount.second.offset[2:]}_deg"
+        raise BadInput(f"no errors {names}, and this format holds them", path)
+    columns = (*exact.readings(table, mount, path), *filter(None, errors))
     decimals = [
         exact.decimals_of(column, least=least)
         for column, least in zip(columns, _DIGITS, strict=True)
@@ -63,7 +71,7 @@ def write(table: Table, path: Path) -> list[str]:
     own = table.meta.get(ANTENNA)
     name = table.meta.get("telescope", "antenna").split() or ["antenna"]
     with write_whole(path) as out:
-        out.write(f"$antenna\n {own or f'{name[0]} azel 1'}\n$data\n")
+        out.write(f"$antenna\n {own or f'{name[0]} {word} 1'}\n$data\n")
         for n, why in enumerate(exact.asides(table)):
             values = [column[n] for column in columns]
             if None in values:
@@ -72,21 +80,43 @@ def write(table: Table, path: Path) -> list[str]:
             words = [f"{value:{5 + count}.{count}f}" for value, count in digits]
             out.write(f" {0 if why else 1} {' '.join(words)}\n")
         out.write("$stats\n")
-    return exact.left_out(table, (*exact.OFFSETS_HELD, *exact.SIGMAS_HELD))
+    return exact.left_out(table, exact.held(mount, sigmas=True))
 
 
 def _antenna(found: dict[str, list[Line]], path: Path) -> dict[str, str]:
-    """Return the telescope's name; a mount that is no alt-azimuth is refused."""
+    """Return the telescope's name and its mount; axes that are not known are refused."""
     (line, *_) = section(found, "antenna", path)
     words = line.words
     if len(words) < 2:
         raise line.error(f"this is {line.text.strip()[:60]!r}, expected a name and azel")
-    if words[1].lower() not in {"azel", "xxxx"}:
-        raise line.error(f"the axes are {words[1]!r}, expected azel")
-    return {"telescope": words[0], ANTENNA: " ".join(words)}
+    axes = words[1].lower()
+    if axes not in {*AXES, NO_AXES}:
+        raise line.error(f"the axes are {words[1]!r}, expected {', '.join(AXES)}")
+    meta = {"telescope": words[0], ANTENNA: " ".join(words)}
+    mount = AXES.get(axes, ALTAZ.id)
+    return meta if mount == ALTAZ.id else meta | {MOUNT: mount}
 
 
-def _tabulated(path: Path, lines: list[Line], meta: dict[str, str], names: tuple[str, ...]) -> Raw:
+def _word(mount: Mount) -> str | None:
+    """Return the word for a mount's axes; None for one that turns over, which has no place here."""
+    same = (
+        word
+        for word, one in AXES.items()
+        if one == mount.id or (mount.needs_latitude and KINDS[one].model == mount.model)
+    )
+    return None if mount.turns_over else next(same, None)
+
+
+def _names(mount: Mount) -> tuple[str, ...]:
+    """Return the columns of a file of a mount, in its order."""
+    first, second = mount.axes
+    angles = (first.column, second.column, first.offset, second.offset)
+    sigmas = (f"sigma_{one.offset.removeprefix('d_')}" for one in mount.axes)
+    return tuple(f"{one}_deg" for one in (*angles, *sigmas))
+
+
+def _tabulated(path: Path, lines: list[Line], meta: dict[str, str], count: int) -> Raw:
+    names = _names(KINDS[meta.get(MOUNT, ALTAZ.id)])[:count]
     columns: dict[str, list[str]] = {name: [] for name in (*names, SET_ASIDE)}
     for line in lines:
         flag, *words = line.words
