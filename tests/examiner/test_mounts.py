@@ -47,7 +47,8 @@ def test_a_case_is_the_same_every_time_and_another_is_not(mount):
 def outcome(part, hidden, *found):
     """Return what came out of a case: effect, verdict and class of each finding."""
     told = [{"effect": e, "variant": "", "verdict": v, "class": c} for e, v, c in found]
-    return {"mount": "german", "part": part, "hidden": list(hidden), "findings": told}
+    known = {"mount": "german", "part": part, "hidden": list(hidden), "findings": told}
+    return known | {"twins": {"polar_axis": ["epoch_tilt"]}}
 
 
 def test_what_is_right():
@@ -68,6 +69,34 @@ def test_what_is_right():
     assert "german, polar_axis: found sag_cosine" in examine.text(
         [outcome(ONE, ["polar_axis"], wide)]
     )
+
+
+def test_what_is_one_name():
+    """The name alone, or with what nobody could tell from it; no other name beside it."""
+    for members, alone, twins in (
+        (["polar_axis"], True, True),
+        (["epoch_tilt", "polar_axis"], False, True),
+        (["polar_axis", "sag_cosine"], False, False),
+        (["epoch_tilt"], False, False),
+    ):
+        one = outcome(ONE, ["polar_axis"], (members[0], "", members))
+        assert examine.sharp(one, twins=False) == alone
+        assert examine.sharp(one) == twins
+
+
+@pytest.mark.parametrize(
+    ("mount", "number", "hidden", "twins"),
+    [
+        ("xy-ns", 1, "sag_cosine", {"x_scale", "x_eccentricity"}),
+        ("german", 1, "sag_cosine", set()),
+    ],
+)
+def test_twins_are_what_rotations_leave_alike(mount, number, hidden, twins):
+    """On an X-Y mount a tube that hangs is the scale of X beside that of Y; elsewhere it is not."""
+    world = worlds.draw(Case(mount, ONE, number, 1))
+
+    assert world.hidden == (hidden,)
+    assert set(world.twins[hidden]) == twins
 
 
 def test_a_case_is_put_to_the_program():

@@ -47,6 +47,7 @@ def examine(case: Case) -> dict[str, Any]:
         "rows": len(world.table["time_utc"]),
         "sigma_arcsec": world.sigma,
         "hidden": list(world.hidden),
+        "twins": world.twins,
         "seconds": time.monotonic() - begun,
     }
     if isinstance(report, program.Refused):
@@ -76,10 +77,17 @@ def right(outcome: dict[str, Any]) -> bool:
     return set(outcome["hidden"]) <= named
 
 
-def alone(outcome: dict[str, Any]) -> bool:
-    """Tell whether each cause that is hidden was given its one name."""
-    named = {one["effect"] for one in outcome.get("findings", ()) if one["verdict"] == "named"}
-    return set(outcome["hidden"]) <= named
+def sharp(outcome: dict[str, Any], *, twins: bool = True) -> bool:
+    """Tell whether each cause that is hidden was given its one name.
+
+    With `twins`, or a class of that and names that nobody could tell from it in these recordings.
+    """
+    classes = [set(one["class"]) for one in outcome.get("findings", ())]
+    allowed = outcome["twins"] if twins else {}
+    return all(
+        any(name in one and one <= {name, *allowed.get(name, ())} for one in classes)
+        for name in outcome["hidden"]
+    )
 
 
 def share(outcomes: Iterable[dict[str, Any]]) -> Share:
@@ -89,7 +97,8 @@ def share(outcomes: Iterable[dict[str, Any]]) -> Share:
 
 def text(outcomes: list[dict[str, Any]]) -> str:
     """Return a table of shares by mount and part, and what was said in the others."""
-    lines = [f"{'mount':8s}{'part':10s}{'right':>10s}  {'% (95 %)':20s}{'one name':>9s}  target"]
+    head = f"{'one name':>9s}{'or twins':>9s}"
+    lines = [f"{'mount':8s}{'part':10s}{'right':>10s}  {'% (95 %)':20s}{head}  target"]
     for mount in dict.fromkeys(one["mount"] for one in outcomes):
         for part in PARTS:
             own = [one for one in outcomes if (one["mount"], one["part"]) == (mount, part)]
@@ -99,8 +108,11 @@ def text(outcomes: list[dict[str, Any]]) -> str:
             low = TARGETS.get(part)
             target = "" if low is None else f"{100 * low[0]:.0f} %: {found.judged(*low)}"
             count = f"{found.hits}/{found.of}"
-            one_name = sum(map(alone, own)) if part in (ONE, TWO) else ""
-            line = f"{mount:8s}{part:10s}{count:>10s}  {found!s:20s}{one_name!s:>9s}  {target}"
+            named = ["", ""]
+            if part in (ONE, TWO):
+                named = [str(sum(sharp(one, twins=both) for one in own)) for both in (False, True)]
+            names = "".join(f"{one:>9s}" for one in named)
+            line = f"{mount:8s}{part:10s}{count:>10s}  {found!s:20s}{names}  {target}"
             lines.append(line.rstrip())
     wrong = Counter(_said(one) for one in outcomes if not right(one))
     lines += ["", *(f"{count} x {said}" for said, count in wrong.most_common())]

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
-from pyport.examiner.mounts.steel import Flaws, axes_of, offsets
+from pyport.examiner.mounts.steel import Flaws, axes_of
+from pyport.examiner.mounts.twins import Session, alike
 from pyport.examiner.nulls import noises, schedule
 from pyport.examiner.worlds.mount import Mount, Wave
 
@@ -97,13 +98,17 @@ class Case:
 
 @dataclass(frozen=True)
 class World:
-    """A drawn session: columns, header keys, the model, and the names that are hidden in it."""
+    """A drawn session: columns, header keys, the model, and the names that are hidden in it.
+
+    `twins` holds for each hidden name those that nobody could tell from it in this session.
+    """
 
     table: dict[str, Any]
     header: dict[str, float | str]
     model: str
     hidden: tuple[str, ...]
     sigma: float
+    twins: dict[str, tuple[str, ...]]
 
 
 def called(name: str, mount: str) -> str | None:
@@ -134,14 +139,17 @@ def draw(case: Case) -> World:
     noise = noises.KINDS[kind].draw(rng, at).value / NOISES[kind]
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
 
+    session = Session(case.mount, at, side)
+
     def shown(flaws: Flaws) -> Array:
         """Return what flaws do, (n, 2) [arcsec]."""
-        return offsets(case.mount, at.latitude, (at.az, at.el), side, flaws) / ARCSEC
+        return session.shown(flaws).reshape(-1, 2)
 
     terms = {**TERMS, FIFTH[case.mount][0]: FIFTH[case.mount][1]}
     base = np.stack([shown(make(ARCSEC, 0.0)).ravel() for make in terms.values()], axis=1)
     total = (base @ (TERM_ARCSEC * rng.standard_normal(base.shape[1]))).reshape(-1, 2)
     hidden: list[str] = []
+    traces: dict[str, Array] = {}
     for name in _chosen(rng, case):
         phase = float(rng.uniform(0, 2 * np.pi))
         shape = _bump(rng, at) if name == UNKNOWN else shown(CAUSES[name][1](ARCSEC, phase))
@@ -151,6 +159,7 @@ def draw(case: Case) -> World:
             continue
         total = total + shown(CAUSES[name][1](size * ARCSEC, phase))
         hidden.append(called(name, case.mount) or name)
+        traces[hidden[-1]] = shape.ravel()
     return World(
         _table(
             case.mount,
@@ -167,7 +176,18 @@ def draw(case: Case) -> World:
         model_of(case.mount),
         tuple(hidden),
         sigma,
+        {
+            name: tuple(
+                one for one in alike(trace, _beside(base, traces, name), session) if one != name
+            )
+            for name, trace in traces.items()
+        },
     )
+
+
+def _beside(base: Array, traces: Mapping[str, Array], name: str) -> Array:
+    """Return what is fitted beside one of the hidden traces: the model and the others."""
+    return np.column_stack([base, *(one for other, one in traces.items() if other != name)])
 
 
 def _chosen(rng: np.random.Generator, case: Case) -> list[str]:

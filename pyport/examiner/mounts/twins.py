@@ -1,0 +1,155 @@
+"""Twins: names whose traces recordings cannot tell apart, drawn by rotations.
+
+An observer who knows the noise and every trace tells two of them apart by what one of them leaves
+of the other once the model took its share. Below a tenth of the variance, a cosine above 0.95,
+both names are right. A name that is not drawn here is no twin of anything.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import ARCSEC, Array, wrap
+from pyport.examiner.mounts.steel import Flaws, axes_of, offsets
+from pyport.examiner.nulls import schedule
+from pyport.examiner.worlds.mount import Mount, Wave
+
+#: Cosine from which two traces beside the model are one.
+ALIKE = 0.95
+#: Harmonics of an encoder, or of an axis that nods.
+HARMONICS = range(2, 9)
+#: Steps of a place [rad] and of time [s] that slopes are taken from.
+STEP_RAD, STEP_S = 1e-6, 10.0
+
+
+@dataclass(frozen=True)
+class Session:
+    """Where a mount was pointed: its kind, the pointings, and -1 where it had turned over."""
+
+    kind: str
+    at: schedule.Pointings
+    side: Array
+
+    def shown(self, flaws: Flaws) -> Array:
+        """Return what flaws do, flat (2 n,) [arcsec for flaws in arcsec]."""
+        places = self.at.az, self.at.el
+        return offsets(self.kind, self.at.latitude, places, self.side, flaws).ravel() / ARCSEC
+
+    def axes(self, az: Array, el: Array) -> tuple[Array, Array]:
+        """Return the angles of the axes for directions."""
+        return axes_of(self.kind, self.at.latitude, az, el)
+
+    def moved(self, az: Array, el: Array, step: float) -> Array:
+        """Return by how much the axes move from the pointings to other places, per step, (2 n,)."""
+        here, there = self.axes(self.at.az, self.at.el), self.axes(az, el)
+        across = wrap(there[0] - here[0]) * np.cos(here[1])
+        return (np.stack([across, there[1] - here[1]], axis=1) / step).ravel()
+
+    @property
+    def rates(self) -> Array:
+        """Return how fast both axes follow a star, across and along, (n, 2)."""
+        at = self.at
+        later = schedule.horizontal(at.ra, at.dec, at.time_s + STEP_S, at.latitude, at.longitude)
+        now = schedule.horizontal(at.ra, at.dec, at.time_s, at.latitude, at.longitude)
+        return (self.moved(*later, STEP_S) - self.moved(*now, STEP_S)).reshape(-1, 2)
+
+
+def alike(hidden: Array, base: Array, session: Session) -> tuple[str, ...]:
+    """Return the names that some recordings cannot tell from a hidden trace.
+
+    Parameters
+    ----------
+    hidden
+        The trace, flat (2 n,).
+    base
+        What is fitted beside it, (2 n, p).
+    session
+        Where it was recorded.
+    """
+    basis = np.linalg.qr(base)[0]
+
+    def left(columns: Array) -> Array:
+        return np.asarray(columns - basis @ (basis.T @ columns))
+
+    seen = left(hidden)
+    found = []
+    for name, members in _names(session).items():
+        shares = [_share(seen, left(np.stack(one, axis=1))) for one in members]
+        if max(shares) > ALIKE:
+            found.append(name)
+    return tuple(found)
+
+
+def _share(seen: Array, columns: Array) -> float:
+    """Return the cosine between a trace and the nearest one of some columns."""
+    length = np.linalg.norm(columns, axis=0)
+    kept = length > STEP_RAD * length.max(initial=0.0)
+    if not kept.any():
+        return 0.0
+    basis = np.linalg.qr(columns[:, kept] / length[kept])[0]
+    return float(np.linalg.norm(basis.T @ seen) / np.linalg.norm(seen))
+
+
+def _names(session: Session) -> dict[str, list[list[Array]]]:
+    """Return the columns of every member of every name that is drawn, by what it is called."""
+    first, second = ("x", "y") if session.kind.startswith("xy") else ("hour_angle", "declination")
+
+    def mount(**parts: float) -> Array:
+        return session.shown(Flaws(Mount(**{k: ARCSEC * v for k, v in parts.items()})))  # type: ignore[arg-type]
+
+    def wave(on: str, of: str, k: int) -> list[Array]:
+        both = ((ARCSEC, 0.0), (0.0, ARCSEC))
+        return [
+            session.shown(Flaws(Mount(waves=(Wave(on, of, k, *one),))))  # type: ignore[arg-type]
+            for one in both
+        ]
+
+    lean = "x_axis_tilt" if first == "x" else "polar_axis"
+    found = {
+        lean: [[mount(tilt_north=1.0), mount(tilt_east=1.0)]],
+        "sag_cosine": [[session.shown(Flaws(droop=ARCSEC))]],
+        f"{first}_scale": [[mount(azimuth_scale=1.0)]],
+        f"{second}_scale": [[mount(elevation_scale=1.0)]],
+        f"{first}_eccentricity": [wave("az", "az", 1)],
+        f"{first}_harmonics": [wave("az", "az", k) for k in HARMONICS],
+        f"{second}_harmonics": [wave("el", "az", k) for k in HARMONICS],
+        f"{second}_encoder_harmonics": [wave("el", "el", k) for k in HARMONICS],
+        **_of_the_sky(session, first, second),
+    }
+    if first == "hour_angle":
+        found["fork_flexure"] = [[session.shown(Flaws(fork=ARCSEC))]]
+        found["declination_axis_flexure"] = [[session.shown(Flaws(tube_end=ARCSEC))]]
+    if np.ptp(session.side):
+        zeros = ((ARCSEC, 0.0), (0.0, ARCSEC))
+        found["pier_flip"] = [[session.shown(Flaws(pier=one)) for one in zeros]]
+    return found
+
+
+def _of_the_sky(session: Session, first: str, second: str) -> dict[str, list[list[Array]]]:
+    """Return what the sky, the site and the clock do, and axes that follow too late."""
+    at, rates = session.at, session.rates
+    around = np.sign(rates)
+
+    def one_axis(values: Array, axis: int) -> list[list[Array]]:
+        return [[(values * np.eye(2)[axis]).ravel()]]
+
+    def of_site(latitude: float, longitude: float) -> list[list[Array]]:
+        places = [
+            schedule.horizontal(at.ra, at.dec, at.time_s, at.latitude + a, at.longitude + b)
+            for a, b in ((latitude, longitude), (0.0, 0.0))
+        ]
+        return [[session.moved(*places[0], STEP_RAD) - session.moved(*places[1], STEP_RAD)]]
+
+    risen = at.el + STEP_RAD / np.tan(at.el)
+    return {
+        "clock": of_site(0.0, STEP_RAD),
+        "site_longitude": of_site(0.0, STEP_RAD),
+        "site_latitude": of_site(STEP_RAD, 0.0),
+        "refraction": [[session.moved(at.az, risen, STEP_RAD)]],
+        f"servo_lag_{first}": one_axis(rates, 0),
+        f"servo_lag_{second}": one_axis(rates, 1),
+        f"backlash_{first}": one_axis(around, 0),
+        f"backlash_{second}": one_axis(around, 1),
+    }
