@@ -26,8 +26,8 @@ WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
     "tpoint-equatorial": tpoint_polar.word,
     "field-system": field_system.word,
-    "field-system-hadc": field_system.word,
-    "field-system-xy": field_system.word,
+    "field-system-hadc": field_system.word_on_leaning,
+    "field-system-xy": field_system.word_on_leaning,
     "katpoint": field_system.katpoint_word,
     "ska-mid": ska_mid.word,
 }
@@ -81,7 +81,7 @@ class ModelFile:
         """
         if entry.formula:
             return formula.word(entry.name, entry.formula)
-        if self.vocabulary == "field-system" and self.phi_deg != Decimal(90):
+        if self.vocabulary.startswith("field-system") and self.phi_deg != Decimal(90):
             word = field_system.word(entry.name, float(self.phi_deg))
         else:
             word = WORDS[self.vocabulary](entry.name)

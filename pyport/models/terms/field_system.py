@@ -9,6 +9,7 @@ Himwich, Mark IV Field System documentation, Pointing Model (1993).
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from pyport.models.terms.shapes import Shape, Wave, product
 from pyport.models.terms.words import Word
@@ -102,6 +103,18 @@ def katpoint_word(name: str) -> Word | None:
     if one is None or int(name[1:]) > KATPOINT_NUMBER:
         return None
     return Word(name, (), one.unit, silent=True) if name == "P10" else one
+
+
+def word_on_leaning(name: str) -> Word | None:
+    """Return the word of a mount whose first axis leans, by however much.
+
+    P2 and P8 share gravity according to that: P8 stands for it, and P2 is nothing without it.
+    """
+    one = word(name, 0.0)
+    if one is None or name not in (*GRAVITY, f"P{_REFRACTION}"):
+        return one
+    parts = ((Shape("sag_cosine"), 1.0),) if name == GRAVITY[1] else ()
+    return replace(one, parts=parts, silent=name == GRAVITY[0])
 
 
 def name_on_leaning(shape: Shape) -> tuple[str, int] | None:
