@@ -1,6 +1,6 @@
-"""Twins: names whose traces recordings cannot tell apart, drawn by rotations.
+"""Twins: names whose traces recordings cannot distinguish, drawn by rotations.
 
-An observer who knows the noise and every trace tells two of them apart by what one of them leaves
+An observer who knows the noise and every trace distinguishes two of them by what one leaves
 of the other once the model took its share. Below a tenth of the variance, a cosine above 0.95,
 both names are right. A name that is not drawn here is no twin of anything.
 """
