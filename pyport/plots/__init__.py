@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pyport.plots.files import FORMATS, write
 from pyport.plots.panels import panels
+from pyport.report.pictures import FORMATS, write
 
 __all__ = ["FORMATS", "panels", "write"]

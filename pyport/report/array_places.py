@@ -9,8 +9,8 @@ import numpy as np
 
 from pyport.diagnosis.arrays.places import Comparison, Places
 from pyport.diagnosis.arrays.report import ArrayReport
-from pyport.files import write_whole
-from pyport.report.figures import BLUE, GREY, ORANGE
+from pyport.report.figures import BLUE, GREY, ORANGE, SCREEN_DPI
+from pyport.report.pictures import write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,11 +25,8 @@ def write_places(found: ArrayReport, folder: Path) -> Path | None:
     """Draw into `folder`/array-places.png and return the path; None where no site is known."""
     if found.places is None:
         return None
-    path = folder / "array-places.png"
-    with write_whole(path, "wb") as file:
-        picture = draw(found.places, found.comparison)
-        picture.savefig(file, format="png", dpi=110, metadata={"Software": None})
-    return path
+    picture = draw(found.places, found.comparison)
+    return write(picture, folder / "array-places.png", SCREEN_DPI)
 
 
 def draw(places: Places, comparison: Comparison | None) -> Figure:

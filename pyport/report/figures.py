@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
-from pyport.files import write_whole
+from pyport.report.pictures import write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Okabe and Ito's colours, which every eye can distinguish.
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
+#: Dots per inch of a picture that is looked at on a screen.
+SCREEN_DPI = 110
 #: Bins of the running mean that shows what a cloud of points follows.
 BINS = 12
 #: So many coefficients fit beside each other with their names.
@@ -31,7 +33,7 @@ MOST_BARS = 40
 def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     """Draw every finding into `folder`/finding-N-EFFECT.png and return the paths."""
     return [
-        _saved(draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png")
+        write(draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png", SCREEN_DPI)
         for n, finding in enumerate(diagnosis.findings, 1)
         if finding.curve is not None
     ]
@@ -205,13 +207,3 @@ def _title(diagnosis: Diagnosis, finding: Finding) -> str:
     return (
         f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
     )
-
-
-def _saved(figure: Figure, path: Path) -> Path:
-    """Write a figure, the same bytes for the same picture."""
-    options: dict[str, Any] = {"format": path.suffix[1:], "dpi": 110, "metadata": {}}
-    if path.suffix == ".png":
-        options["metadata"] = {"Software": None}
-    with write_whole(path, "wb") as file:
-        figure.savefig(file, **options)
-    return path

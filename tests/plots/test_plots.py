@@ -54,6 +54,19 @@ def test_the_same_panel_gives_the_same_bytes(panels, tmp_path, kind):
     assert one == other
 
 
+def test_letters_that_the_typeface_lacks_are_taken_from_the_whole_one(panels, tmp_path):
+    """A name in Cyrillic letters is in the file."""
+    figure = panels["against-el"]()
+    plain = plots.write(figure, tmp_path / "plain.pdf").read_bytes()
+    figure = panels["against-el"]()
+    figure.axes[0].set_title("Источник 1")
+    named = plots.write(figure, tmp_path / "named.pdf").read_bytes()
+
+    assert b"+pyportSans" in plain
+    assert b"+DejaVuSans" not in plain
+    assert b"+DejaVuSans" in named
+
+
 def test_drawing_leaves_no_trace(panels):
     """The settings of matplotlib are what they were."""
     import matplotlib as mpl
