@@ -187,14 +187,14 @@ def whiten_series(
 def whiten_lone(
     columns: Array, weights: Array, precision: Array, part: Series, noise: Noise, out: Array
 ) -> bool:
-    """Write what `whiten_series` returns where the kernel can and readings stand alone.
+    """Write what `whiten_series` returns where the kernel can: readings alone, drifts not centred.
 
     Parameters
     ----------
     columns, weights, precision, out
         Of all readings, not only of the rows of the series: shapes (m, K), (m,), (m,), (m, K).
     """
-    if part.readings.max() > 1 or part.order is not None:
+    if part.readings.max() > 1 or part.order is not None or noise.centred:
         return False
     rows = part.rows
     variance = by_pointing(columns[:0], weights[rows], precision[rows], part, noise)[1]
