@@ -10,6 +10,7 @@ command = Lazy(
     {
         "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
+        "efficiency": "Hold detections and names against what an ideal observer could detect.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
         "imports": "Print which part of the program imports which, and what climbs.",
         "mounts": "Count what is found, and what is not there, on German, fork and X-Y mounts.",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.intervals import Rate
 from pyport.examiner.sealed.judge import Verdict, judge
 from pyport.examiner.sealed.places import place, read_table
@@ -49,11 +50,19 @@ def lines(jobs: int, seed: int) -> Iterator[Line]:
     tasks = [_Task(spec, seed + n) for n, spec in enumerate(specs)]
     with ProcessPoolExecutor(jobs) as pool:
         solved = track(pool.map(_solve, tasks, chunksize=4), "diagnosing", total=len(tasks))
-        verdicts = list(solved)
+        verdicts, chances = zip(*solved, strict=True)
     yield _silence([one for one in verdicts if one.group == "null"])
     for rho, _, least in LOUDNESS:
-        masked = [one for one in verdicts if one.group == "one" and one.spec["rho"] == rho]
+        beside = [
+            (one, chance)
+            for one, chance in zip(verdicts, chances, strict=True)
+            if one.group == "one" and one.spec["rho"] == rho
+        ]
+        masked = [one for one, _ in beside]
         yield _at_least(f"masked, rho {rho}: named or in its class", _right(masked), least)
+        could = sum(chance for _, chance in beside)
+        what = f"masked, rho {rho}: the same over what an ideal observer detects"
+        yield Line(what, f"{_right(masked).hits / max(could, 1e-9):.3f}", "shown", None)
         yield from _missed(masked)
     uncatalogued = [one for one in verdicts if one.group == "unknown"]
     yield _at_least("in no catalogue: unknown", _right(uncatalogued), 0.8)
@@ -73,8 +82,11 @@ def _specs() -> Iterator[Spec]:
         yield from [Spec("unknown", "unknown", name, 0.5)] * OF_UNCATALOGUED
 
 
-def _solve(task: _Task) -> Verdict:
-    """Make a case, write what may be seen of it, diagnose that, and judge the report."""
+def _solve(task: _Task) -> tuple[Verdict, float]:
+    """Make a case, write what may be seen of it, diagnose that, and judge the report.
+
+    With the verdict comes the chance that an ideal observer detects the cause.
+    """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     made = task.spec.make(task.seed)
     truth = {"spec": task.spec.as_json(), "seed": task.seed, "truth": made.truth}
@@ -87,7 +99,8 @@ def _solve(task: _Task) -> Verdict:
     if task.spec.group == "unknown" and verdict.first and wanted:
         told = report["findings"][0]["looks_like"] or ""
         verdict = _but(verdict, first=wanted in told)
-    return _but(verdict, place=placed)
+    chance = 0.0 if made.truth["kind"] != "one" else observer.possible(report, made)
+    return _but(verdict, place=placed), chance
 
 
 def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401

@@ -471,13 +471,13 @@ def test_the_threshold_of_a_search_is_that_of_its_best_draw():
 
 @pytest.mark.parametrize("scale", [1.0, 3.0])
 def test_a_limit_is_the_size_at_which_half_would_be_seen(scale):
-    """Ten readings a unit each, one sigma of them 1 / sqrt(10): the gain needed is 6.6."""
+    """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain that is needed is 6.6."""
     drawn = np.random.default_rng(0).chisquare(1, 30000)
     one = trial(sigma=scale / np.sqrt(10), drawn=drawn, noise_dof=10**6)
-    problem = setup(columns=np.ones((10, 1)))
+    problem = setup(columns=np.full((10, 1), 2.0))
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
-    assert limits["refraction"] == pytest.approx(scale * np.sqrt(6.635 / 10), rel=0.06)
+    assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(6.635 / 10), rel=0.06)
 
 
 def test_what_rounding_alone_sees_has_no_limit():
