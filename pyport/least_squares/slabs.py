@@ -42,7 +42,8 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
     for rows in np.split(order, np.flatnonzero(changes) + 1):
         if len(rows) == 0:
             continue
-        values = whole[rows]
+        first, last = int(rows[0]), int(rows[-1])
+        values = whole[first : last + 1] if last - first == len(rows) - 1 else whole[rows]
         columns = np.flatnonzero(values.any(axis=0))
         if len(columns) < values.shape[1]:
             values = values.take(columns, axis=1)

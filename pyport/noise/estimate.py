@@ -14,6 +14,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.least_squares import robust
 from pyport.least_squares.pivoting import most_different
+from pyport.least_squares.refit import Refit
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
 from pyport.noise.drift import beside, draft, grid_of
@@ -120,7 +121,7 @@ def estimate(
     else:
         covariance = like
     # Noise beside everything that could be found is noise beside the model and those columns.
-    wide = design if shapes is None else _joint(design, columns, parts)
+    wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS if like is None else 1):
@@ -212,11 +213,11 @@ def _by_recorded(covariance: Covariance, residual: Array, variance: Array) -> Co
     return replace(covariance, precision=precision)
 
 
-def _joint(design: Array, columns: Sequence[Array], parts: Sequence[Series]) -> Array:
-    """Return the design and the columns of each series side by side, zero elsewhere."""
-    wide = [design]
+def _joint(columns: Sequence[Array], parts: Sequence[Series]) -> Array:
+    """Return the columns of each series side by side, zero elsewhere; they span the design too."""
+    wide = []
     for part, own in zip(parts, columns, strict=True):
-        placed = np.zeros((len(design), own.shape[1]))
+        placed = np.zeros((sum(len(each.rows) for each in parts), own.shape[1]))
         placed[part.rows] = own
         wide.append(placed)
     return np.concatenate(wide, axis=1)
@@ -313,8 +314,7 @@ def _rms(values: Array) -> float:
 def _residual(white: Array) -> Array:
     """Return what least squares leaves of the last column beside all others, shape (n,)."""
     design, data = white[:, :-1], white[:, -1]
-    basis = _orthonormal(design[:, design.any(axis=0)])
-    return np.asarray(data - basis @ (basis.T @ data))
+    return Refit(design[:, design.any(axis=0)], data).residual(np.ones(len(data)))
 
 
 def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
