@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -16,6 +17,7 @@ from scipy.linalg import solve_triangular
 from pyport.angles import Array, Codes
 from pyport.least_squares import robust
 from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
+from pyport.pointing import kernel
 from pyport.thresholds import ENOUGH
 
 #: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
@@ -85,6 +87,24 @@ def grid_of(parts: Sequence[Series]) -> Grid:
 
 
 @dataclass(frozen=True)
+class Departing:
+    """What departures of sessions and sources of one standard deviation do to a series.
+
+    Attributes
+    ----------
+    columns
+        In units of the scatter, shape (n, q).
+    kept, faint
+        Orthonormal directions among the columns that matter, and the others: shapes (q, k) and
+        (q, q - k).
+    """
+
+    columns: Array
+    kept: Array
+    faint: Array
+
+
+@dataclass(frozen=True)
 class Draft:
     """What the readings of one series say of its noise.
 
@@ -139,7 +159,7 @@ class Draft:
 def draft(
     value: Array,
     columns: Array,
-    departing: Array,
+    departing: Departing,
     weight: Array,
     precision: Array,
     residual: Array,
@@ -155,8 +175,7 @@ def draft(
     value, columns
         The data of the series' readings (n,), and columns (n, p) that are taken out of them.
     departing
-        What departures of sessions and sources of one standard deviation do, in units of the
-        scatter, shape (n, q).
+        What departures do to the series.
     weight, precision, residual
         Robust weights, relative precision and residuals of the readings, shape (n,).
     part, grid, floor
@@ -166,14 +185,14 @@ def draft(
     """
     count = np.bincount(part.pointing)
     within = _within(residual, weight, part, count, floor)
-    data = np.concatenate([departing, columns, value[:, None]], axis=1)
+    data = np.concatenate([departing.columns, columns, value[:, None]], axis=1)
     means, variance, _ = by_pointing(data, weight, precision, part, Noise(0.0, 1.0))
     kept = variance < FAR
     likelihood = _Likelihood(
         np.ascontiguousarray(means[kept]),
         variance[kept],
         None if part.time is None else part.time[kept],
-        departing.shape[1],
+        departing,
     )
     if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
@@ -263,31 +282,68 @@ class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
 
     `means` holds the columns of the departures, the design and, last, the data, shape
-    (n, q + p + 1); `variance` is relative; `departing` is q.
+    (n, q + p + 1); `variance` is relative.
     """
 
     means: Array
     variance: Array
     time: Array | None
-    departing: int
+    departing: Departing
 
     @property
     def dof(self) -> int:
         """Return the deviations that tell of the noise."""
-        return max(1, len(self.variance) - self.means.shape[1] + self.departing + 1)
+        return max(1, len(self.variance) - self.means.shape[1] + len(self.departing.kept) + 1)
 
     def at(self, drifts: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Return minus twice the log-likelihood and the scale, for drifts of unit scatter."""
-        d, white = factor(self.means, self.variance, self.time, drifts)
-        gram = white.T @ white
-        gram[np.arange(self.departing), np.arange(self.departing)] += 1.0
-        fixed = np.arange(self.departing, len(gram) - 1)
+        found = None
+        if self.time is not None and len(drifts) == 1:
+            found = kernel.products(self._columns, self.variance, self.time, drifts[0])
+        if found is not None:
+            d, gram = found
+            departing, faint = self.departing.kept.shape[0], self.departing.faint
+        else:
+            d, white = factor(self._turned, self.variance, self.time, drifts)
+            gram = white.T @ white
+            departing, faint = self.departing.kept.shape[1], np.zeros((0, 0))
+        gram[np.arange(departing), np.arange(departing)] += 1.0
+        fixed = np.arange(departing, len(gram) - 1)
         gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
         triangle = np.linalg.cholesky(gram[:-1, :-1])
-        projected = solve_triangular(triangle, gram[:-1, -1], lower=True, check_finite=False)
-        misfit = max(float(gram[-1, -1] - projected @ projected), 1e-300)
-        logs = float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
+        right = np.zeros((len(triangle), 1 + faint.shape[1]))
+        right[:, 0], right[: len(faint), 1:] = gram[:-1, -1], faint
+        solved = solve_triangular(triangle, right, lower=True, check_finite=False)
+        taken, logs = _without(solved[:, 0], solved[:, 1:])
+        misfit = max(float(gram[-1, -1]) - taken, 1e-300)
+        logs += float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
         return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
+
+    @cached_property
+    def _columns(self) -> kernel.Columns:
+        return kernel.Columns.of(self.means, len(self.departing.kept))
+
+    @cached_property
+    def _turned(self) -> Array:
+        """Return the means with the departures' columns turned to the directions that matter."""
+        q = len(self.departing.kept)
+        turned = self.means[:, :q] @ self.departing.kept
+        return np.concatenate([turned, self.means[:, q:]], axis=1)
+
+
+def _without(seen: Array, faint: Array) -> tuple[float, float]:
+    """Return the square and the log-determinant that a fit loses with some directions left out.
+
+    With M = L L' the products of all columns, b those with the data and V the directions (P, k),
+    `seen` is L^-1 b and `faint` L^-1 V: without them b' M^-1 b is less by the part that
+    (M^-1 b)' V (V' M^-1 V)^-1 V' M^-1 b is, and log|M| more by log|V' M^-1 V|.
+    """
+    square = float(seen @ seen)
+    if not faint.shape[1]:
+        return square, 0.0
+    triangle = np.linalg.cholesky(faint.T @ faint)
+    along = solve_triangular(triangle, faint.T @ seen, lower=True, check_finite=False)
+    return square - float(along @ along), 2 * float(np.log(np.diag(triangle)).sum())
 
 
 def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:

@@ -17,7 +17,7 @@ from pyport.least_squares.pivoting import most_different
 from pyport.least_squares.refit import Refit
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
-from pyport.noise.drift import beside, draft, grid_of
+from pyport.noise.drift import Departing, beside, draft, grid_of
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
@@ -223,20 +223,20 @@ def _joint(columns: Sequence[Array], parts: Sequence[Series]) -> Array:
     return np.concatenate(wide, axis=1)
 
 
-def _departing(covariance: Covariance, part: Series, n: int) -> Array:
-    """Return what departures do to a series, in units of its scatter and deviations, (n, q)."""
+def _departing(covariance: Covariance, part: Series, n: int) -> Departing:
+    """Return what departures do to a series, in units of its scatter and deviations."""
     own = [
         one.columns[part.rows] * one.sigma
         for one in covariance.departures
         if one.antenna == part.antenna
     ]
     if not own:
-        return np.zeros((len(part.rows), 0))
+        return Departing(np.zeros((len(part.rows), 0)), np.zeros((0, 0)), np.zeros((0, 0)))
     columns = np.concatenate(own, axis=1)
     noise = covariance.noises[n]
     columns = columns[:, columns.any(axis=0)] / np.hypot(noise.within, noise.between)
     power, vectors = np.linalg.eigh(columns.T @ columns)
-    return columns @ vectors[:, power > FAINT]
+    return Departing(columns, vectors[:, power > FAINT], vectors[:, power <= FAINT])
 
 
 def _scattered(

@@ -10,7 +10,7 @@ import os
 from types import ModuleType
 
 #: What `module.c` must offer; raised with it, so that an older kernel is left out.
-INTERFACE = 3
+INTERFACE = 4
 
 
 def _installed() -> ModuleType | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -131,6 +132,58 @@ def whiten(
     given = time, 1 / memory, amplitude**2, variance, columns
     done = KERNEL.whiten(columns.shape[1], rows, *map(np.ascontiguousarray, given), d, white)
     return (d, white) if done else None
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns (n, q + p): of the first q the numbers that are not zero, of the others all.
+
+    Attributes
+    ----------
+    starts, places, numbers
+        Where each row starts among the numbers, and the end, (n + 1,); the column of each number,
+        and the number, (N,).
+    full
+        The other columns, shape (n, p).
+    q
+        How many columns there are of the first kind.
+    """
+
+    starts: Codes
+    places: Codes
+    numbers: Array
+    full: Array
+    q: int
+
+    @classmethod
+    def of(cls, columns: Array, q: int) -> Columns:
+        """Return columns (n, q + p) of which the first q are mostly zero."""
+        rows, places = np.nonzero(columns[:, :q])
+        starts = np.searchsorted(rows, np.arange(len(columns) + 1))
+        numbers = columns[rows, places]
+        full = np.ascontiguousarray(columns[:, q:])
+        return cls(starts, np.ascontiguousarray(places), numbers, full, q)
+
+
+def products(
+    columns: Columns, variance: Array, time: Array, drift: tuple[float, float]
+) -> tuple[Array, Array] | None:
+    """Return the variance of each row given those before it, (n,), and products of columns.
+
+    They are whitened under scatter and one drift, as by :func:`pyport.noise.whitening.factor`,
+    and (q + p, q + p) products. None without the kernel.
+    """
+    if KERNEL is None:
+        return None
+    amplitude, memory = drift
+    size = columns.q + columns.full.shape[1]
+    d, normal = np.empty(len(variance)), np.empty((size, size))
+    given = np.ascontiguousarray(time), np.ascontiguousarray(variance), columns.numbers
+    places = columns.starts, columns.places
+    done = KERNEL.products(
+        columns.q, 1 / memory, amplitude**2, *places, *given, columns.full, d, normal
+    )
+    return (d, normal) if done else None
 
 
 def _flat(angles: Array) -> Array:

@@ -429,6 +429,105 @@ static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const d
     return 1;
 }
 
+/* Eight numbers, wherever they stand. */
+typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+/* Rows whose products are added together. */
+#define TOGETHER 8
+
+/* Add to rows of `sums`, `wide` numbers long, the products of `some` columns (count, p) with
+   `mixed` (count, wide). */
+static void add_products(size_t count, size_t p, const double *some, size_t wide,
+                         const double *mixed, double *sums)
+{
+    size_t row = 0;
+    for (; row + 4 <= p; row += 4)
+        for (size_t c = 0; c < wide; c += 8)
+        {
+            eight *to[4], sum[4];
+            for (int r = 0; r < 4; r++)
+                sum[r] = *(to[r] = (eight *)(sums + (row + (size_t)r) * wide + c));
+            for (size_t i = 0; i < count; i++)
+            {
+                eight one = *(const eight *)(mixed + i * wide + c);
+                for (int r = 0; r < 4; r++)
+                    sum[r] += some[i * p + row + (size_t)r] * one;
+            }
+            for (int r = 0; r < 4; r++)
+                *to[r] = sum[r];
+        }
+    for (; row < p; row++)
+        for (size_t i = 0; i < count; i++)
+            EACH for (size_t c = 0; c < wide; c++)
+                sums[row * wide + c] += some[i * p + row] * mixed[i * wide + c];
+}
+
+/* With y a row, f what the rows before say of it and u the drift's variance, the whitened row is
+   (y - u f) / sqrt(d), and the next row's f is a f + b y. In the sum of the rows' products that of f
+   with itself is then one of y with f and y, times what is left of it in all rows to come: only
+   numbers that are not zero are multiplied. */
+static int products(size_t n, size_t q, size_t p, const double *time, double rate, double power,
+                    const double *variance, const int64_t *starts, const int64_t *places,
+                    const double *numbers, const double *full, double *room, double *d,
+                    double *normal)
+{
+    size_t k = q + p, wide = WIDE(k), held = 0;
+    double *carry = room, *add = carry + n + 1, *rest = add + n, *before = rest + n + 1;
+    double *mixed = before + wide, *sums = mixed + TOGETHER * wide, known = 0, weight = 0;
+    for (size_t i = 0; i < n; i++)
+    {
+        double fading = i ? exp(rate * (time[i - 1] - time[i])) : 0;
+        known = i ? fading * (known + d[i - 1] * weight * weight) * fading : 0;
+        double seen = power * known;
+        d[i] = variance[i] + power - seen * power;
+        if (!(d[i] > 0))
+            return 0;
+        if (i)
+        {
+            carry[i - 1] = fading * (1 - weight * power);
+            add[i - 1] = fading * weight;
+        }
+        weight = (1 - seen) / d[i];
+    }
+    rest[n] = 0;
+    if (n)
+        carry[n - 1] = add[n - 1] = 0;
+    for (size_t i = n; i-- > 0;)
+        rest[i] = power * power / d[i] + carry[i] * carry[i] * rest[i + 1];
+    for (size_t c = 0; c < (1 + TOGETHER + k) * wide; c++)
+        before[c] = 0;
+    for (size_t i = 0; i < n; i++)
+    {
+        double a = carry[i], b = add[i], left = rest[i + 1];
+        double own = 0.5 * (1 / d[i] + left * b * b), other = left * a * b - power / d[i];
+        const int64_t *first = places + starts[i], *end = places + starts[i + 1];
+        const double *number = numbers + starts[i], *beside = full + i * p;
+        double *now = mixed + held * wide;
+        EACH for (size_t c = 0; c < wide; c++) now[c] = other * before[c];
+        EACH for (size_t c = 0; c < wide; c++) before[c] *= a;
+        for (const int64_t *at = first; at < end; at++)
+        {
+            now[*at] += own * number[at - first];
+            before[*at] += b * number[at - first];
+        }
+        EACH for (size_t c = 0; c < p; c++) now[q + c] += own * beside[c];
+        EACH for (size_t c = 0; c < p; c++) before[q + c] += b * beside[c];
+        for (const int64_t *at = first; at < end; at++)
+        {
+            double by = number[at - first], *row = sums + (size_t)*at * wide;
+            EACH for (size_t c = 0; c < wide; c++) row[c] += by * now[c];
+        }
+        if (++held == TOGETHER || i + 1 == n)
+        {
+            add_products(held, p, full + (i + 1 - held) * p, wide, mixed, sums + q * wide);
+            held = 0;
+        }
+    }
+    for (size_t a = 0; a < k; a++)
+        for (size_t b = 0; b <= a; b++)
+            normal[a * k + b] = normal[b * k + a] = sums[a * wide + b] + sums[b * wide + a];
+    return 1;
+}
+
 static void elementary(int which, size_t n, const double *y, const double *x, double *out)
 {
     double sine, cosine;
@@ -442,4 +541,4 @@ static void elementary(int which, size_t n, const double *y, const double *x, do
         EACH for (size_t i = 0; i < n; i++) out[i] = arctangent(y[i], x[i]);
 }
 
-const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, whiten, elementary};
+const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, whiten, products, elementary};

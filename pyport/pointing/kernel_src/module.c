@@ -189,8 +189,8 @@ static PyObject *gram(PyObject *self, PyObject *args)
     return answer(&of, k);
 }
 
-/* Indices of rows, each below m where there is anything in a row. */
-static int take_rows(PyObject *from, Py_buffer *rows, size_t n, size_t m)
+/* n indices below m. */
+static int take_indices(PyObject *from, Py_buffer *rows, size_t n, size_t m)
 {
     if (PyObject_GetBuffer(from, rows, PyBUF_FORMAT | PyBUF_C_CONTIGUOUS) < 0)
         return 0;
@@ -206,7 +206,7 @@ static int take_rows(PyObject *from, Py_buffer *rows, size_t n, size_t m)
             return 1;
     }
     PyBuffer_Release(rows);
-    PyErr_SetString(PyExc_ValueError, "indices of other rows than there are");
+    PyErr_SetString(PyExc_ValueError, "indices of what there is not");
     return 0;
 }
 
@@ -225,7 +225,7 @@ static PyObject *whiten(PyObject *self, PyObject *args)
     if (size(&of, 2) != terms || size(&of, 3) != n || size(&of, 5) != n || size(&of, 6) != all
         || width < 0 || (k ? all % k : all) || terms > 1024)
         return wrong(&of);
-    if (!take_rows(indices, &rows, n, k ? all / k : SIZE_MAX))
+    if (!take_indices(indices, &rows, n, k ? all / k : SIZE_MAX))
         return wrong(&of);
     double *room = PyMem_Malloc((DRIFT_ROOM(terms, k) + 1) * sizeof(double));
     int done = 0;
@@ -241,6 +241,51 @@ static PyObject *whiten(PyObject *self, PyObject *args)
         PyErr_NoMemory();
     PyMem_Free(room);
     PyBuffer_Release(&rows);
+    return room ? answer(&of, (size_t)done) : wrong(&of);
+}
+
+static PyObject *products(PyObject *self, PyObject *args)
+{
+    double rate, power;
+    Py_ssize_t width;
+    PyObject *indices[2], *given[6];
+    Py_buffer starts, places;
+    struct numbers of;
+    (void)self;
+    if (!PyArg_ParseTuple(args, "nddOOOOOOOO", &width, &rate, &power, indices, indices + 1, given,
+                          given + 1, given + 2, given + 3, given + 4, given + 5)
+        || !take(&of, given, 6, 4))
+        return NULL;
+    size_t n = size(&of, 0), there = size(&of, 2), q = (size_t)width, p = n ? size(&of, 3) / n : 0;
+    if (width < 0 || width > INT32_MAX || size(&of, 1) != n || size(&of, 3) != n * p
+        || size(&of, 4) != n || size(&of, 5) != (q + p) * (q + p))
+        return wrong(&of);
+    if (!take_indices(indices[0], &starts, n + 1, there + 1))
+        return wrong(&of);
+    const int64_t *start = starts.buf;
+    size_t ordered = start[0] == 0 && (size_t)start[n] == there;
+    for (size_t i = 0; i < n; i++)
+        ordered += start[i] <= start[i + 1];
+    if (ordered != n + 1 || !take_indices(indices[1], &places, there, q))
+    {
+        PyBuffer_Release(&starts);
+        return wrong(&of);
+    }
+    double *room = PyMem_Malloc(PRODUCTS_ROOM(n, q + p) * sizeof(double));
+    int done = 0;
+    if (room)
+    {
+        Py_BEGIN_ALLOW_THREADS
+        done = chosen->products(n, q, p, values(&of, 0), rate, power, values(&of, 1), start,
+                                places.buf, values(&of, 2), values(&of, 3), room, values(&of, 4),
+                                values(&of, 5));
+        Py_END_ALLOW_THREADS
+    }
+    else
+        PyErr_NoMemory();
+    PyMem_Free(room);
+    PyBuffer_Release(&starts);
+    PyBuffer_Release(&places);
     return room ? answer(&of, (size_t)done) : wrong(&of);
 }
 
@@ -389,6 +434,11 @@ static PyMethodDef methods[] = {
      "Write columns of unit scatter under drifts; return whether the variances allowed it.\n\n"
      "(k, indices of n rows, time, rates, variances of the drifts, variance of each row, columns\n"
      "(m, k), variance of each row given those before, whitened columns (m, k))."},
+    {"products", products, METH_VARARGS,
+     "Write the products of columns under scatter and a drift; return whether it allowed it.\n\n"
+     "(q, rate, variance of the drift, starts of n rows among the numbers of q columns that are not\n"
+     "zero, and the end, columns of the numbers, time, variance of each row, numbers, p columns that\n"
+     "are full (n, p), variance of each row given those before, products (q + p, q + p))."},
     {"elementary", elementary, METH_VARARGS,
      "Write a function's values, for the tests: (0 sine, 1 cosine, 2 arcsine of x, 3 arctangent\n"
      "of y and x; y, x, values)."},
@@ -419,7 +469,7 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
     PyObject *module = PyModule_Create(&definition);
-    if (module && PyModule_AddIntConstant(module, "INTERFACE", 3) < 0)
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 4) < 0)
         Py_CLEAR(module);
     return module;
 }

@@ -207,6 +207,11 @@ def test_an_estimate_by_weights_scatters_as_huber_says():
     assert mean.var() == pytest.approx(said, rel=0.06)
 
 
+def none_departing(n):
+    """Return that nothing departs in a series of n readings."""
+    return drift.Departing(np.zeros((n, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+
+
 def drafted(n, columns=1):
     """Return how likely no drift is in a series of n readings that drift by far."""
     part = series(n)
@@ -215,7 +220,7 @@ def drafted(n, columns=1):
     found = drift.draft(
         value,
         np.vander(np.linspace(-1, 1, n), columns),
-        np.zeros((n, 0)),
+        none_departing(n),
         np.ones(n),
         np.ones(n),
         value,
@@ -242,21 +247,30 @@ def test_a_drift_is_found_where_there_are_enough(n, there):
     grid = drift.grid_of([series(n)])
     ones = np.ones(n)
     found = drift.draft(
-        np.cumsum(normal(n)), ones[:, None], np.zeros((n, 0)), ones, ones, ones, part, grid, 0.0
+        np.cumsum(normal(n)), ones[:, None], none_departing(n), ones, ones, ones, part, grid, 0.0
     )
 
     assert found.chance[0] == 1.0
 
 
-def test_the_restricted_likelihood_is_that_of_dense_algebra():
-    """White noise and one drift, the scale profiled out."""
-    n = 25
+@pytest.mark.usefixtures("both_paths")
+@pytest.mark.parametrize("drifts", [[], [(1.5, 300.0)], [(1.5, 300.0), (0.8, 4e4)]])
+@pytest.mark.parametrize("faint", [0, 2])
+def test_the_restricted_likelihood_is_that_of_dense_algebra(drifts, faint):
+    """White noise, drifts and departures in the directions that matter, the scale profiled out."""
+    n, q = 60, 5
     time, rng = 60.0 * np.arange(n), np.random.default_rng(4)
     columns, value = np.vander(np.linspace(-1, 1, n), 2), rng.normal(size=n)
     variance = rng.uniform(0.5, 2, n)
-    known = drift._Likelihood(np.concatenate([columns, value[:, None]], axis=1), variance, time, 0)
-    lack, scale = known.at([(1.5, 300.0)])
-    dense = np.diag(variance) + 1.5**2 * np.exp(-np.abs(time[:, None] - time) / 300)
+    moved = rng.normal(size=(n, q)) * (rng.integers(0, q, (n, 1)) == np.arange(q))
+    turned = np.linalg.qr(rng.normal(size=(q, q)))[0]
+    departing = drift.Departing(moved, turned[:, faint:], turned[:, :faint])
+    data = np.concatenate([moved, columns, value[:, None]], axis=1)
+    known = drift._Likelihood(data, variance, time, departing)
+    lack, scale = known.at(drifts)
+    dense = np.diag(variance) + moved @ departing.kept @ departing.kept.T @ moved.T
+    for amplitude, memory in drifts:
+        dense += amplitude**2 * np.exp(-np.abs(time[:, None] - time) / memory)
     inverse = np.linalg.inv(dense)
     normal_ = columns.T @ inverse @ columns
     left = inverse - inverse @ columns @ np.linalg.solve(normal_, columns.T @ inverse)
@@ -356,7 +370,9 @@ def test_what_a_session_departs_by_is_predicted():
 @pytest.mark.parametrize(("gain", "kept"), [(1.2, True), (0.8, False), (0.6, False), (1.9, True)])
 def test_a_variance_must_earn_one(gain, kept):
     """In twice the log of the restricted likelihood."""
-    projected = SimpleNamespace(lack=lambda v: 0.0 if v[0] > 0 else gain)
+    projected = SimpleNamespace(
+        triangle=lambda variances: variances, lack=lambda v, _: 0.0 if v[0] > 0 else gain
+    )
 
     assert bool(departures._without_idle(projected, np.array([4.0]))[0]) == kept
 

@@ -1,0 +1,137 @@
+"""Whole commands: Python's start, the imports, the work, the page and its pictures."""
+
+from __future__ import annotations
+
+import io
+import os
+import resource
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import pytest
+
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.worlds.kinds import make_case
+
+ROWS = {
+    "test_one_cause": "command",
+    "test_four_causes": "command-four",
+    "test_drawn_case": "command-1200",
+    "test_many_rows": "command-50000",
+    "test_plot": "plot",
+    "test_one_cause_before": "command-before",
+    "test_four_causes_before": "command-four-before",
+    "test_drawn_case_before": "command-1200-before",
+}
+ROOT = Path(__file__).parents[2]
+#: The last commit before there was a kernel.
+BEFORE = "6aa51f1"
+ONE = {"effect": "refraction"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Return where recordings and results are."""
+    return tmp_path_factory.mktemp("commands")
+
+
+@pytest.fixture(scope="module")
+def old(folder):
+    """Return the program of that commit, as this repository remembers it."""
+    archive = ["git", "-C", str(ROOT), "archive", BEFORE, "pyport", "golden_tables"]
+    done = subprocess.run([*archive, "legacy_fortran"], capture_output=True, check=False)
+    if done.returncode:
+        pytest.skip(f"no commit {BEFORE} here")
+    tree = folder / "old"
+    tree.mkdir()
+    with tarfile.open(fileobj=io.BytesIO(done.stdout)) as packed:
+        packed.extractall(tree, filter="data")
+    subprocess.run([sys.executable, "-m", "compileall", "-q", str(tree)], check=False)
+    return tree
+
+
+def made(folder, *kind, **more):
+    """Write a case and return its file."""
+    path = folder / f"{kind[0]}-{more.get('rows', 0)}.csv"
+    if not path.exists():
+        write_recordings(make_case(*kind, **more), path)
+    return path
+
+
+def command(folder, *words, program=ROOT):
+    """Return what runs a command of a program and returns the processor's time that it took [s]."""
+
+    def run():
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(
+            [sys.executable, "-m", "pyport", *words, "--out", str(folder / "out"), "--quiet"],
+            env={**os.environ, "PYTHONPATH": str(program)},
+            cwd=folder,
+            check=True,
+        )
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    return run
+
+
+def in_seconds(benchmark, request, run):
+    """Measure a command once."""
+    benchmark.group = ROWS[request.function.__name__]
+    benchmark.extra_info["peers"] = {}
+    benchmark.pedantic(run, rounds=1)
+
+
+def beside_the_old(benchmark, request, folder, path, old):
+    """Measure the processor's time of the old program and the present one, in turn."""
+    benchmark.group = ROWS[request.function.__name__]
+    theirs = command(folder, "diagnose", str(path), program=old)()
+    ours = benchmark.pedantic(command(folder, "diagnose", str(path)), rounds=1)
+    benchmark.extra_info.update(seconds=ours, peers={f"processor's time of {BEFORE}": theirs})
+
+
+def test_one_cause(benchmark, request, folder):
+    """As many rows as the RT32's campaign, one cause."""
+    path = made(folder, "one", 21, rows=5600, **ONE)
+    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+
+
+def test_four_causes(benchmark, request, folder):
+    """Recordings like the RT32's."""
+    in_seconds(benchmark, request, command(folder, "diagnose", str(made(folder, "rt32", 91))))
+
+
+def test_drawn_case(benchmark, request, folder):
+    """As many rows as a trial."""
+    path = made(folder, "one", 21, **ONE)
+    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+
+
+def test_many_rows(benchmark, request, folder):
+    """Fifty thousand rows."""
+    path = made(folder, "one", 21, rows=50000, **ONE)
+    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+
+
+def test_plot(benchmark, request, folder):
+    """Every panel of a night's recordings, as PDF."""
+    path = made(folder, "one", 21, rows=54, **ONE)
+    in_seconds(benchmark, request, command(folder, "plot", str(path)))
+
+
+def test_one_cause_before(benchmark, request, folder, old):
+    """As many rows as the RT32's campaign, one cause."""
+    path = made(folder, "one", 21, rows=5600, **ONE)
+    beside_the_old(benchmark, request, folder, path, old)
+
+
+def test_four_causes_before(benchmark, request, folder, old):
+    """Recordings like the RT32's."""
+    beside_the_old(benchmark, request, folder, made(folder, "rt32", 91), old)
+
+
+def test_drawn_case_before(benchmark, request, folder, old):
+    """As many rows as a trial."""
+    beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old)
