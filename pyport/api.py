@@ -113,9 +113,10 @@ class Diagnosis(Shown):
     @cached_property
     def report(self) -> dict[str, Any]:
         """Return the report as `report.json` holds it."""
-        from pyport.diagnosis.record import as_json, finite
+        from pyport.report.made import report_of
+        from pyport.report.typed import as_json
 
-        report: dict[str, Any] = finite(as_json(self.result))
+        report: dict[str, Any] = as_json(report_of(self.result))
         return report
 
     @cached_property
@@ -127,15 +128,16 @@ class Diagnosis(Shown):
 
     def summary(self) -> str:
         """Return the diagnosis in words, as the command prints it."""
-        from pyport.diagnosis.summary import summary
+        from pyport.report.made import report_of
+        from pyport.report.text import text
 
-        return summary(self.result)
+        return text(report_of(self.result))
 
     @cached_property
     def model(self) -> PointingModel:
         """Return the model completed by everything that was found."""
         from pyport.correction.use import PointingModel
-        from pyport.diagnosis.completed import completed
+        from pyport.report.completed import completed
 
         return PointingModel(completed(self.result))
 
@@ -147,7 +149,7 @@ class Diagnosis(Shown):
         if Path(folder).suffix.lower() == ".toml":
             self.model.save(folder)
             return Path(folder)
-        from pyport.diagnosis.record import write
+        from pyport.report.folder import write
 
         page = Path(folder) / "report.html"
         self.page(page)

@@ -8,13 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pyport.diagnosis import record
 from pyport.diagnosis.arrays.report import report as report_array
 from pyport.diagnosis.arrays.site import with_site
 from pyport.diagnosis.arrays.words import words
-from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.summary import summary
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Model
@@ -23,6 +20,7 @@ from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
+from pyport.report.completed import completed
 from pyport.stages import stage, timed
 from pyport.workers import Spread, workers
 
@@ -144,6 +142,10 @@ def _run_one(
     from pyport.formats.completed import write_model
     from pyport.report.array_places import write_places
     from pyport.report.figures import write_findings
+    from pyport.report.folder import write
+    from pyport.report.made import report_of
+    from pyport.report.text import text as in_words
+    from pyport.report.typed import as_json
 
     recordings = stage("reading")(read)(request.file, request.given, spread, request.folder)
     diagnosis = diagnose(
@@ -151,17 +153,18 @@ def _run_one(
     )
     array = report_array(diagnosis.setup, diagnosis.after, request.survey)
     diagnosis = with_site(diagnosis, array)
-    text = summary(diagnosis)
+    told = report_of(diagnosis, array)
+    text = in_words(told)
     if array is not None:
         text += "\n" + words(array)
     if (folder := request.folder) is None:
-        report = record.finite(record.as_json(diagnosis))
+        report = as_json(told)
     else:
         beside = write_findings(diagnosis, folder)
-        beside.append(page.write(*page.of_diagnosis(diagnosis), folder / "report.html"))
+        beside.append(page.write(*page.of_diagnosis(diagnosis, told), folder / "report.html"))
         if array is not None and (places := write_places(array, folder)) is not None:
             beside.append(places)
-        report = record.write(diagnosis, folder, array, beside)
+        report = write(diagnosis, folder, told, beside)
         for kept in pass_files(folder):
             kept.unlink(missing_ok=True)
     if request.save is not None:

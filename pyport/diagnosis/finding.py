@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -21,11 +21,11 @@ ABSORBED = 0.95
 class Parameter:
     """A fitted number in the unit it is reported in; `expected` where physics fixes it."""
 
-    name: str
-    value: float
-    sigma: float
-    unit: str
-    expected: float | None = None
+    name: Annotated[str, "of the coefficient; behind it in brackets the antenna or session"]
+    value: Annotated[float, "its value"]
+    sigma: Annotated[float, "one-sigma error"]
+    unit: Annotated[str, "of both"]
+    expected: Annotated[float | None, "value that physics fixes"] = None
 
 
 def beyond(one: Parameter, largest: float) -> bool:
@@ -37,9 +37,9 @@ def beyond(one: Parameter, largest: float) -> bool:
 class Interval:
     """A stretch of a column that a mismatch is confined to."""
 
-    column: str
-    low: float
-    high: float
+    column: Annotated[str, "of the recordings"]
+    low: Annotated[float, "from"]
+    high: Annotated[float, "to"]
 
 
 @dataclass(frozen=True)
@@ -67,25 +67,15 @@ class HeldOut:
     noise_floor: float
     gross: int = 0
 
-    def as_json(self) -> dict[str, object]:
-        """Return it as the report spells it."""
-        return {
-            "scheme": self.scheme,
-            "rms_before_arcsec": self.before / ARCSEC,
-            "rms_after_arcsec": self.after / ARCSEC,
-            "noise_floor_arcsec": self.noise_floor / ARCSEC,
-            "not_counted": self.gross,
-        }
-
 
 @dataclass(frozen=True)
 class Evidence:
     """How sure a finding is, and what came next to it."""
 
-    p_value: float
-    delta_bic: float
-    runner_up: str | None
-    runner_up_delta_bic: float | None
+    p_value: Annotated[float, "chance that noise gains as much anywhere in the search"]
+    delta_bic: Annotated[float, "gain in BIC"]
+    runner_up: Annotated[str | None, "effect that came next"]
+    runner_up_delta_bic: Annotated[float | None, "its gain in BIC"]
 
 
 @dataclass(frozen=True)
@@ -130,33 +120,3 @@ class Finding:
             return adds
         before = f'{self.true_rms / ARCSEC:.3g}" before the fitted terms absorb the rest'
         return f"{adds} ({before})"
-
-    def as_json(self) -> dict[str, object]:
-        """Return the finding as the report spells it."""
-        where = self.where
-        return {
-            "effect": self.effect,
-            "variant": self.variant,
-            "class": list(self.members),
-            "verdict": self.verdict,
-            "sentence": self.sentence,
-            "where": {
-                "axes": list(where.axes),
-                "subset": where.subset,
-                "region": [vars(one) for one in where.region],
-                "curve": None
-                if where.curve is None
-                else [{"az_deg": az, "el_deg": el} for az, el in where.curve],
-                "since": where.since,
-            },
-            "parameters": [vars(one) for one in self.parameters],
-            "evidence": vars(self.evidence),
-            "visible_rms_arcsec": self.visible_rms / ARCSEC,
-            "true_rms_arcsec": self.true_rms / ARCSEC if self.true_rms <= self.largest else None,
-            "heldout": None if self.heldout is None else self.heldout.as_json(),
-            "looks_like": self.looks_like,
-            "decide_by": self.decide_by,
-            "checks": list(self.checks),
-            "stability": None if self.stability is None else self.stability.as_json(),
-            "combination": None if self.combination is None else self.combination.as_json(),
-        }

@@ -82,13 +82,3 @@ def sentences(diagnosis: Diagnosis) -> list[str]:
     if ORDER in meta:
         said.append(f"Time is not recorded: the order is {meta[ORDER].partition(',')[0]}")
     return said
-
-
-def dropped(diagnosis: Diagnosis) -> list[str]:
-    """Return a sentence for each effect that was looked at and dropped."""
-    return [
-        f"Looked at and dropped: {one.effect}"
-        + (f" ({one.variant})" if one.variant else "")
-        + f": {one.reason}"
-        for one in diagnosis.dropped
-    ]

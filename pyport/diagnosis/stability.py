@@ -71,8 +71,3 @@ class Stability:
         """Return how often the name came back, and what came in its place."""
         said = f"resampling {self.resampled}, {self.counts}"
         return said if self.stable else f"not stable: {said}"
-
-    def as_json(self) -> dict[str, object]:
-        """Return it as the report spells it."""
-        more = {"instead": self.instead, "nameless": self.nameless, "stable": self.stable}
-        return vars(self) | more

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pyport.diagnosis.finding import Finding
 from pyport.diagnosis.words import number
+from pyport.report.typed import Finding
 
 #: Parameters shown on a finding's card; the table has them all.
 MOST_PARAMETERS = 4
@@ -21,8 +21,8 @@ def notes(finding: Finding) -> list[tuple[str, str]]:
         found.append(("since", where.since))
     if finding.looks_like:
         found.append(("looks like", finding.looks_like))
-    if len(finding.members) > 1:
-        found.append(("could as well be", ", ".join(finding.members[1:]).replace("_", " ")))
+    if len(finding.class_) > 1:
+        found.append(("could as well be", ", ".join(finding.class_[1:]).replace("_", " ")))
     if len(finding.parameters) <= MOST_PARAMETERS:
         found += [(p.name.replace("_", " "), number(p)) for p in finding.parameters]
     if finding.evidence.runner_up not in (None, finding.effect):

@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import noise_words, record, soundness, two_axes_words
-from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import Diagnosis
-from pyport.diagnosis.finding import Finding
-from pyport.diagnosis.soundness import nothing
 from pyport.diagnosis.steps import Step
 from pyport.effects.fields import UNKNOWN
 from pyport.files import sha256
@@ -24,6 +20,9 @@ from pyport.page.picture import Layer, Picture, Side, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
+from pyport.report.completed import completed
+from pyport.report.made import report_of
+from pyport.report.typed import Finding, HeldOut, Report
 
 #: Labels that distinguish recordings when one is pointed at.
 LABELS = ("source", "antenna", "session", "receiver", "channel")
@@ -31,8 +30,9 @@ LABELS = ("source", "antenna", "session", "receiver", "channel")
 MOST_RIVALS = 10
 
 
-def of_diagnosis(diagnosis: Diagnosis) -> tuple[Picture, Story]:
-    """Return what the panels draw of a diagnosis, and what the page says of it."""
+def of_diagnosis(diagnosis: Diagnosis, report: Report | None = None) -> tuple[Picture, Story]:
+    """Return what the panels draw of a diagnosis, and what the page says of its report."""
+    report = report or report_of(diagnosis)
     curves = visible(diagnosis)
     found, of_finding = layers(diagnosis, curves)
     setup = diagnosis.setup
@@ -48,7 +48,7 @@ def of_diagnosis(diagnosis: Diagnosis) -> tuple[Picture, Story]:
     whole = completed(diagnosis)
     again = linear(whole, setup.recordings)
     picture = picture_of(setup.recordings, tuple(found), x, y, again=again)
-    return picture, _story(diagnosis, picture, of_finding, whole)
+    return picture, _story(diagnosis, report, picture, of_finding, whole)
 
 
 def picture_of(
@@ -85,42 +85,38 @@ def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
     return float(np.median(floors)) if floors else None
 
 
-def _story(diagnosis: Diagnosis, picture: Picture, of_finding: list[int], whole: Model) -> Story:
-    setup = diagnosis.setup
-    names, matrix = _named(whole, *record.correlation(diagnosis))
-    headline, lead = _verdict(diagnosis)
+def _story(
+    diagnosis: Diagnosis, report: Report, picture: Picture, of_finding: list[int], whole: Model
+) -> Story:
+    names, matrix = _named(whole, report)
+    headline, lead = _verdict(report)
     return Story(
         kind="diagnosis",
-        source=source_of(setup.recordings),
-        model=setup.model.name,
+        source=source_of(diagnosis.setup.recordings),
+        model=report.model.name,
         headline=headline,
         lead=lead,
-        good=not diagnosis.mismatch,
-        facts=_facts(diagnosis, picture, whole),
+        good=not report.mismatch,
+        facts=_facts(report, picture, whole),
         cards=tuple(
             _card(finding, layer)
-            for finding, layer in zip(diagnosis.findings, of_finding, strict=True)
+            for finding, layer in zip(report.findings, of_finding, strict=True)
         ),
-        warnings=_warnings(diagnosis),
-        bars=_bars(diagnosis),
-        bars_how=diagnosis.heldout.scheme,
+        warnings=_warnings(report),
+        bars=_bars(report),
+        bars_how=report.fit.heldout.scheme,
         rows=rows_of(whole),
-        correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
-        condition=diagnosis.after.solution.condition,
+        correlation=(names, matrix),
+        condition=report.condition_number,
         model_file=as_file(whole),
         turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
-        limits=tuple(
-            sorted(
-                ((name, size / ARCSEC) for name, size in diagnosis.detection_limits.items()),
-                key=lambda one: one[1],
-            )
-        ),
-        untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
+        limits=tuple(sorted(report.detection_limit_arcsec.items(), key=lambda one: one[1])),
+        untestable=tuple(report.not_testable.items()),
         outliers=_outliers(diagnosis),
-        noise=tuple(f"{one}." for one in noise_words.sentences(diagnosis)),
+        noise=tuple(f"{one}." for one in report.noise.sentences),
         dropped=tuple(
             (one.effect.replace("_", " ") + (f", {one.variant}" if one.variant else ""), one.reason)
-            for one in diagnosis.dropped
+            for one in report.dropped
         ),
     )
 
@@ -136,31 +132,30 @@ def source_of(recordings: Recordings) -> Source:
     )
 
 
-def _named(
-    whole: Model, names: list[str], matrix: list[list[float]]
-) -> tuple[list[str], list[list[float]]]:
+def _named(whole: Model, report: Report) -> tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]:
     """Return the correlations of what has a name: a field's numbers tell a reader nothing."""
     values = () if whole.completed is None else whole.completed.values
     nameless = {one.name for one in values if one.effect == UNKNOWN}
+    names, matrix = report.correlation.names, report.correlation.matrix
     kept = [n for n, name in enumerate(names) if name not in nameless]
-    return [names[n] for n in kept], [[matrix[n][m] for m in kept] for n in kept]
+    return tuple(names[n] for n in kept), tuple(tuple(matrix[n][m] for m in kept) for n in kept)
 
 
-def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
+def _verdict(report: Report) -> tuple[str, str]:
     """Return the verdict: a headline and a sentence."""
-    model, held = diagnosis.setup.model.name, diagnosis.heldout
+    model, held = report.model.name, report.fit.heldout
     what = (
-        f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g} arcsec rms on data that the fit "
-        f"had not seen ({held.scheme}); noise alone is {held.noise_floor / ARCSEC:.3g}"
+        f"{_change(held)} arcsec rms on data that the fit "
+        f"had not seen ({held.scheme}); noise alone is {held.noise_floor_arcsec:.3g}"
     )
-    noise = chance(diagnosis.p_value)
-    if not diagnosis.mismatch:
-        headline, _, more = nothing(diagnosis).partition("; ")
+    noise = chance(report.p_value)
+    if report.verdict is not None:
+        headline, _, more = report.verdict.partition("; ")
         lead = [f"{more[0].upper()}{more[1:]}."] if more else []
-        if diagnosis.too_few is None:
+        if not report.too_few:
             lead.append(f"Noise alone looks like what {model} leaves (chance {noise}).")
         return f"{headline}.", " ".join(lead)
-    names = [one.effect.replace("_", " ") for one in diagnosis.findings]
+    names = [one.effect.replace("_", " ") for one in report.findings]
     told = list(dict.fromkeys(n for n in names if n != "unknown"))
     nameless = names.count("unknown")
     if nameless:
@@ -170,38 +165,34 @@ def _verdict(diagnosis: Diagnosis) -> tuple[str, str]:
     return headline, f"{what}. The chance that noise alone looks like this: {noise}."
 
 
-def _facts(
-    diagnosis: Diagnosis, picture: Picture, whole: Model
-) -> tuple[tuple[str, str, str], ...]:
+def _facts(report: Report, picture: Picture, whole: Model) -> tuple[tuple[str, str, str], ...]:
     """Return the key figures: name, value, and what it stands beside."""
-    recordings = diagnosis.setup.recordings
     facts = []
     for name, side in picture.sides():
         before, after = (side.rms(one) / ARCSEC for one in (side.before, side.after))
         floor = "" if side.floor is None else f"arcsec rms; noise {side.floor / ARCSEC:.3g}"
         value = f"{before:.3g} → {after:.3g}" if picture.layers else f"{before:.3g}"
         facts.append((name, value, floor))
-    held = diagnosis.heldout
-    value = f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g}"
-    if not picture.layers:
-        value = f"{held.before / ARCSEC:.3g}"
-    facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor / ARCSEC:.3g}"))
+    held = report.fit.heldout
+    value = _change(held) if picture.layers else f"{held.rms_before_arcsec:.3g}"
+    facts.append(("held out", value, f"arcsec rms; noise {held.noise_floor_arcsec:.3g}"))
     facts += sky_rms(whole)
-    aside = len(recordings.set_aside)
-    facts.append(("recordings", f"{len(recordings):,}", f"{aside:,} rows excluded"))
+    aside = len(report.input.set_aside)
+    facts.append(("recordings", f"{len(picture):,}", f"{aside:,} rows excluded"))
     return tuple(facts)
 
 
+def _change(held: HeldOut) -> str:
+    return f"{held.rms_before_arcsec:.3g} → {held.rms_after_arcsec:.3g}"
+
+
 def _card(finding: Finding, layer: int) -> Card:
-    facts = [("adds to the residuals", f"{finding.visible_rms / ARCSEC:.3g} arcsec rms")]
-    if finding.true_rms <= finding.largest:
-        absorbed = f"{finding.true_rms / ARCSEC:.3g} arcsec rms"
+    facts = [("adds to the residuals", f"{finding.visible_rms_arcsec:.3g} arcsec rms")]
+    if finding.true_rms_arcsec is not None:
+        absorbed = f"{finding.true_rms_arcsec:.3g} arcsec rms"
         facts.append(("before the fitted terms absorb their share", absorbed))
     if finding.heldout is not None:
-        held = finding.heldout
-        facts.append(
-            ("held out", f"{held.before / ARCSEC:.3g} → {held.after / ARCSEC:.3g} arcsec rms")
-        )
+        facts.append(("held out", f"{_change(finding.heldout)} arcsec rms"))
     facts += [
         ("chance of noise", chance(finding.evidence.p_value)),
         ("gain in BIC", f"{finding.evidence.delta_bic:,.0f}"),
@@ -218,28 +209,27 @@ def _card(finding: Finding, layer: int) -> Card:
     )
 
 
-def _warnings(diagnosis: Diagnosis) -> tuple[str, ...]:
-    said, axes = [], diagnosis.setup.recordings.at.mount.names
-    if diagnosis.noisy:
-        said.append(f"Drown in their own noise and are not counted: {' '.join(diagnosis.noisy)}.")
-    together = [one.sentence for one in diagnosis.combinations[:MOST_COMBINATIONS]]
+def _warnings(report: Report) -> tuple[str, ...]:
+    said = []
+    if report.noisy:
+        said.append(f"Drown in their own noise and are not counted: {' '.join(report.noisy)}.")
+    together = [one.sentence for one in report.combinations[:MOST_COMBINATIONS]]
     said += [f"{one[0].upper()}{one[1:]}." for one in together]
-    said += [two_axes_words.sentence(one, axes) for one in diagnosis.two_axes]
-    said += [f"{one[0].upper()}{one[1:]}." for one in soundness.warnings(diagnosis)]
+    said += [one.sentence for one in report.two_axes]
+    said += [f"{one[0].upper()}{one[1:]}." for one in report.warnings]
     return tuple(said)
 
 
-def _bars(diagnosis: Diagnosis) -> tuple[Bar, ...]:
-    held = diagnosis.heldout
-    bars = [Bar("all", *(v / ARCSEC for v in (held.before, held.after, held.noise_floor)))]
-    table = record.antennas(diagnosis)
-    if len(table) > 1:
-        bars += [
-            Bar(row["antenna"], row["heldout_before_arcsec"], row["heldout_after_arcsec"])
-            for row in table
-            if not row["drowns_in_noise"]
-        ]
-    return tuple(bars)
+def _bars(report: Report) -> tuple[Bar, ...]:
+    held = report.fit.heldout
+    return (
+        Bar("all", held.rms_before_arcsec, held.rms_after_arcsec, held.noise_floor_arcsec),
+        *(
+            Bar(one.antenna, one.heldout_before_arcsec, one.heldout_after_arcsec)
+            for one in report.antennas
+            if not one.drowns_in_noise
+        ),
+    )
 
 
 def _turn(diagnosis: Diagnosis, step: Step) -> Turn:

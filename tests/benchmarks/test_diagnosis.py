@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 from pyport.formats.models import load
 from pyport.recordings import read
+from pyport.report.folder import write
 from pyport.stages import stage, timed
 
 ROWS = {
@@ -33,7 +33,7 @@ def folder():
 def run(path):
     """Diagnose a file from reading it to its report, pages and pictures apart."""
     found = diagnose(stage("reading")(read)(path), load("altaz"))
-    record.write(found, path.parent / "out")
+    write(found, path.parent / "out")
 
 
 def made(folder, name, *kind, **more):

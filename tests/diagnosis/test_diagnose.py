@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.summary import summary
 from pyport.formats.models import load
+from pyport.report.folder import write
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
+from pyport.report.typed import as_json as told
 from pyport.thresholds import FEWEST
 
 
@@ -73,7 +75,7 @@ def test_the_same_input_gives_the_same_report():
     given = recordings(300, 5, y=lambda at: 4 * np.sin(2 * at.az))
     shuffled = given.take(np.random.default_rng(0).permutation(len(given)))
 
-    first, again, other = (record.as_json(run(one)) for one in (given, given, shuffled))
+    first, again, other = (told(report_of(run(one))) for one in (given, given, shuffled))
 
     assert first == again
     assert [f["effect"] for f in other["findings"]] == [f["effect"] for f in first["findings"]]
@@ -88,7 +90,7 @@ def test_the_same_input_gives_the_same_report():
 def test_too_few_recordings_are_said_so(rows):
     """No finding, no refusal: how many would be needed, and what would have been seen if any."""
     done = run(recordings(40, 6).take(np.arange(rows)))
-    said = record.as_json(done)["verdict"]
+    said = told(report_of(done))["verdict"]
 
     assert not done.mismatch
     assert f"nothing can be said from {rows} pointing" in said
@@ -105,7 +107,7 @@ def test_enough_recordings_are_searched():
 def test_the_report_has_every_field_of_the_contract(tmp_path):
     """Names and types of report.json are the ones that others build on; NaN never gets in."""
     found = run(recordings(400, 7, y=lambda at: 6 * np.sin(3 * at.az)))
-    record.write(found, tmp_path)
+    write(found, tmp_path)
     report = json.loads((tmp_path / "report.json").read_text())
 
     assert report["schema"] == "pyport.diagnosis/1"
@@ -138,7 +140,7 @@ def test_the_report_has_every_field_of_the_contract(tmp_path):
 
 def test_the_summary_says_what_would_have_been_seen():
     """A clean bill names the size of the effects that would have shown."""
-    text = summary(run(recordings(300, 0)))
+    text = in_words(report_of(run(recordings(300, 0))))
 
     assert "Nothing is missing" in text
     assert "Would have been seen" in text

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 from pyport.recordings import read, resolve
+from pyport.report.made import report_of
 
 
 @pytest.fixture(scope="module")
@@ -35,9 +35,9 @@ def test_predictions_of_whole_scans_improve_by_two(first_june):
     finding = next(f for f in first_june.findings if f.effect == "scan_direction")
     concerned = finding.where.subset["antenna"]
     factors = [
-        row["heldout_before_arcsec"] / row["heldout_after_arcsec"]
-        for row in record.antennas(first_june)
-        if row["antenna"] in concerned
+        one.heldout_before_arcsec / one.heldout_after_arcsec
+        for one in report_of(first_june).antennas
+        if one.antenna in concerned
     ]
 
     assert "whole scans" in finding.heldout.scheme

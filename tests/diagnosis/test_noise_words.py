@@ -10,16 +10,17 @@ from diagnosis.made import recordings
 
 from pyport import page
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.noise_words import by_elevation, sentences
 from pyport.diagnosis.settle import Dropped
-from pyport.diagnosis.summary import summary
 from pyport.fitting.fit import fit
 from pyport.fitting.sizes import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
 from pyport.recordings.stacking import Stack
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
+from pyport.report.typed import as_json as told
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +41,13 @@ def wandering():
 
 def test_what_nights_do_is_a_size(wandering):
     """Terminal, report and page give the standard deviation among the nights."""
-    found = record.as_json(wandering)["noise"]["departures"]
+    found = told(report_of(wandering))["noise"]["departures"]
     zeros = [one for one in found if one["term"] == "zero in elevation"]
 
     assert zeros[0]["sigma_arcsec"] == pytest.approx(20, rel=0.6)
     assert len(zeros[0]["labels"]) == 12
     said = "Night-to-night scatter of the zero in elevation"
-    assert said in " ".join(summary(wandering).split())
+    assert said in " ".join(in_words(report_of(wandering)).split())
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
 
 
@@ -82,7 +83,9 @@ def test_what_was_dropped_is_listed(wandering):
     reason = "data left out are predicted worse with it, by 2 per cent"
     done = replace(wandering, dropped=(Dropped("epoch_tilt", "s1", reason),))
 
-    assert f"Looked at and dropped: epoch_tilt (s1): {reason}." in " ".join(summary(done).split())
+    assert f"Looked at and dropped: epoch_tilt (s1): {reason}." in " ".join(
+        in_words(report_of(done)).split()
+    )
     assert page.of_diagnosis(done)[1].dropped == (("epoch tilt, s1", reason),)
 
 
@@ -101,10 +104,10 @@ def test_both_commands_say_the_same_rms_in_the_same_words():
     """One definition per axis and on the sky, named where it is printed."""
     made = recordings(200, 8)
     done, fitted = diagnose(made, load("altaz")), fit(made, load("altaz"))
-    report, ours = record.as_json(done)["fit"], as_json(fitted)["rms"]
+    report, ours = told(report_of(done))["fit"], as_json(fitted)["rms"]
 
     assert report["rms_on_sky"] == ours["on_sky"]
-    assert "as TPOINT's sky rms" in " ".join(summary(done).split())
+    assert "as TPOINT's sky rms" in " ".join(in_words(report_of(done)).split())
     assert "as TPOINT's sky rms" in text(fitted)
     for axis in ("xel", "el", "sky"):
         assert report["before"][f"rms_{axis}_arcsec"] == pytest.approx(

@@ -11,11 +11,12 @@ from pyport import effects as catalogues
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.summary import summary
 from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect, describe
 from pyport.effects.base import AXES, stack
 from pyport.formats.models import load
 from pyport.planning.look import look
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
 
 PER_K = 2.5
 EFFECT = "bearing_warp"
@@ -60,7 +61,7 @@ def test_it_is_named_sized_worded_and_drawn():
     measured = warped()
     found = diagnose(measured, load("altaz"))
     first = found.findings[0]
-    text = " ".join(summary(found).split())
+    text = " ".join(in_words(report_of(found)).split())
     drawn = page.html(*page.of_diagnosis(found))
 
     assert (first.effect, first.verdict) == (EFFECT, "named")

@@ -10,12 +10,13 @@ from diagnosis.made import recordings
 from diagnosis.test_verdict import finding
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.finding import Parameter, beyond
 from pyport.diagnosis.scene import centred
-from pyport.diagnosis.summary import summary
 from pyport.formats.models import load
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
+from pyport.report.typed import as_json as told
 
 
 @pytest.mark.parametrize(
@@ -54,8 +55,8 @@ def test_the_model_has_its_own_combinations():
     """In a band of elevation zero, collimation and skew are one thing: terminal and report."""
     made = recordings(600, 4)
     done = diagnose(made.take((made.at.el > 0.7) & (made.at.el < 0.8)), load("altaz"))
-    together = record.as_json(done)["combinations"]
-    said = " ".join(summary(done).split())
+    together = told(report_of(done))["combinations"]
+    said = " ".join(in_words(report_of(done)).split())
 
     assert ["azimuth_zero", "collimation", "skew"] in [one["coefficients"] for one in together]
     assert "azimuth zero, collimation and skew are known in combination only" in said

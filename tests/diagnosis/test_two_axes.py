@@ -3,12 +3,14 @@
 import numpy as np
 from diagnosis.made import recordings
 
-from pyport.diagnosis import record, two_axes_words
+from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.summary import summary
 from pyport.fitting import advice
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
+from pyport.report.typed import as_json as told
 
 
 def _eccentric(at):
@@ -45,8 +47,8 @@ def test_a_tilt_of_the_mount_is_passed_over():
     data = recordings(160, 5)
     found = diagnose(data, load("altaz"))
 
-    assert record.as_json(found)["two_axes"] == []
-    assert "differ by" not in summary(found)
+    assert told(report_of(found))["two_axes"] == []
+    assert "differ by" not in in_words(report_of(found))
     assert not any("differ by" in one for one in advice.warnings(fit(data, load("altaz"))))
 
 

@@ -11,9 +11,7 @@ from pyport import api
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.completed import completed
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.record import as_json
 from pyport.effects import CATALOGUE
 from pyport.fitting.completed import completed as completed_fit
 from pyport.fitting.fit import fit
@@ -25,6 +23,8 @@ from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
+from pyport.report.completed import completed
+from pyport.report.typed import as_json
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
 OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])

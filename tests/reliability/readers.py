@@ -137,7 +137,7 @@ def _modules(names: Iterable[str]) -> tuple[str, ...]:
 
 def readers() -> dict[str, Reader]:
     """Return all readers by name."""
-    raw = ("recordings.interpret", "recordings.raw", "recordings.columns")
+    raw = ("recordings.interpret", "recordings.raw", "columns")
     lines = ("recordings.formats.lines",)
     field_system = ("recordings.formats.xtr", "recordings.formats.sections", *lines)
     terms = ("formats.model_file", *lines)

@@ -13,12 +13,12 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.cli.dev.verify import command
-from pyport.diagnosis.folder import check, finish
 from pyport.errors import BadInput
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
 from pyport.pointing import kernel
 from pyport.recordings.stream import pass_files
+from pyport.report.folder import check, finish
 
 OLD = "finding-7-refraction.png"
 

@@ -19,9 +19,10 @@ from pyport.diagnosis.resampling import DRAWS, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.stability import Stability
-from pyport.diagnosis.summary import summary
 from pyport.diagnosis.verdict import judged
 from pyport.formats.models import load
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
 from pyport.thresholds import CARRIERS
 
 NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))
@@ -97,7 +98,7 @@ def test_too_few_numbers_carry_no_name():
     more = diagnose(recordings(60, 3, y=refraction, noise_arcsec=1), load("altaz")).findings
 
     assert not none.mismatch
-    assert "24 measured numbers" in summary(none)
+    assert "24 measured numbers" in in_words(report_of(none))
     assert {one.verdict for one in few} <= {"unknown"}
     assert "refraction" in more[0].members
 
@@ -150,8 +151,8 @@ def test_what_does_not_come_back_is_said():
     words = "resampling blocks of time, the name came back in 17 of 40 draws, drift in 23"
     other = replace(done, findings=(judged(done.findings[0], shaky),))
 
-    assert words not in " ".join(summary(done).split())
-    assert words in " ".join(summary(other).split())
+    assert words not in " ".join(in_words(report_of(done)).split())
+    assert words in " ".join(in_words(report_of(other)).split())
     report = other.findings[0].as_json()["stability"]
     assert report == {
         "resampled": "blocks of time",
@@ -179,5 +180,5 @@ def test_silence_is_no_all_clear_where_noise_does_not_look_like_that():
     """No finding, and no noise either: said as it is."""
     quiet = diagnose(recordings(100, 5), load("altaz"))
 
-    assert "Nothing is missing" in summary(quiet)
-    assert "does not look like the noise" in summary(replace(quiet, p_value=1e-9))
+    assert "Nothing is missing" in in_words(report_of(quiet))
+    assert "does not look like the noise" in in_words(report_of(replace(quiet, p_value=1e-9)))

@@ -13,9 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import record
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.summary import summary
 from pyport.effects import Circumstances, Site
 from pyport.errors import BadInput
 from pyport.fitting import advice, leftover, table
@@ -25,6 +23,10 @@ from pyport.formats.models import load
 from pyport.page import of_diagnosis
 from pyport.page.document import html
 from pyport.recordings.schema import Recordings
+from pyport.report.folder import write_rows
+from pyport.report.made import report_of
+from pyport.report.text import text as in_words
+from pyport.report.typed import as_json as told
 from pyport.studies.rt32 import METHODS, fit_rt32
 from pyport.studies.rt32 import table as rt32_table
 
@@ -82,10 +84,10 @@ def test_no_nan_in_a_diagnosis(night):
     except BadInput:
         return
     rows = io.StringIO()
-    record._write_rows(done, rows)
+    write_rows(done, rows)
     page = re.sub(r"<(script|style).*?</\1>", "", html(*of_diagnosis(done)), flags=re.DOTALL)
-    report = record.finite(record.as_json(done))
-    for text in (summary(done), rows.getvalue(), written(report), page):
+    report = told(report_of(done))
+    for text in (in_words(report_of(done)), rows.getvalue(), written(report), page):
         assert not NO_NUMBER.search(text), NO_NUMBER.search(text)
     for finding in report["findings"]:
         for one in finding["parameters"]:
@@ -175,13 +177,13 @@ def test_the_rt32_fit_and_a_diagnosis_say_it_too():
     rt32 = fit_rt32(narrow)
     none = np.full(len(rt32.values), np.nan)
     done = diagnose(narrow, load("altaz"))
-    report = record.as_json(done)["warnings"]
+    report = told(report_of(done))["warnings"]
 
     assert any("condition number" in one for one in rt32_table.as_json(rt32, none)["warnings"])
     assert "warning: the condition number" in rt32_table.text(rt32, none)
     assert "fit of the model: the condition number" in report[0]
-    assert "Warning: fit of the model: the condition number" in summary(done)
-    assert record.as_json(diagnose(made(spread(200)), load("altaz")))["warnings"] == []
+    assert "Warning: fit of the model: the condition number" in in_words(report_of(done))
+    assert told(report_of(diagnose(made(spread(200)), load("altaz"))))["warnings"] == []
 
 
 @given(st.integers(1, 6), st.integers(0, 2**32))

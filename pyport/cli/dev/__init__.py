@@ -13,6 +13,7 @@ command = Lazy(
         "efficiency": "Hold detections and names against what an ideal observer could detect.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
         "imports": "Print which part of the program imports which, and what climbs.",
+        "keys": "List the keys of report.json, with their types and meanings.",
         "mounts": "Count what is found, and what is not there, on German, fork and X-Y mounts.",
         "nights": "Count false alarms of the watch, and measure delays, on simulated nights.",
         "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",

@@ -17,7 +17,7 @@ def command(folders: tuple[str, ...], *, as_json: bool) -> None:
 
     They are not where a run was stopped while it wrote, or where somebody changed one since.
     """
-    from pyport.diagnosis.folder import check
+    from pyport.report.folder import check
 
     found = {folder: check(Path(folder)) for folder in folders}
     lines = [f"{folder}: report.json and {n} files of one run" for folder, n in found.items()]

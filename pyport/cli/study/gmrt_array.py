@@ -28,8 +28,8 @@ def command(antennas: Path | None, out: Path | None, *, as_json: bool) -> None:
     """
     import json
 
-    from pyport.diagnosis.record import finite
     from pyport.recordings.antennas import read_survey
+    from pyport.report.typed import as_json as finite
     from pyport.studies.gmrt import array as gmrt_array
 
     survey = None if antennas is None else read_survey(antennas)

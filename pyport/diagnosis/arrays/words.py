@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pyport.angles import ARCMIN, HOUR
+from pyport.angles import ARCMIN, ARCSEC, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.record import SECOND
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of
 from pyport.diagnosis.arrays.unseen import FACTOR, Unseen, medians
 
 _WIDTH = 96
+#: Radians of hour angle in a second of time.
+SECOND = 15 * ARCSEC
 #: A session that by itself tells leans worse than the best one by this factor is a weak one.
 WEAK = 2.0
 #: Longer lists are cut short here; the report has them whole.

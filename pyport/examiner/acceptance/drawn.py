@@ -114,14 +114,15 @@ def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]
 def reported(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
     """Return the report of a made case that was written to `path` before."""
     from pyport.diagnosis.diagnose import diagnose
-    from pyport.diagnosis.record import as_json, finite
     from pyport.formats.models import load
     from pyport.recordings import read
+    from pyport.report.made import report_of
+    from pyport.report.typed import as_json
 
     asked = dict(zip(made.arguments[::2], made.arguments[1::2], strict=True))
     refit = None if asked.get("--refit", "all") == "all" else ()
     found = diagnose(read(path), load(model or asked.get("--model", "altaz")), refit=refit)
-    report: dict[str, Any] = finite(as_json(found))
+    report: dict[str, Any] = as_json(report_of(found))
     return report
 
 

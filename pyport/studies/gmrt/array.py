@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCMIN
-from pyport.diagnosis.arrays import record
 from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.places import Comparison
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, report
@@ -20,6 +19,7 @@ from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.recordings.antennas import Survey
+from pyport.report import array as as_data
 from pyport.report.array_places import write_places
 
 MODEL = "gmrt-paper"
@@ -57,12 +57,12 @@ class Evidence:
     def as_json(self) -> dict[str, Any]:
         """Return all numbers."""
         return {
-            "array": record.as_json(self.array),
+            "array": as_data.as_json(self.array),
             "alone": {
-                name: None if one is None else record.comparison_json(one)
+                name: None if one is None else as_data.comparison_json(one)
                 for name, one in self.alone.items()
             },
-            "crab": {name: record.unseen_json(one) for name, one in self.crab.items()},
+            "crab": {name: as_data.unseen_json(one) for name, one in self.crab.items()},
             "checks": [vars(one) for one in self.checks],
         }
 

@@ -5,10 +5,11 @@ import pytest
 from diagnosis.arrays.made_array import array, case
 
 from pyport.angles import ARCMIN
-from pyport.diagnosis.arrays import record, words
+from pyport.diagnosis.arrays import words
 from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.report import report
 from pyport.diagnosis.arrays.unseen import ALONE, LOUD, MOVED, medians
+from pyport.report import array as as_data
 
 EAST_M = np.array([0, 400, -300, 2500, 6000, 9000, -1500, -4000, -8000, 900.0])
 
@@ -48,7 +49,7 @@ def test_what_goes_wrong_is_explained(found):
 
 def test_it_is_told_in_words_and_numbers(found):
     """Nothing is hidden: every antenna that could not be predicted is named with a reason."""
-    text, told = words.words(found), record.as_json(found)
+    text, told = words.words(found), as_data.as_json(found)
 
     assert "A02 day 2" in text
     assert ALONE in text

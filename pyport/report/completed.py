@@ -14,6 +14,8 @@ from pyport.effects.fields import UNKNOWN
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term
 from pyport.recordings.stacking import group
+from pyport.report.finding import finding_of
+from pyport.report.typed import as_json
 
 
 def completed(diagnosis: Diagnosis) -> Model:
@@ -39,7 +41,7 @@ def completed(diagnosis: Diagnosis) -> Model:
         covariance,
         by="diagnose",
         left=Left(diagnosis.left(fit), diagnosis.weighed.used, setup.stack),
-        findings=[one.as_json() for one in diagnosis.findings],
+        findings=[as_json(finding_of(one)) for one in diagnosis.findings],
     )
 
 

@@ -7,18 +7,43 @@ its report names, and that can be seen.
 
 from __future__ import annotations
 
+import csv
 import json
+import math
 from collections.abc import Container, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.diagnosis.diagnose import Diagnosis
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.pointing import kernel
+from pyport.report.made import report_of
+from pyport.report.typed import Report, as_json
 
 REPORT = "report.json"
 #: What a diagnosis writes beside its report.
 _COMPANIONS = ("rows.csv", "report.html", "finding-[0-9]*-*.png", "array-places.png")
+
+
+def write(
+    diagnosis: Diagnosis,
+    folder: Path,
+    report: Report | None = None,
+    beside: Iterable[Path] = (),
+) -> dict[str, Any]:
+    """Write rows.csv and then report.json into a folder, each whole or not at all.
+
+    The report, which is returned as JSON has it, holds the hashes of rows.csv and of the files
+    that were written `beside` it.
+    """
+    rows = folder / "rows.csv"
+    with write_whole(rows) as file:
+        write_rows(diagnosis, file)
+    return finish(folder, as_json(report or report_of(diagnosis)), [rows, *beside])
 
 
 def finish(folder: Path, report: dict[str, Any], companions: Iterable[Path]) -> dict[str, Any]:
@@ -77,3 +102,35 @@ def _named(report: Path) -> dict[str, str]:
         return {name: str(known) for name, known in files.items() if Path(name).name == name}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
+
+
+def write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a text file
+    """Write one line for each measured number: residuals before and after, and its weight."""
+    setup = diagnosis.setup
+    at, row = setup.recordings.at, setup.stack.row
+    writer = csv.writer(file, lineterminator="\n")
+    labels = [name for name in ("antenna", "session", "source", "channel") if name in at]
+    quantities = ("residual_before", "residual_after", "heldout_before", "heldout_after")
+    in_arcsec = [f"{name}_arcsec" for name in quantities]
+    writer.writerow(["line", "axis", *labels, "az_deg", "el_deg", *in_arcsec, "weight"])
+    order = np.lexsort((setup.stack.is_y, row))
+    of = row[order]
+
+    def shown(values: Array, digits: int) -> list[str]:
+        return [f"{one:.{digits}f}" if math.isfinite(one) else "" for one in values.tolist()]
+
+    offsets = (
+        diagnosis.left(diagnosis.before),
+        diagnosis.left(diagnosis.after),
+        diagnosis.unseen.before,
+        diagnosis.unseen.after,
+    )
+    columns = [
+        setup.recordings.line[of].tolist(),
+        np.where(setup.stack.is_y[order], "el", "xel").tolist(),
+        *(np.asarray(at.column(name))[of].tolist() for name in labels),
+        *(shown(angle[of] / DEG, 6) for angle in (at.az, at.el)),
+        *(shown(one[order] / ARCSEC, 3) for one in offsets),
+        shown(diagnosis.weighed.weights[order], 4),
+    ]
+    writer.writerows(zip(*columns, strict=True))

@@ -6,14 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from pyport.angles import ARCMIN, ARCSEC, HOUR
+from pyport.angles import ARCMIN, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
 from pyport.diagnosis.arrays.repeat import Repeat
 from pyport.diagnosis.arrays.report import ArrayReport, Session
 from pyport.diagnosis.arrays.unseen import Unseen, medians
-
-#: Radians of hour angle in a second of time.
-SECOND = 15 * ARCSEC
+from pyport.diagnosis.arrays.words import SECOND
 
 
 def as_json(found: ArrayReport) -> dict[str, Any]:

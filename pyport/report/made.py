@@ -1,0 +1,223 @@
+"""The report of a diagnosis, made from what was computed: every number and word of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import ARCSEC
+from pyport.diagnosis import noise_words, two_axes_words
+from pyport.diagnosis.arrays.report import ArrayReport
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.joint import Joint, rms
+from pyport.diagnosis.soundness import nothing, warnings
+from pyport.diagnosis.two_axes import Disagreement
+from pyport.errors import BadInput
+from pyport.files import sha256
+from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
+from pyport.least_squares.gram import inverted
+from pyport.models import toml
+from pyport.models import words as corrections
+from pyport.models.model import Model
+from pyport.recordings.schema import Recordings
+from pyport.report.array import as_json as array_json
+from pyport.report.completed import completed
+from pyport.report.finding import combination_of, finding_of, held_out_of
+from pyport.report.typed import (
+    SCHEMA,
+    Antenna,
+    Cause,
+    Correlation,
+    Departure,
+    Dropped,
+    Excluded,
+    Figures,
+    Fits,
+    Growth,
+    Halves,
+    Held,
+    Input,
+    MountOf,
+    Noise,
+    OfAxis,
+    OfBoth,
+    Report,
+    Rms,
+    TwoAxes,
+)  # fmt: skip
+
+
+def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
+    """Return what a diagnosis says; of several antennas with what they share."""
+    setup, mount = diagnosis.setup, diagnosis.setup.recordings.at.mount
+    whole = completed(diagnosis)
+    return Report(
+        schema=SCHEMA,
+        input=_input(setup.recordings, diagnosis),
+        model=Held(setup.model.name, tuple(c.candidate.effect.id for c in setup.base)),
+        mount=MountOf(mount.id, dict(zip(("xel", "el"), mount.names, strict=True))),
+        noise=_noise(diagnosis),
+        verdict=None if diagnosis.mismatch else nothing(diagnosis),
+        mismatch=diagnosis.mismatch,
+        p_value=diagnosis.p_value,
+        detection_limit_arcsec={
+            effect: size / ARCSEC for effect, size in diagnosis.detection_limits.items()
+        },
+        findings=tuple(map(finding_of, diagnosis.findings)),
+        fit=Fits(
+            _rms(diagnosis, diagnosis.before),
+            _rms(diagnosis, diagnosis.after),
+            held_out_of(diagnosis.heldout),
+            PER_AXIS,
+            ON_SKY,
+        ),
+        combinations=tuple(map(combination_of, diagnosis.combinations)),
+        dropped=tuple(Dropped(**vars(one)) for one in diagnosis.dropped),
+        two_axes=tuple(_two_axes(one, mount.names) for one in diagnosis.two_axes),
+        antennas=_antennas(diagnosis),
+        not_testable={one.effect: one.reason for one in diagnosis.untestable},
+        correlation=correlation(diagnosis),
+        condition_number=diagnosis.after.solution.condition,
+        warnings=tuple(warnings(diagnosis)),
+        completed_model=_completed(whole),
+        array=None if array is None else array_json(array),
+        too_few=diagnosis.too_few is not None,
+        noisy=tuple(diagnosis.noisy),
+        corrections=()
+        if whole.completed is None
+        else tuple(corrections.lines(whole.completed, whole.terms)),
+    )
+
+
+def _two_axes(one: Disagreement, names: tuple[str, str]) -> TwoAxes:
+    told = two_axes_words.as_json(one, names)
+    return TwoAxes(
+        **told
+        | {
+            "parameters": tuple(
+                OfBoth(each["name"], each["unit"], OfAxis(**each["xel"]), OfAxis(**each["el"]))
+                for each in told["parameters"]
+            ),
+            "halves": tuple(
+                Halves(_figures(each["between_axes"]), _figures(each["between_halves"]))
+                for each in told["halves"]
+            ),
+            "causes": tuple(
+                Cause(each["effect"], Figures(**each["leaves"])) for each in told["causes"]
+            ),
+        }
+    )
+
+
+def _figures(told: dict[str, dict[str, float | None]]) -> dict[str, Figures]:
+    return {name: Figures(**one) for name, one in told.items()}
+
+
+def _completed(model: Model) -> dict[str, Any] | None:
+    """Return the completed model, its findings apart, which the report has; None without one.
+
+    There is none where a model has terms, made in Python, that no file can hold.
+    """
+    try:
+        whole = toml.tree(model)
+    except BadInput:
+        return None
+    whole.pop("finding", None)
+    return whole
+
+
+def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
+    aside = tuple(Excluded(one.line, one.reason) for one in recordings.set_aside)
+    file, reduction = recordings.file, recordings.reduction
+    told = Input(
+        file=file.name,
+        sha256=sha256(file) if file.is_file() else None,
+        rows=len(recordings) + len(aside),
+        used=len(recordings),
+        set_aside=aside,
+        outliers=int((~diagnosis.weighed.used).sum()),
+    )
+    if reduction is None:
+        return told
+    used = reduction.rows - sum(reduction.set_aside.values())
+    return replace(told, rows=reduction.rows, used=used, reduction=vars(reduction))
+
+
+def _noise(diagnosis: Diagnosis) -> Noise:
+    """Return the noise per axis: the median over the antennas, and the longest drift time."""
+    parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True))
+    across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
+    times = [noise.time_s for _, noise in parts if noise.time_s is not None]
+    return Noise(
+        _median_floor(across),
+        _median_floor(along),
+        max(times, default=None),
+        parts[0][1].how if parts else "reml",
+        tuple(Departure(**one) for one in noise_words.departures(diagnosis)),
+        tuple(Growth(**one) for one in noise_words.by_elevation(diagnosis)),
+        tuple(noise_words.sentences(diagnosis)),
+    )
+
+
+def _median_floor(noises: list[Any]) -> float | None:
+    return float(np.median([noise.floor for noise in noises])) / ARCSEC if noises else None
+
+
+def _rms(diagnosis: Diagnosis, fit: Joint) -> Rms:
+    left, data, used = diagnosis.left(fit), diagnosis.setup.stack, diagnosis.share > 0
+    sizes = (
+        axis_rms(data, left, used, is_y=False),
+        axis_rms(data, left, used, is_y=True),
+        sky_rms(data, left, used),
+    )
+    return Rms(*(None if one is None else one[0] / ARCSEC for one in sizes))
+
+
+def _antennas(diagnosis: Diagnosis) -> tuple[Antenna, ...]:
+    """Return for each antenna of an array its rms before and after, in the fit and held out."""
+    setup = diagnosis.setup
+    of_row = setup.blocks.antenna[setup.block]
+    names = np.unique(of_row)
+    in_fit = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
+    held_out = diagnosis.unseen.before, diagnosis.unseen.after
+    found = []
+    for name in names if len(names) > 1 else ():
+        rows = (of_row == name) & diagnosis.weighed.used
+        both = (of_row == name) & diagnosis.unseen.counted
+        found.append(
+            Antenna(
+                str(name),
+                int(rows.sum()),
+                str(name) in diagnosis.noisy,
+                *(rms(one[rows]) / ARCSEC for one in in_fit),
+                *(rms(one[both]) / ARCSEC for one in held_out),
+            )
+        )
+    return tuple(found)
+
+
+def correlation(diagnosis: Diagnosis) -> Correlation:
+    """Return names and correlations of what one antenna in one session sees, base and findings.
+
+    Coefficients of other antennas are independent of these, so one block, the
+    one with the most readings, shows what hangs together.
+    """
+    setup, fit = diagnosis.setup, diagnosis.after
+    if not fit.choices:
+        return Correlation((), ())
+    block = int(np.argmax(np.bincount(setup.block)))
+    gram = diagnosis.weighed.evidence.gram.matrices[block]
+    columns = np.concatenate([c.candidate.columns for c in fit.choices])
+    names = [
+        c.candidate.effect.coefficients[n].name
+        for c in fit.choices
+        for n in c.candidate.coefficients
+    ]
+    covariance, _, _, known = inverted(gram[np.ix_(columns, columns)])
+    sigma = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    kept = np.flatnonzero(known)
+    matrix = (covariance / np.outer(sigma, sigma))[np.ix_(kept, kept)]
+    rows = tuple(map(tuple, np.clip(matrix, -1, 1).tolist()))
+    return Correlation(tuple(names[n] for n in kept), rows)
