@@ -14,6 +14,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.finding import Parameter, beyond
 from pyport.diagnosis.scene import centred
 from pyport.formats.models import load
+from pyport.report.finding import finding_of
 from pyport.report.made import report_of
 from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
@@ -39,7 +40,7 @@ def test_sizes_are_what_is_added_to_the_residuals(visible, true, said):
     )
 
     assert one.size == said
-    told = one.as_json()["true_rms_arcsec"]
+    told = finding_of(one).true_rms_arcsec
     assert told is None if true > 962 else told == pytest.approx(true)
 
 

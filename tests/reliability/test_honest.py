@@ -21,8 +21,10 @@ from pyport.diagnosis.soundness import warnings
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.verdict import judged
 from pyport.formats.models import load
+from pyport.report.finding import finding_of
 from pyport.report.made import report_of
 from pyport.report.text import text as in_words
+from pyport.report.typed import as_json
 from pyport.thresholds import CARRIERS
 
 NIGHT_S = 1.2e9 + np.sort(np.random.default_rng(1).uniform(0, 8 * 3600, 300))
@@ -153,7 +155,7 @@ def test_what_does_not_come_back_is_said():
 
     assert words not in " ".join(in_words(report_of(done)).split())
     assert words in " ".join(in_words(report_of(other)).split())
-    report = other.findings[0].as_json()["stability"]
+    report = as_json(finding_of(other.findings[0]))["stability"]
     assert report == {
         "resampled": "blocks of time",
         "draws": 40,
