@@ -45,6 +45,7 @@ def test_commands_of_the_guides_exist_with_their_options(guide, line):
     assert used <= options, (guide, line)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guide", GUIDES)
 def test_python_of_the_guides_runs(guide):
     """The blocks of a guide run one after the other, as a reader would type them."""

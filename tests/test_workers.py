@@ -24,6 +24,8 @@ from pyport.examiner.sealed.solve import run
 from pyport.recordings import read, resolve
 from pyport.workers import workers
 
+pytestmark = pytest.mark.slow
+
 distributed = pytest.importorskip("distributed")
 
 

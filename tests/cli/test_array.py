@@ -28,6 +28,7 @@ def diagnose(recordings, out, *more):
     return CliRunner().invoke(pyport, wanted, catch_exceptions=False, standalone_mode=False)
 
 
+@pytest.mark.slow
 def test_a_survey_names_the_site_in_the_report(recordings, tmp_path):
     """The finding, the numbers, the picture and the words are all there."""
     survey = tmp_path / "antennas.csv"
@@ -48,6 +49,7 @@ def test_a_survey_names_the_site_in_the_report(recordings, tmp_path):
     assert "Beside the survey" in result.output
 
 
+@pytest.mark.slow
 def test_without_a_survey_displacements_are_stated_and_nothing_is_named(recordings, tmp_path):
     """Recordings alone cannot tell a displaced antenna from a leaning one."""
     result = diagnose(recordings, tmp_path)

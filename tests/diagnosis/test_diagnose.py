@@ -20,6 +20,7 @@ def run(given, model="altaz", **options):
     return diagnose(given, load(model), **options)
 
 
+@pytest.mark.slow
 def test_nothing_is_claimed_where_nothing_is_hidden():
     """Of eight null sets with white noise at most one claims a finding."""
     claims = [run(recordings(300, seed)).mismatch for seed in range(8)]
@@ -61,6 +62,7 @@ def test_an_offset_that_follows_an_unknown_column_is_unknown_and_says_which():
     assert first.where.axes == ("xel",)
 
 
+@pytest.mark.slow
 def test_what_the_model_already_fits_is_not_found_again():
     """A tilt beside a model that fits a tilt is no finding; held fixed, it is one."""
     given = recordings(500, 4)
@@ -70,6 +72,7 @@ def test_what_the_model_already_fits_is_not_found_again():
     assert "tilt" in held.findings[0].members
 
 
+@pytest.mark.slow
 def test_the_same_input_gives_the_same_report():
     """Same recordings and seed, same report, whatever the order of the rows."""
     given = recordings(300, 5, y=lambda at: 4 * np.sin(2 * at.az))

@@ -87,6 +87,7 @@ def test_a_pointing_far_from_both_sides_is_thought_bad():
     assert _log_likely(np.array([30.0])) - _log_likely(np.array([26.0])) > -2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [11, 12])
 def test_a_jump_above_a_jagged_edge_comes_out_with_its_size(seed):
     """The error holds what is not known of the edge; the edge is near the true one."""

@@ -25,6 +25,7 @@ def patch(at):
     return 8.0 * ((az > 100) & (az < 190) & (el > 25) & (el < 50))
 
 
+@pytest.mark.slow
 def test_a_dent_in_the_rail_is_unknown_and_lies_where_it_is():
     """Harmonics could draw a dip, several at once; one narrow curve does it better."""
     found = diagnose(recordings(1200, 5, y=dent), load("altaz"))
@@ -36,6 +37,7 @@ def test_a_dent_in_the_rail_is_unknown_and_lies_where_it_is():
     assert 180 < stretch.low < 200 < stretch.high < 220
 
 
+@pytest.mark.slow
 def test_a_part_of_the_sky_comes_back_with_its_edges():
     """A box in azimuth and elevation is found to a few degrees on all four sides."""
     found = diagnose(recordings(1200, 6, y=patch), load("altaz"))

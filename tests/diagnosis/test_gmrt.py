@@ -8,6 +8,8 @@ from pyport.formats.models import load
 from pyport.recordings import read, resolve
 from pyport.report.made import report_of
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def first_june():

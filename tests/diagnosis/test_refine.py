@@ -8,6 +8,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 
 
+@pytest.mark.slow
 def test_a_step_is_dated_to_within_two_recordings():
     """A step of two sigmas in elevation comes back with the moment it happened."""
     given = recordings(500, 1)
@@ -24,6 +25,7 @@ def test_a_step_is_dated_to_within_two_recordings():
     assert between <= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lean_deg", [0.0, 8.0])
 def test_an_edge_is_found_along_its_length(lean_deg):
     """A jump above a curve in the sky comes back with it, to two degrees nearly everywhere."""

@@ -63,6 +63,7 @@ def test_the_model_has_its_own_combinations():
     assert "azimuth zero, collimation and skew are known in combination only" in said
 
 
+@pytest.mark.slow
 def test_a_mean_is_no_size():
     """A curve's size is that about its mean in each axis: a zero takes the mean."""
     done = diagnose(recordings(60, 4), load("none"))

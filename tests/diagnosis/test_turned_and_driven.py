@@ -41,6 +41,7 @@ def drawn(rows, nights, seed, noise_arcsec, offsets):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_tilt_that_follows_the_temperature_is_never_a_change_between_sessions(seed):
     """An arcsecond of tilt for each kelvin comes back as that, with its size and direction."""

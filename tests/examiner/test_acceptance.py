@@ -38,6 +38,7 @@ def test_a_share_passes_from_its_least_on():
     assert not drawn._at_least("x", Rate(18, 20), 0.95).passed
 
 
+@pytest.mark.slow
 def test_an_uncatalogued_cause_counts_only_when_what_it_follows_is_told():
     """A misfit that follows a column must come back unknown, with that column."""
     task = drawn._Task(drawn.Spec("unknown", "unknown", "strange_column", 1.0, 800), 4)

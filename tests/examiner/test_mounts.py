@@ -99,6 +99,7 @@ def test_twins_are_what_rotations_leave_alike(mount, number, hidden, twins):
     assert set(world.twins[hidden]) == twins
 
 
+@pytest.mark.slow
 def test_a_case_is_put_to_the_program():
     """An empty German session stays silent, a pier flip is called by its name."""
     silent = examine.examine(Case("german", EMPTY, 0, 1))

@@ -382,6 +382,7 @@ def test_no_answer_in_time_is_none(monkeypatch):
     assert time.monotonic() - begun < 10
 
 
+@pytest.mark.slow
 def test_the_command_prints_a_line_a_kind_and_goes_on(tmp_path):
     """A kind that there is not is refused; a second run reads what the first one found."""
     from click.testing import CliRunner

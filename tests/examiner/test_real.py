@@ -342,6 +342,7 @@ def test_two_readers_of_equatorial_records_agree():
     np.testing.assert_allclose(some.y, np.degrees(ours.y) * 3600, atol=1)
 
 
+@pytest.mark.slow
 def test_a_set_is_measured_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
     """Every column has its number; the second run reads the first one's row."""
     some = replace(drawn(150, 5), facts=({"kind": "lacks", "says": "none", "effects": ["clock"]},))

@@ -95,6 +95,7 @@ def test_leaving_out_says_what_is_lost(jumping, tmp_path):
     assert 6 < lost < 16
 
 
+@pytest.mark.slow
 def test_the_rt32s_table_of_a_completed_model(tmp_path):
     """The published table plus what was found, azimuth from south, as the steering reads it."""
     base = load("rt32-3model")
@@ -125,6 +126,7 @@ def test_the_rt32s_table_of_a_completed_model(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_a_table_for_one_condition(tmp_path):
     """A model that follows temperature makes a table for each; without one it is refused."""
     measured = recordings(900, 5, y=lambda at: 1.5 * (at.columns["temperature_c"] - 8))
@@ -215,6 +217,7 @@ def test_residuals_are_those_of_the_diagnosis(jumping, tmp_path):
     assert f"el {np.sqrt(np.mean(left**2)):.2f}" in text
 
 
+@pytest.mark.slow
 def test_apply_says_what_is_lacking(tmp_path):
     """Without the temperature; with it for all rows; with holes in it."""
     measured = recordings(900, 5, y=lambda at: 1.5 * (at.columns["temperature_c"] - 8))

@@ -66,6 +66,7 @@ def test_rows_that_get_worse_and_what_was_not_observed():
     assert "further than 15 deg from any recording" in "\n".join(text(found))
 
 
+@pytest.mark.slow
 def test_a_model_that_follows_the_air_is_compared_in_its_usual_state():
     """At the recordings' median temperature, or the one that is given."""
     measured = recordings(900, 5, y=lambda at: 1.5 * (at.columns["temperature_c"] - 8))

@@ -65,6 +65,7 @@ def test_whatever_is_chosen_is_carried(effect, scope, searched, tmp_path):
         np.testing.assert_allclose(setup.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0)
 
 
+@pytest.mark.slow
 def test_every_table_prints_the_same_number(old):
     """A diagnosis: page, report and file; a fit: page, fit.json, text and file."""
     measured = recordings(600, 3, y=lambda at: 30 / np.tan(at.el))

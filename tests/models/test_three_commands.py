@@ -84,6 +84,7 @@ def watched(monkeypatch):
     return done
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cause", CAUSES)
 def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
     """New minus old at the recordings is before minus after; then compare; then the other program.
@@ -166,6 +167,7 @@ def test_a_real_night_is_carried_to_tpoint(tmp_path, monkeypatch):
     assert np.sqrt(np.mean(np.square(np.subtract(held, after)).sum(axis=0))) < 0.7 * ARCSEC
 
 
+@pytest.mark.slow
 def test_nothing_is_left_of_what_was_carried(tmp_path):
     """A fresh start from the saved model, held, finds nothing more."""
     measured = recordings(900, 5, **CAUSES["subreflector_jump"][0])

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import pyport
 
@@ -33,6 +34,7 @@ MOUNTS = (
 '''
 
 
+@pytest.mark.slow
 def test_one_file_is_a_mount(tmp_path):
     """With the file alone `fit` knows columns, mount, terms and words."""
     package = tmp_path / "pyport"

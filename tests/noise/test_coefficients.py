@@ -50,6 +50,7 @@ def test_transpose_and_errors_belong_to_the_same_covariance(readings, within, ce
     np.testing.assert_allclose(errors.T @ errors @ whitening.T @ whitening, unit, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_coefficients_have_the_errors_that_are_stated():
     """Drawn 4,000 times from the covariance, they scatter by what it says, within 5 %."""
     rng = np.random.default_rng(4)

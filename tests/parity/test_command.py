@@ -33,6 +33,7 @@ def test_live_run_covers_table_edges_and_random_points():
     assert all(port["kept"] for port in content["ports"].values())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("same_library")
 def test_without_a_compiler_stored_answers_serve(monkeypatch, tmp_path):
     """Without a compiler the stored answers hold the port; the report is a page of Markdown.
@@ -54,6 +55,7 @@ def test_without_a_compiler_stored_answers_serve(monkeypatch, tmp_path):
     assert sorted(one.name for one in tmp_path.iterdir()) == ["parity.md", "summary.md"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("live", [pytest.param(True, marks=pytest.mark.oracle), False])
 def test_flipped_sign_ends_with_status_1(tmp_path, request, live):
     """A port with one sign turned is not the program: exit status 1, live and on paper."""

@@ -9,6 +9,8 @@ from pyport.parity.document import document
 from pyport.parity.loading import load
 from pyport.parity.run import run
 
+pytestmark = pytest.mark.slow
+
 PAGE = Path(__file__).parents[2] / "docs" / "parity.md"
 
 

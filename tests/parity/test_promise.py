@@ -80,6 +80,7 @@ def outside_the_ledger(routine, at):
     return promise.hold(rt32.DESCRIPTION, PORT, Pair(routine, at, expected, actual), span).outside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("routine", [MODEL, MODELA], ids=["Model", "ModelA"])
 def test_arcseconds_on_the_sky_over_the_whole_table(routine):
     """Over the 51,395 points no offset is farther off on the sky than half a step of REAL*4."""

@@ -28,6 +28,7 @@ def panels():
     return plots.panels(*page.of_fit(fit(given, load("altaz"))))
 
 
+@pytest.mark.slow
 def test_every_panel_is_drawn_with_its_units(panels, tmp_path):
     """Each panel of residuals names its unit on an axis; each is written as an SVG."""
     for name, draw in panels.items():
@@ -44,6 +45,7 @@ def test_names_of_panels_are_names_of_files(panels):
     assert all("/" not in name and "." not in name for name in panels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(plots.FORMATS))
 def test_the_same_panel_gives_the_same_bytes(panels, tmp_path, kind):
     """No date, no version, no random name is stamped on a file."""
@@ -95,6 +97,7 @@ def test_nice_numbers(value, expected):
     assert nice(value) == pytest.approx(expected)
 
 
+@pytest.mark.slow
 def test_the_command_writes_what_it_is_asked_for(tmp_path):
     """Two panels in two formats are four files, listed as JSON; a wrong name is refused."""
     words = ["gmrt-2003-06-02", "--model", "gmrt-paper", "--of", "fit", "--out", str(tmp_path)]

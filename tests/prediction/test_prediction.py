@@ -149,6 +149,7 @@ def test_picking_takes_the_term_that_is_there():
     assert terms[:, first[0]] == pytest.approx(expected)
 
 
+@pytest.mark.slow
 def test_a_rehearsal_knows_what_terms_picked_from_few_points_are_worth(monkeypatch):
     """On a telescope that is the model, picked terms claim less than they leave elsewhere."""
     monkeypatch.setattr(rehearsal, "NIGHTS", 1)
@@ -184,6 +185,7 @@ def test_several_antennas_are_told_to_come_one_by_one():
         Night.of(_night(40, 9, antenna=names))
 
 
+@pytest.mark.slow
 def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
     """The table, the verdict and the grid; the grid reads as recordings."""
     at = _night(44, 10, 20.0)

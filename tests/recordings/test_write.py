@@ -58,7 +58,7 @@ def test_round_trip(tmp_path_factory, suffix):
     """Every number comes back within rounding, every label and reason as it was."""
     path = tmp_path_factory.mktemp("round") / f"night{suffix}"
 
-    @settings(max_examples=20 if suffix == ".ecsv" else 60, deadline=None)
+    @settings(max_examples=20, deadline=None)
     @given(recordings())
     def comes_back(night):
         write(night, path)

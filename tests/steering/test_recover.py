@@ -11,6 +11,8 @@ from pyport.pointing.parameters import PRINTED_ROUNDING
 from pyport.steering.feasible import feasible
 from pyport.steering.recover import candidates, refraction_bounds
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def answer():

@@ -1,8 +1,11 @@
 """The end of the demonstration: a night, its alarm, a picture."""
 
+import pytest
+
 from pyport.cli import demo
 
 
+@pytest.mark.slow
 def test_a_night_is_watched_and_drawn(tmp_path):
     """What an observer reads names the tilt; the picture is one."""
     told = demo._night(tmp_path / "night.png")

@@ -55,6 +55,7 @@ def test_the_boundary_keeps_the_run_length():
     assert np.mean(lengths) == pytest.approx(wanted, rel=0.2)
 
 
+@pytest.mark.slow
 def test_outcomes_are_kept_and_summed_up(tmp_path):
     """A run that is called again goes on; the tables count what there is."""
     cases = [*nights.null_cases(5, 1), *nights.step_cases(2, 1)]

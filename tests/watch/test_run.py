@@ -77,6 +77,7 @@ def test_once_more_tells_nothing_new(night):
     assert (folder / "undisturbed" / EVENTS).read_text() == before
 
 
+@pytest.mark.slow
 def test_killed_at_any_moment_it_goes_on_as_if_it_had_not_been(night, tmp_path):
     """The same state to the last bit, the same events, none lost, none twice."""
     folder, drawn, _ = night

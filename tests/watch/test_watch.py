@@ -117,6 +117,7 @@ def test_more_scatter_is_an_alarm_of_scatter():
     assert 2 < alarm.parameters[0]["value"] < 4.5
 
 
+@pytest.mark.slow
 def test_the_state_is_kept_and_taken_up(drawn, seen, tmp_path):
     """Stopped anywhere, a watch goes on as if it had not been."""
     recordings = from_table(drawn.watched, drawn.header)

@@ -53,6 +53,7 @@ def compared(effect, tmp_path):
     return case, members
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [*HIDEABLE, *(name for name in SWALLOWED if name != "ut1")])
 def test_catalogue_and_rotations_agree(effect, tmp_path):
     """The best member of the family spans what the examiner made, and its coefficients are true."""

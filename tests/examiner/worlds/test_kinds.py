@@ -13,6 +13,7 @@ from pyport.examiner.worlds.projection import Base
 ROWS = 240
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", HIDEABLE)
 def test_a_hidden_cause_has_the_rho_that_was_asked_for(effect):
     """After the altaz base took its share the cause is rho times the noise on its greater axis."""

@@ -190,6 +190,7 @@ def test_displacements_against_the_survey(june):
     assert np.corrcoef(on, surveyed)[0, 1] > 0.9
 
 
+@pytest.mark.slow
 def test_command(tmp_path):
     """`pyport study gmrt` prints every part and draws the paper's four figures."""
     done = CliRunner().invoke(command, ["--out", str(tmp_path)])

@@ -14,6 +14,8 @@ from pyport.recordings import read
 from pyport.studies.gmrt import comparison
 from pyport.studies.gmrt.refits import RMS_RATIO, SIGMAS, beside_table_18, printed_sigma_factors
 
+pytestmark = pytest.mark.slow
+
 JUNE = ("2003-06-01", "2003-06-02", "2003-06-05")
 
 

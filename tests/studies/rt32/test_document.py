@@ -11,6 +11,8 @@ from pyport.angles import ARCSEC, DEG
 from pyport.pointing import printed
 from pyport.studies.rt32 import document as figures
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_counts_and_the_rms_of_the_document_exclude_each_other():
     """Errors that get rarer with size have a larger rms than the document's within its level."""

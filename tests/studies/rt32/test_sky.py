@@ -134,6 +134,7 @@ def test_a_wild_offset_is_a_cross_and_not_a_bar(fit):
     assert "1 of them beyond 0.04 deg" in axes.get_title()
 
 
+@pytest.mark.slow
 def test_figures_are_written_the_same_every_time(fit, tmp_path):
     """Three PNG files, the same bytes for the same fit."""
     once, again = (write_figures(fit, tmp_path / name) for name in ("once", "again"))

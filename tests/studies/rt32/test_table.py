@@ -4,6 +4,7 @@ import json
 import re
 
 import numpy as np
+import pytest
 from click.testing import CliRunner
 
 from pyport.cli.fit import command as fit_command
@@ -41,6 +42,7 @@ def test_an_open_parameter_has_no_number(campaign):
     )
 
 
+@pytest.mark.slow
 def test_json_holds_what_the_table_prints(campaign):
     """Every number is there and the simulation is not passed over."""
     fit = fit_rt32(campaign, box=box_step(campaign, "fit"))
@@ -51,6 +53,7 @@ def test_json_holds_what_the_table_prints(campaign):
     assert np.shape(report["correlation"]) == (13, 13)
 
 
+@pytest.mark.slow
 def test_fit_command_prints_the_table(short, tmp_path):
     """`pyport fit --method` prints the table and leaves the JSON."""
     arguments = [str(short), "--model", "rt32-approximate", "--method", "soft-l1"]
@@ -71,6 +74,7 @@ def test_fit_command_refuses_other_models(short):
     assert "rt32-exact or rt32-approximate" in done.output
 
 
+@pytest.mark.slow
 def test_rt32_command_does_all_of_it(short, tmp_path):
     """Table, correlations, every method and the three figures come from one command."""
     done = CliRunner().invoke(rt32_command, [str(short), "--out", str(tmp_path)])

@@ -38,6 +38,7 @@ def test_table_18_decides_the_day(session):
     assert min(misfits, key=misfits.__getitem__) == session.date
 
 
+@pytest.mark.slow
 def test_directions_add_up():
     """Antenna plus day explains forward minus reverse with the directions as derived, no others."""
     misfits = checks.adding_up(halves(JUNE))
@@ -47,6 +48,7 @@ def test_directions_add_up():
     assert min(misfits.values()) > 2 * as_derived
 
 
+@pytest.mark.slow
 def test_directions_are_tied_to_the_labels_of_march():
     """With the day whose scans are labelled in print the same choice comes out best."""
     misfits = checks.adding_up(halves([MARCH, *JUNE]))
@@ -120,6 +122,7 @@ def test_table_18_is_complete():
     assert np.degrees(first.d) == pytest.approx(29.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("antenna", "begin"), [("C12", 27), ("S02", 18), ("S04", 27)])
 def test_shifted_curves_belong_to_their_day(antenna, begin):
     """A curve printed aside of its day runs through that day's offsets (C12's last follows one)."""

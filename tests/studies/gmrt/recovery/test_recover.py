@@ -14,6 +14,7 @@ from pyport.studies.gmrt.recovery.recover import Numbers, recover
 from pyport.studies.gmrt.sessions import SESSIONS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("session", SESSIONS[2:], ids=lambda session: session.date)
 def test_garbled_rows(session):
     """Of the cells it vouches for in garbled rows at least 98 % are right, and they are most."""
@@ -44,6 +45,7 @@ def simulated(rng, rows=24, columns=12):
     return Numbers(offset, np.full(rows, columns), hours, direction, scan, zero, nothing)
 
 
+@pytest.mark.slow
 def test_a_clean_table_stays_as_it_is():
     """Nothing is moved where nothing was garbled, and almost every cell is vouched for."""
     day = simulated(np.random.default_rng(5))
@@ -54,6 +56,7 @@ def test_a_clean_table_stays_as_it_is():
     assert (found.trusted > VOUCHED).mean() > 0.97
 
 
+@pytest.mark.slow
 def test_a_lost_cell_is_found():
     """A row that lost its third cell is put right from there on."""
     day = simulated(np.random.default_rng(6))

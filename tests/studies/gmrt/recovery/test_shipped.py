@@ -25,6 +25,7 @@ def rows_of(name):
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
+@pytest.mark.slow
 def test_made_from_the_printed_tables(tmp_path):
     """The shipped files and the README's figures are what the command makes of the tables."""
     build.write_all(tmp_path)
