@@ -1,17 +1,16 @@
 """The report of a diagnosis: what JSON, terminal and page say, each key with its type and meaning.
 
 Names are those of report.json, units and all. A number that is not known is None there and NaN
-here. `pyport dev keys` prints them as a page.
+here.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import UnionType
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -342,55 +341,3 @@ def as_json(value: Any) -> Any:  # noqa: ANN401 - whatever a report holds
     if isinstance(value, float | np.floating):
         return float(value) if math.isfinite(value) else None
     return value
-
-
-def keys(kind: type = Report, path: str = "") -> Iterator[tuple[str, str, str]]:
-    """Yield path, type and meaning of every key that a file of a report may have."""
-    hints = get_type_hints(kind, include_extras=True)
-    for one in dataclasses.fields(kind):
-        if not one.metadata.get("written", True):
-            continue
-        told, meaning = get_args(hints[one.name])
-        inner, many = _inside(told)
-        here = f"{path}{one.name.rstrip('_')}"
-        yield here, _spelled(told), meaning
-        if isinstance(inner, type) and dataclasses.is_dataclass(inner):
-            yield from keys(inner, f"{here}{many}.")
-
-
-def _inside(told: Any) -> tuple[Any, str]:  # noqa: ANN401 - a type
-    """Return what a type holds, and what stands for its place in a path."""
-    if get_origin(told) is UnionType:
-        told = next(one for one in get_args(told) if one is not type(None))
-    if get_origin(told) is tuple:
-        return get_args(told)[0], "[]"
-    if get_origin(told) is dict:
-        return get_args(told)[1], ".NAME"
-    return told, ""
-
-
-def _spelled(told: Any) -> str:  # noqa: ANN401 - a type
-    """Return a type in words of JSON."""
-    if dataclasses.is_dataclass(told) or told is dict or get_origin(told) is dict:
-        return "object"
-    if get_origin(told) in {tuple, list}:
-        return "list"
-    if parts := get_args(told):
-        return " or ".join("null" if one is type(None) else _spelled(one) for one in parts)
-    names = {str: "text", int: "number", float: "number", bool: "true or false"}
-    return names.get(told, "any")
-
-
-def markdown() -> str:
-    """Return the page of all keys."""
-    rows = (f"| `{path}` | {kind} | {meaning} |" for path, kind, meaning in keys())
-    return "\n".join([_HEAD, "| key | type | |", "|---|---|---|", *rows, ""])
-
-
-_HEAD = """# The keys of `report.json`
-
-Written by `pyport dev keys`. `pyport diagnose RECORDINGS --out DIR` leaves a `report.json` for each
-file. In a path, `[]` stands for each entry of a list and `NAME` for each key of an object. Numbers
-that are not known are null. Beside these, `computed_with` says what computed it (numpy, or the
-compiled kernel) and `files` holds the hashes of the files beside it.
-"""

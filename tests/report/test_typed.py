@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import pyport
-from pyport.report.typed import Report, as_json, keys, markdown
+from pyport.report.keys import keys, markdown
+from pyport.report.typed import Report, as_json
 
 MANUAL = Path(__file__).parents[2] / "docs" / "report.md"
 #: What stands in a file only where there is something to say.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from steering.feasible import feasible
 
 from pyport.pointing import PARAMETERS, printed, recovered
 from pyport.pointing.exact import tilted
 from pyport.pointing.parameters import PRINTED_ROUNDING
-from pyport.steering.feasible import feasible
 from pyport.steering.recover import candidates, refraction_bounds
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from pyport.cli.manners import in_json, say
 def command(out: Path | None, *, as_json: bool) -> None:
     """List the keys of report.json, as the page of the manual has them."""
     from pyport.files import write_whole
-    from pyport.report.typed import keys, markdown
+    from pyport.report.keys import keys, markdown
 
     if out is not None:
         with write_whole(out) as file:
