@@ -111,7 +111,7 @@ def _story(
         model_file=as_file(whole),
         turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
         limits=tuple(sorted(report.detection_limit_arcsec.items(), key=lambda one: one[1])),
-        untestable=tuple(report.not_testable.items()),
+        untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
         outliers=_outliers(diagnosis),
         noise=tuple(f"{one}." for one in report.noise.sentences),
         dropped=tuple(
