@@ -9,7 +9,7 @@ OUT ?= out
 
 .PHONY: demo test quick lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
-.PHONY: nulls real mutants-diagnosis efficiency mounts watch-nights watch-replays watch-kills watch-week
+.PHONY: nulls real mutants-diagnosis calibrate efficiency mounts watch-nights watch-replays watch-kills watch-week
 .PHONY: fuzz torture faults machines lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
@@ -154,6 +154,11 @@ proof: $(BIN)/pyport
 # Small wrong changes of the noise, the diagnosis, the fit and the effects: what the tests notice.
 mutants-diagnosis: $(VENV)/test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/mutants/run.py
+
+# False alarms against thresholds, and coverage, in every kind of noise; goes on where it was stopped.
+calibrate: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev calibrate --jobs 2 --out $(OUT)/calibrate \
+	  --into docs/method.md
 
 # Detections and right names over those of an observer who knows the cause's form and the noise.
 efficiency: $(BIN)/pyport

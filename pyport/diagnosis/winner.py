@@ -116,14 +116,25 @@ def _changes(
     banned: Collection[str],
 ) -> list[Winner]:
     """Return the changes with time that are more than the noise can do."""
+    found = confirmed_changes(setup, weighed, chosen, trials, banned)
+    return [one for one in found if one.trial.evidence > CONVINCING]
+
+
+def confirmed_changes(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+    banned: Collection[str] = (),
+) -> list[Winner]:
+    """Return the changes that are proposed, each with its evidence beside noise estimated anew."""
     still, moved = proposed(setup, weighed, chosen, trials, banned)
     found = []
     for trial in moved:
         one = _refined(setup, still, chosen, trial)
+        # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
-        if sure > CONVINCING:
-            # Beside noise that holds still it gained what the noise would have taken.
-            found.append(replace(one, trial=replace(one.trial, evidence=sure, gain=sure)))
+        found.append(replace(one, trial=replace(one.trial, evidence=sure, gain=sure)))
     return found
 
 

@@ -9,6 +9,7 @@ command = Lazy(
     "pyport.cli.dev",
     {
         "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
+        "calibrate": "Count false alarms against each threshold, and coverage, in simulated noise.",
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
         "efficiency": "Hold detections and names against what an ideal observer could detect.",
         "field-system": "Compare with the VLBI Field System's own outputs.",

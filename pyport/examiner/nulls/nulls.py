@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from pyport.errors import BadInput
 from pyport.examiner import program, terms
 from pyport.examiner.nulls import causes, noises, schedule
 from pyport.examiner.nulls.schedule import Array
@@ -150,11 +151,25 @@ def examine(case: Case) -> dict[str, Any]:
     }
     if world.cause is not None:
         return outcome | {"z": of_cause(report, world.cause)}
+    try:
+        return outcome | {"z": of_fit(world)}
+    except BadInput as refused:
+        return outcome | {"refused": str(refused)}
+
+
+def of_fit(world: World) -> dict[str, float]:
+    """Return how many sigmas the fitted coefficients of a world are from the truth.
+
+    Raises
+    ------
+    BadInput
+        The program refused the recordings.
+    """
     fit = program.fitted(world.table, world.header)
     if isinstance(fit, program.Refused):
-        return outcome | {"refused": fit.why}
+        raise BadInput(fit.why)
     known = {name: one for name, one in world.truth.items() if name not in world.uncertain}
-    return outcome | {"z": _z(fit["parameters"], known.get)}
+    return _z(fit["parameters"], known.get)
 
 
 def claimed(report: dict[str, Any]) -> bool:
