@@ -17,8 +17,13 @@ if TYPE_CHECKING:
     from pyport.recordings.options import FileOptions
 
 
+#: The beginning of 2000 [s since 1970], and a year [s].
+_J2000_S, _YEAR_S = 946_728_000.0, 365.25 * 86400
+
+
 @click.command(
-    "targets", epilog="Example: pyport targets offsets.csv --hours 3 --format snap -o next.snp"
+    "targets",
+    epilog="Example: pyport targets offsets.csv --catalogue radio --format snap -o next.snp",
 )
 @click.argument("recordings", shell_complete=named)
 @click.option(
@@ -35,8 +40,8 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--catalogue",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="CSV of sources to choose from: name,ra_deg,dec_deg; without, directions.",
+    metavar="NAME",
+    help="Sources: radio, stars, or a CSV file name,ra_deg,dec_deg; without, directions.",
 )
 @click.option(
     "--elevations",
@@ -85,7 +90,7 @@ def command(
     count: int,
     start: str | None,
     hours: float | None,
-    catalogue: Path | None,
+    catalogue: str | None,
     elevations: tuple[float, float],
     slew: tuple[float, float],
     dwell_s: float,
@@ -102,7 +107,7 @@ def command(
     """
     from pyport.files import write_whole
     from pyport.formats.models import load
-    from pyport.planning.target_lists import FORMATS, read_catalogue
+    from pyport.planning.target_lists import EPOCH, FORMATS, read_catalogue
     from pyport.planning.targets import Limits, sunrise, targets
     from pyport.recordings import read
 
@@ -117,7 +122,8 @@ def command(
     else:
         raise BadInput("no latitude_deg, expected one: --set latitude_deg=...", rows.file)
     limits = Limits(*elevations, start_s, ends, dwell_s, *slew, sun_deg)
-    sources = [] if catalogue is None else read_catalogue(catalogue)
+    year = EPOCH + (start_s - _J2000_S) / _YEAR_S
+    sources = [] if catalogue is None else read_catalogue(catalogue, year)
     found = targets(rows, load(model), limits, count, sources)
     text = FORMATS[form](found)
     if out is not None:

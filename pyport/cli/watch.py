@@ -42,10 +42,8 @@ ALARMED = 3
 @click.option(
     "--burn-in",
     type=click.IntRange(min=1),
-    default=80,
-    show_default=True,
     metavar="POINTINGS",
-    help="So many at the beginning of LOG stand for the past.",
+    help="So many at the beginning of LOG stand for the past; ten for each coefficient if not.",
 )
 @click.option(
     "--false-alarm-every",
@@ -90,7 +88,7 @@ def command(
     log: Path,
     model: str,
     history: str | None,
-    burn_in: int,
+    burn_in: int | None,
     rarity: float,
     out: Path,
     every_s: float,
@@ -121,9 +119,10 @@ def command(
         process = Process(options, say, lambda text: click.echo(text, err=True))
         with _page(process, host, port) if served else contextlib.nullcontext():
             seen = process.step() if once else forever(process, every_s)
-            alarmed = _through(seen, stop=exit_on_alarm)
+            with contextlib.closing(process):
+                alarmed = _through(seen, stop=exit_on_alarm)
         if once and process.watch is None:
-            wrong = f"{log}: fewer than {burn_in} recordings to begin with: give --history"
+            wrong = f"{log}: fewer than {process.needed} recordings to begin with: give --history"
             click.echo(wrong, err=True)
     if alarmed and exit_on_alarm:
         click.get_current_context().exit(ALARMED)

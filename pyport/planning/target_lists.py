@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pyport.angles import DEG, HOUR
+from pyport.angles import ARCSEC, DEG, HOUR
 from pyport.errors import BadInput
 from pyport.planning.targets import Source, Target
 from pyport.recordings.formats import csv
@@ -79,11 +79,22 @@ def _sexagesimal(value: float, decimals: int, between: str = "") -> str:
     return between.join((f"{whole:02d}", f"{minute:02d}", f"{second:02d}.{part:0{decimals}d}"))
 
 
-def read_catalogue(path: Path) -> list[Source]:
-    """Read sources: a CSV file with `name` (or `source`), `ra_deg` or `ra_h`, and `dec_deg`.
+#: Catalogues that are shipped: calibrators of 1 Jy and more at 8 GHz (Radio Fundamental Catalogue),
+#: stars brighter than 3.75 (Hipparcos, the new reduction). Their first lines say whose they are.
+SHIPPED = {one: Path(__file__).parent / "data" / f"{one}.csv" for one in ("radio", "stars")}
+#: The epoch of catalogued places.
+EPOCH = 2000.0
+
+
+def read_catalogue(name_or_path: str | Path, year: float = EPOCH) -> list[Source]:
+    """Read sources, one of `SHIPPED` or a CSV file.
+
+    With `name` (or `source`), `ra_deg` or `ra_h`, and `dec_deg`, all ICRS of 2000; where there are
+    `pm_ra_mas_yr`, on the sky, and `pm_dec_mas_yr`, places are moved to `year`.
 
     Raises `BadInput`: a column is missing, or a cell is no number.
     """
+    path = SHIPPED.get(str(name_or_path), Path(name_or_path))
     raw = csv.read(path)
     name = next((one for one in ("name", "source") if one in raw.columns), "")
     ra = next((one for one in ("ra_deg", "ra_h") if one in raw.columns), "")
@@ -92,6 +103,10 @@ def read_catalogue(path: Path) -> list[Source]:
     right, dec = raw.numbers(ra) * (DEG if ra == "ra_deg" else HOUR), raw.numbers("dec_deg") * DEG
     raw.refuse(~np.isfinite(right) | ~np.isfinite(dec), "no place, expected ra and dec_deg")
     raw.refuse(np.abs(dec) > np.pi / 2, "dec_deg outside [-90, 90]")
+    if "pm_ra_mas_yr" in raw.columns and "pm_dec_mas_yr" in raw.columns:
+        moved = [raw.numbers(f"pm_{one}_mas_yr") * (year - EPOCH) for one in ("ra", "dec")]
+        right = right + moved[0] * ARCSEC / 1000 / np.cos(dec)
+        dec = dec + moved[1] * ARCSEC / 1000
     names = raw.words(name).tolist()
     if len(set(names)) < len(names):
         raise BadInput("two sources have one name", path)

@@ -6,15 +6,24 @@ import numpy as np
 
 from pyport.watch.alarms import Alarm
 from pyport.watch.antenna import Antenna, Slot, columns_of, first_state
+from pyport.watch.detector import Detector
 
 
-def adopt(watch: Antenna, start: int, change: int, again: Slot | None) -> None:
+def adopt_omitted(watch: Antenna, change: int, again: Slot | None) -> None:
+    """Make an effect that stood all along a state of the filter; what else did is open again."""
+    stands = watch.standing
+    adopt(watch, 0, change, again, stands)
+    stands.mean[:] = 0.0
+    stands.covariance[0, change] = 0.0
+
+
+def adopt(watch: Antenna, start: int, change: int, again: Slot | None, own: Detector) -> None:
     """Make the coefficients of a change states of the filter, with all that is known of them.
 
-    Given the coefficients t the filter is off by bias t: its mean for the changed telescope is
-    m - bias t, with t of the mean and covariance that were learnt.
+    `own` holds what was learnt of them. Given the coefficients t the filter is off by bias t: its
+    mean for the changed telescope is m - bias t, t being of the mean and covariance in `own`.
     """
-    own, filtered = watch.detector, watch.null
+    filtered = watch.null
     places = columns_of(watch, change)
     size = len(places)
     bias = own.bias[start, places].T
@@ -32,6 +41,9 @@ def adopt(watch: Antenna, start: int, change: int, again: Slot | None) -> None:
     else:
         behind = sum(one.change < watch.layout.members for one in watch.slots)
         watch.slots.insert(behind, Slot(watch.pending or 0, change))
+        # what stood all along made as much of the change as of what the change was made of
+        bias = watch.standing.bias
+        watch.standing.bias = np.concatenate([bias, np.zeros((*bias.shape[:2], size))], axis=2)
     filtered.mean, filtered.covariance = joint_mean, (joint + joint.T) / 2
 
 
@@ -66,6 +78,6 @@ def release(watch: Antenna, slot: Slot) -> None:
             filtered.covariance[np.ix_(others, others)]
             - gain @ filtered.covariance[np.ix_(own, others)]
         )
-        bias = watch.detector.bias
-        watch.detector.bias = bias[:, :, others] - bias[:, :, own] @ gain.T
+        for one in (watch.detector, watch.standing):
+            one.bias = one.bias[:, :, others] - one.bias[:, :, own] @ gain.T
     watch.slots.remove(slot)

@@ -89,6 +89,8 @@ class Alarm:
     sentence: str = ""
     next: str = ""
     ended: float | None = None
+    #: Whether it may have been so all along, the past not having shown it: no change.
+    stood: bool = False
 
     @property
     def stands(self) -> bool:
@@ -176,6 +178,14 @@ def describe(alarm: Alarm, change: Change) -> None:
         f"{one['name'].replace('_', ' ')} {number(Parameter(**one))}" for one in alarm.parameters
     )
     pattern = effect.pattern or effect.sentence
+    if alarm.stood:
+        some = " or ".join(one for alike, _ in alarm.members[:_SHOWN] for one in alike)
+        alarm.sentence = (
+            f"{pattern}: {effect.sentence}; {sizes}, as if it had always been so:"
+            f" the past did not show it; could be {some}"
+        )
+        alarm.next = f"fit the model with what the past left out: diagnose, or --add {alarm.effect}"
+        return
     if alarm.named:
         alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}"
         alarm.next = f"check it at the telescope; if it stays, fit {alarm.effect} anew"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import log
 
 import numpy as np
+from scipy.special import logsumexp
 
 from pyport.angles import Array, Codes
 from pyport.watch import detector
@@ -65,28 +66,40 @@ class Antenna:
     layout: Layout
     null: Null
     detector: Detector
+    standing: Detector
     threshold: float
     slots: list[Slot] = field(default_factory=list)
     pending: int | None = None
     rows: int = 0
+    #: What was known of standing effects when the pending alarm was raised.
+    unchanged: tuple[Array, ...] = ()
     home: Array = field(default_factory=lambda: np.zeros(0))
     left: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
 
     @property
     def evidence(self) -> float:
         """Return the logarithm of the mixture."""
-        return detector.evidence(self.detector, self.layout)
+        return detector.evidence(self.detector, self.layout, self.standing)
+
+    @property
+    def omitted(self) -> float:
+        """Return the logarithm of the mixture of what may have stood all along."""
+        return float(logsumexp(detector.log_omitted(self.standing, self.layout)))
 
 
 def begin(
-    baseline: Baseline, known: States, start: Null, pointings_per_false_alarm: float
+    baseline: Baseline,
+    known: States,
+    start: Null,
+    stands: Detector,
+    pointings_per_false_alarm: float,
 ) -> Antenna:
     """Return the watch at its beginning; the threshold keeps one false alarm in so many."""
     placed = detector.layout(baseline.changes)
     empty = detector.fresh(placed, len(start.mean))
     home = start.mean * np.array([of == "model" for of in known.of])
     threshold = log(pointings_per_false_alarm)
-    return Antenna(baseline, known, placed, start, empty, threshold, home=home)
+    return Antenna(baseline, known, placed, start, empty, stands, threshold, home=home)
 
 
 def state_columns(watch: Antenna) -> list[Codes]:

@@ -26,6 +26,9 @@ from pyport.watch.changes import Change
 
 #: Past pointings below which nothing is watched; so many for each coefficient of the model.
 FEWEST, FEWEST_PER_COEFFICIENT = 30, 3
+#: So many for each coefficient where the past may be chosen: of p coefficients from n pointings of
+#: two readings the errors add p / 2n to the variance of a prediction, a twentieth.
+ENOUGH_PER_COEFFICIENT = 10
 #: Processes that the drift of an axis is drawn together into, and the share of its variance below
 #: which one is left out.
 MOST_DRIFTS, FAINT_DRIFT = 3, 0.02
@@ -40,6 +43,12 @@ MOST_SOURCES = 24
 LEAST_DOF = 3.0
 #: No white scatter is below this share of what the model leaves: rounded offsets repeat exactly.
 LEAST_WHITE = 0.05
+
+
+def enough(model: Model) -> int:
+    """Return how many pointings make a past, where it may be chosen."""
+    count = sum(len(term.effect.coefficients) for term in model.fitted())
+    return max(FEWEST, ENOUGH_PER_COEFFICIENT * count)
 
 
 class TooFew(BadInput):

@@ -9,6 +9,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.noise.scatter import tails
 from pyport.watch.baseline import LEAST_DOF, Past
+from pyport.watch.detector import Detector, forget, layout, standing, update
 from pyport.watch.null import (
     LEAST_GROSS,
     NIGHT_DOF,
@@ -32,18 +33,24 @@ DOUBTFUL = 0.5
 FEWEST_NIGHTS, FEWEST_IN_NIGHT = 3, 8
 
 
-def calibrated(past: Past) -> tuple[Null, States]:
-    """Return the filter after the past recordings, its distribution that of their innovations."""
+def calibrated(past: Past) -> tuple[Null, States, Detector]:
+    """Return the filter after the past recordings, its distribution that of their innovations.
+
+    With it what each effect comes to that may have stood all along.
+    """
     known = states(past.baseline)
     rows = prepare(past.baseline, past.recordings)
     weights = past.weights[rows.order]
     null = begin(known)
+    placed = layout(past.baseline.changes)
+    stands = standing(placed, null)
     found: list[tuple[float, str]] = []
     for n in range(len(rows)):
-        advance(null, known, rows, n)
+        forget(stands, advance(null, known, rows, n)[0], null, night=False)
         for axis in (0, 1):
             if not np.isfinite(rows.value[n, axis]):
                 continue
+            before = float(null.scale[axis]), null.degrees(axis), null.share, null.tail
             one = take(
                 null,
                 axis,
@@ -52,6 +59,7 @@ def calibrated(past: Past) -> tuple[Null, States]:
                 float(rows.variance[n, axis]),
                 float(weights[n, axis]),
             )
+            update(stands, placed, one, rows.nuisance[n, axis], rows.change[n, axis], before)
             if one.sigma**2 * DOUBTFUL < rows.variance[n, axis] + _fresh(
                 known, rows.nuisance[n, axis]
             ):
@@ -70,7 +78,9 @@ def calibrated(past: Past) -> tuple[Null, States]:
         readings=len(value) + 100.0,
     )
     null.night_dof = _night_dof(value / scale, [name for _, name in found])
-    return null, known
+    # what they come to from now on is evidence, what they came to is none
+    stands.stood = stands.log_mass[:, : placed.members].copy()
+    return null, known, stands
 
 
 def _fresh(known: States, column: Array) -> float:

@@ -11,6 +11,12 @@ How large a change is, is learnt as it goes: the density after the change is tha
 with the coefficients as further states, first of them those readings that came since k. What the
 filter makes of the change meanwhile is followed exactly (Willsky & Jones 1976, IEEE Trans. Autom.
 Control 21, 108), whatever it is: the null is filtered once.
+
+No model is complete: any one effect may have stood all along, too small or too little moved for
+the past to show. The null is composite, the model alone or with one of them. Each is followed from
+the first reading of the past on, and the ratio of a start is taken to the one that explains the
+readings since best (universal inference: Wasserman, Ramdas & Balakrishnan 2020, PNAS 117, 16880):
+its expectation is then one at most under every one of them.
 """
 
 from __future__ import annotations
@@ -110,6 +116,8 @@ class Detector:
         Since each start, (S,).
     before
         Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
+    stood
+        Logarithm of the likelihood ratio of each standing effect at each start, (S, M).
     row, clock
         When each start was, (S,).
     begun
@@ -127,6 +135,7 @@ class Detector:
     outliers: Array
     readings: Array
     before: Array
+    stood: Array
     row: Array
     clock: Array
     begun: int = 0
@@ -142,6 +151,7 @@ class Detector:
             "outliers",
             "readings",
             "before",
+            "stood",
             "row",
             "clock",
         ),
@@ -151,6 +161,14 @@ class Detector:
     def arrays(self) -> dict[str, Array]:
         """Return everything that one start holds, an array for each."""
         return {name: getattr(self, name) for name in self._names}
+
+    def known(self) -> tuple[Array, Array, Array]:
+        """Return what the readings have taught: masses, means and covariances."""
+        return self.log_mass.copy(), self.mean.copy(), self.covariance.copy()
+
+    def forget_since(self, known: tuple[Array, ...]) -> None:
+        """Go back to what the readings had taught."""
+        self.log_mass, self.mean, self.covariance = known
 
     def keep(self, index: NDArray[np.intp]) -> None:
         """Keep some of the starts."""
@@ -171,13 +189,26 @@ def fresh(known: Layout, states: int) -> Detector:
         np.zeros(0),
         np.zeros(0),
         np.zeros((0, 4)),
+        np.zeros((0, members)),
         np.zeros(0),
         np.zeros(0),
     )
 
 
-def start(detector: Detector, known: Layout, null: Null, row: int, clock: float) -> None:
-    """Let a change begin at this pointing; where there are too many, merge two."""
+def standing(known: Layout, null: Null) -> Detector:
+    """Return the effects that may have stood all along, from here on."""
+    found = fresh(known, len(null.mean))
+    start(found, known, null, 0, 0.0, np.zeros(known.members))
+    return found
+
+
+def start(
+    detector: Detector, known: Layout, null: Null, row: int, clock: float, stood: Array
+) -> None:
+    """Let a change begin at this pointing; where there are too many, merge two.
+
+    `stood` (M,) is what standing effects have come to by now.
+    """
     detector.begun += 1
     if len(detector.row) == STARTS:
         _merge(detector, known, row)
@@ -191,6 +222,7 @@ def start(detector: Detector, known: Layout, null: Null, row: int, clock: float)
         "outliers": np.array(MORE_OUTLIERS),
         "readings": np.array(OF_READINGS),
         "before": np.array([*null.scale, null.outliers, null.readings]),
+        "stood": stood,
         "row": np.array(float(row)),
         "clock": np.array(clock),
     }
@@ -211,6 +243,7 @@ def _merge(detector: Detector, known: Layout, row: int) -> None:
     total = logsumexp(detector.log_mass[pair] + known.log_share, axis=1)
     kept = pair[int(np.argmax(total))]
     detector.log_mass[kept] = np.logaddexp(*detector.log_mass[pair])
+    detector.stood[kept] = detector.stood[pair].min(axis=0)
     gone = pair[0] + pair[1] - kept
     detector.keep(np.delete(np.arange(len(age)), gone))
 
@@ -308,8 +341,24 @@ def _outlying(detector: Detector, members: int, before: float, *, outlier: bool)
     detector.readings = detector.readings + 1
 
 
-def evidence(detector: Detector, known: Layout) -> float:
+def log_odds(detector: Detector, known: Layout, stands: Detector) -> Array:
+    """Return what each start and change has come to beside the best of the null, (S, M + 3).
+
+    `stands` are the effects that may have stood all along.
+    """
+    since = stands.log_mass[0, : known.members] - detector.stood
+    best = np.maximum(since.max(axis=1, initial=0.0), 0.0)
+    return np.asarray(detector.log_mass + known.log_share - best[:, None])
+
+
+def log_omitted(stands: Detector, known: Layout) -> Array:
+    """Return what each effect that may have stood all along has come to in the watch, (M,)."""
+    members = known.members
+    return np.asarray(stands.log_mass[0, :members] - stands.stood[0] + known.log_share[:members])
+
+
+def evidence(detector: Detector, known: Layout, stands: Detector) -> float:
     """Return the logarithm of the mixture; minus infinity before any start."""
     if not len(detector.row):
         return -np.inf
-    return float(logsumexp(detector.log_mass + known.log_share))
+    return float(logsumexp(log_odds(detector, known, stands)))

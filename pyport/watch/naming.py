@@ -9,7 +9,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.watch import alarms
 from pyport.watch.alarms import Alarm
 from pyport.watch.antenna import Antenna
-from pyport.watch.detector import SPREADS, Detector
+from pyport.watch.detector import SPREADS, Detector, log_odds, log_omitted
 
 #: A name with this much of the probability is preferred if it has already been given to a
 #: standing alarm: what comes back is the same thing.
@@ -18,8 +18,10 @@ STANDING = 0.02
 
 def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, int]:
     """Say what an alarm is of; return the start and the change that are likeliest."""
+    if alarm.stood:
+        return 0, _name_omitted(watch, alarm)
     own, layout = watch.detector, watch.layout
-    joint = own.log_mass + layout.log_share
+    joint = log_odds(own, layout, watch.standing)
     total = float(logsumexp(joint))
     chance = np.exp(joint - total)
     some = watch.baseline.changes
@@ -43,6 +45,23 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
         covariance = own.covariance[start, change, :size, :size] * float(watch.null.scale.mean())
         resize(watch, alarm, change, mean, covariance)
     return start, change
+
+
+def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
+    """Say what may have stood all along; return the likeliest."""
+    own = watch.standing
+    joint = log_omitted(own, watch.layout)
+    alarm.log_ratio = float(logsumexp(joint))
+    chance = np.exp(joint - alarm.log_ratio)
+    changes = watch.baseline.changes
+    change = int(np.argmax(chance))
+    alarm.members = alarms.members([one.alike for one in changes], chance)
+    alarm.effect = changes[change].alike[0]
+    alarm.members.sort(key=lambda one: (alarm.effect not in one[0], -one[1]))
+    size = len(changes[change].prior)
+    covariance = own.covariance[0, change, :size, :size] * float(watch.null.scale.mean())
+    resize(watch, alarm, change, own.mean[0, change, :size], covariance)
+    return change
 
 
 def _date(own: Detector, alarm: Alarm, start: int, chance: Array) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -14,13 +15,15 @@ from pyport.recordings import write as write_recordings
 from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
+from pyport.watch.calibrate import FEWEST_IN_NIGHT, FEWEST_NIGHTS
 from pyport.watch.follow import Batch, Cursor
 from pyport.watch.outputs import Outputs
 from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch
 
 STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
-#: Pointings at the beginning of a log that stand for the past where no past is given.
-BURN_IN = 80
+#: So often the state is kept while nothing happens [s]: what came since is read from the log again
+#: after a kill. It waits for the disk longer than all else takes; an event waits for it, always.
+KEPT_EVERY_S = 30.0
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Options:
     given
         What the log itself does not say.
     history
-        Past recordings; None for the first ones of the log, `burn_in` of them.
+        Past recordings; None for the first ones of the log, `burn_in` of them, or `enough`.
     command
         Run for each event.
     """
@@ -48,7 +51,7 @@ class Options:
     out: Path
     given: FileOptions = NOTHING
     history: str | None = None
-    burn_in: int = BURN_IN
+    burn_in: int | None = None
     pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM
     command: str = ""
 
@@ -67,6 +70,8 @@ class Process:
     show: Callable[[Watch], None] = lambda _: None
     cursor: Cursor = field(default_factory=Cursor)
     outputs: Outputs = field(init=False)
+    _kept: float = -math.inf
+    _behind: bool = False
     _early: list[Recordings] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -89,6 +94,11 @@ class Process:
             if self.options.history is not None:
                 self._begin(self.options.history)
 
+    @property
+    def needed(self) -> int:
+        """Return how many pointings of the log stand for the past where no past is given."""
+        return self.options.burn_in or Watch.enough(self.options.model)
+
     def _begin(self, past: str) -> None:
         given = self.options.given if self.options.history is not None else NOTHING
         self.watch = Watch(
@@ -96,6 +106,12 @@ class Process:
             self.options.model,
             pointings_per_false_alarm=self.options.pointings_per_false_alarm,
         )
+        if self.watch.past_nights < FEWEST_NIGHTS:
+            self.complain(
+                f"nights of {FEWEST_IN_NIGHT} pointings or more in the past:"
+                f" {self.watch.past_nights}; from {FEWEST_NIGHTS} on it is known how nights differ,"
+                " until then a night that does is an alarm"
+            )
 
     def step(self) -> Iterator[Seen]:
         """Take in what the log has by now; yield each recording when it is kept."""
@@ -104,13 +120,15 @@ class Process:
         assert self.watch is not None  # noqa: S101 - begun above
         for batch in follow.new(self.options.log, self.options.given, self.cursor):
             seen = self._taken(self.watch, batch)
-            self.cursor = batch.cursor
-            self._keep()
+            before, self.cursor = self.cursor, batch.cursor
+            # another file, or less of it: what was read cannot be read again
+            gone = before.inode != self.cursor.inode or before.offset > self.cursor.offset
+            self._keep(at_once=gone or any(one.events for one in seen))
             yield from seen
 
     def _burnt_in(self) -> bool:
         """Collect the past from the log; tell whether there is enough of it, and begin."""
-        needed = self.options.burn_in - sum(map(len, self._early))
+        needed = self.needed - sum(map(len, self._early))
         for batch in follow.new(self.options.log, self.options.given, self.cursor, size=1):
             self._complain(batch)
             self.cursor = batch.cursor
@@ -125,7 +143,7 @@ class Process:
         write_recordings(follow.joined(self._early), path)
         self._early = []
         self._begin(str(path))
-        self._keep()
+        self._keep(at_once=True)
         return True
 
     def _taken(self, watch: Watch, batch: Batch) -> list[Seen]:
@@ -148,10 +166,20 @@ class Process:
         for one in batch.skipped:
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
 
-    def _keep(self) -> None:
+    def _keep(self, *, at_once: bool) -> None:
+        """Keep the state, at the latest before anything is reported."""
         assert self.watch is not None  # noqa: S101 - kept only once begun
-        state.save(self.watch, self.options.out / STATE, self.cursor.as_json())
+        now = time.monotonic()
+        self._behind = not at_once and now - self._kept < KEPT_EVERY_S
+        if not self._behind:
+            state.save(self.watch, self.options.out / STATE, self.cursor.as_json())
+            self._kept = now
         self._tell()
+
+    def close(self) -> None:
+        """Keep what was not kept yet."""
+        if self._behind:
+            self._keep(at_once=True)
 
     def _tell(self) -> None:
         assert self.watch is not None  # noqa: S101 - told only once begun

@@ -68,7 +68,10 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
             "slots": [asdict(one) for one in own.slots],
         }
         arrays |= {f"{n}/null/{one}": getattr(own.null, one) for one in _ARRAYS_OF_NULL}
-        arrays |= {f"{n}/{one}": values for one, values in own.detector.arrays().items()}
+        arrays |= {f"{n}/unchanged/{k}": one for k, one in enumerate(own.unchanged)}
+        for kind in ("detector", "standing"):
+            some = getattr(own, kind).arrays()
+            arrays |= {f"{n}/{kind}/{one}": values for one, values in some.items()}
     texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
     with write_whole(path, "wb") as file:
         np.savez(file, **(texts | arrays))
@@ -117,8 +120,13 @@ def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]]
         setattr(own.null, name, tuple(value) if name == "pointing" else value)
     for name in _ARRAYS_OF_NULL:
         setattr(own.null, name, arrays[f"{n}/null/{name}"])
-    for name in own.detector.arrays():
-        setattr(own.detector, name, arrays[f"{n}/{name}"])
+    own.unchanged = tuple(
+        arrays[f"{n}/unchanged/{k}"] for k in range(3) if f"{n}/unchanged/{k}" in arrays
+    )
+    for kind in ("detector", "standing"):
+        one = getattr(own, kind)
+        for name in one.arrays():
+            setattr(one, name, arrays[f"{n}/{kind}/{name}"])
     own.detector.begun = told["begun"]
     own.detector.open, own.pending, own.rows = told["open"], told["pending"], told["rows"]
     own.slots = [Slot(**one) for one in told["slots"]]

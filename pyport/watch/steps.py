@@ -7,7 +7,7 @@ from math import log
 import numpy as np
 
 from pyport.watch import detector, null
-from pyport.watch.adopt import adopt, adopt_spread, release
+from pyport.watch.adopt import adopt, adopt_omitted, adopt_spread, release
 from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm
 from pyport.watch.antenna import Antenna, Slot, first_state, state_columns
 from pyport.watch.detector import SPREADS
@@ -33,12 +33,18 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
     """
     night = rows.labels["session"][n] != watch.null.labels.get("session")
     kept, new = null.advance(watch.null, watch.states, rows, n)
-    detector.forget(watch.detector, kept, watch.null, night=night)
+    for own in (watch.detector, watch.standing):
+        detector.forget(own, kept, watch.null, night=night)
     if new:
         watch.rows += 1
         if watch.detector.open:
             detector.start(
-                watch.detector, watch.layout, watch.null, watch.rows, float(rows.clock[n])
+                watch.detector,
+                watch.layout,
+                watch.null,
+                watch.rows,
+                float(rows.clock[n]),
+                watch.standing.log_mass[0, : watch.layout.members],
             )
     white = np.sqrt(rows.variance[n] * watch.null.scale)
     watch.left = np.stack([rows.off[n], white], axis=1)
@@ -56,44 +62,58 @@ def _reading(watch: Antenna, rows: Rows, n: int, axis: int) -> None:
     nuisance = np.concatenate([rows.nuisance[n, axis], *columns])
     before = (float(own.scale[axis]), own.degrees(axis), own.share, own.tail)
     one = null.take(own, axis, float(rows.value[n, axis]), nuisance, float(rows.variance[n, axis]))
-    detector.update(watch.detector, watch.layout, one, nuisance, change, before)
+    for each in (watch.detector, watch.standing):
+        detector.update(each, watch.layout, one, nuisance, change, before)
     _spreads(watch, one, before)
 
 
 def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
-    """Raise an alarm, name it, confirm or withdraw it."""
-    evidence = watch.evidence
+    """Raise an alarm, name it, confirm or withdraw it.
+
+    A change is one that no effect explains which may have stood all along; what one explains is
+    raised as that.
+    """
+    evidence, omitted = watch.evidence, watch.omitted
     if watch.pending is None:
-        if evidence < watch.threshold:
+        if max(evidence, omitted) < watch.threshold:
             return []
-        watch.pending = number
-        watch.detector.open = False
-        antenna = watch.baseline.antenna
-        every[number] = Alarm(number, antenna, float(rows.clock[n]), watch.rows)
-        start, _ = name(watch, every[number], every)
-        watch.null.scale = watch.detector.before[start, :2].copy()
-        watch.null.outliers, watch.null.readings = map(float, watch.detector.before[start, 2:])
-        watch.null.learning = False
-        return [f"raised {number}"]
+        return _raise(watch, float(rows.clock[n]), every, number, stood=evidence < watch.threshold)
     alarm = every[watch.pending]
     # no likelier than none, whenever it may have begun
-    if evidence < log(watch.detector.begun):
+    if evidence < log(watch.detector.begun) and (omitted < 0 or not alarm.stood):
         alarm.state, alarm.ended = WITHDRAWN, float(rows.clock[n])
         _afresh(watch)
         return [f"withdrawn {alarm.number}"]
-    was = alarm.effect, alarm.named
+    was = alarm.effect, alarm.named, alarm.stood
+    alarm.stood = alarm.stood and evidence < watch.threshold
     best = name(watch, alarm, every)
     age = watch.rows - alarm.raised_row
     if age >= LONGEST_NAMING or (age >= NAMING and len(alarm.members) == 1):
         return _confirm(watch, alarm, best, every)
-    known = (alarm.effect, alarm.named)
+    known = alarm.effect, alarm.named, alarm.stood
     return [f"renamed {alarm.number}"] if known != was and alarm.members[0][1] > HALF else []
+
+
+def _raise(
+    watch: Antenna, clock: float, every: dict[int, Alarm], number: int, *, stood: bool
+) -> list[str]:
+    watch.pending = number
+    watch.detector.open = False
+    watch.unchanged = watch.standing.known()
+    every[number] = Alarm(number, watch.baseline.antenna, clock, watch.rows, stood=stood)
+    start, _ = name(watch, every[number], every)
+    if not stood:
+        watch.null.scale = watch.detector.before[start, :2].copy()
+        watch.null.outliers, watch.null.readings = map(float, watch.detector.before[start, 2:])
+    watch.null.learning = False
+    return [f"raised {number}"]
 
 
 def _afresh(watch: Antenna) -> None:
     watch.pending = None
     watch.null.learning = True
     watch.detector = detector.fresh(watch.layout, len(watch.null.mean))
+    watch.standing.stood = watch.standing.log_mass[:, : watch.layout.members].copy()
 
 
 def _confirm(
@@ -109,8 +129,12 @@ def _confirm(
         former.state, former.ended = OVER, alarm.since
         happened.append(f"over {former.number}")
         again.alarm = alarm.number
-    if change < watch.layout.members:
-        adopt(watch, start, change, again)
+    if alarm.stood:
+        adopt_omitted(watch, change, again)
+    elif change < watch.layout.members:
+        # what was seen since was the change's
+        watch.standing.forget_since(watch.unchanged)
+        adopt(watch, start, change, again, watch.detector)
     else:
         adopt_spread(watch, alarm, start, change, again)
     _afresh(watch)

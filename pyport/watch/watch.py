@@ -22,8 +22,8 @@ from pyport.watch import antenna as one_antenna
 from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
 from pyport.watch.antenna import Antenna
-from pyport.watch.baseline import TooFew, past
-from pyport.watch.calibrate import calibrated
+from pyport.watch.baseline import TooFew, enough, past
+from pyport.watch.calibrate import FEWEST_IN_NIGHT, calibrated
 from pyport.watch.prepare import prepare
 
 #: One false alarm in so many pointings or more, on average, unless another number is asked for.
@@ -131,9 +131,9 @@ class Watch:
             except TooFew as few:
                 self.unwatched[str(name)] = few.message
                 continue
-            null, known = calibrated(of_it)
+            null, known, stands = calibrated(of_it)
             each = pointings_per_false_alarm * len(names)
-            self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, each)
+            self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, stands, each)
         if not self.antennas:
             raise BadInput(next(iter(self.unwatched.values())), history.file)
         time = np.asarray(history.at.columns.get("time", np.full(len(history), np.nan)), float)
@@ -141,6 +141,10 @@ class Watch:
         self.last = float(time.max()) if self.timed else np.nan
         sessions = history.label("session").astype(str)
         self.session = str(sessions[-1]) if len(sessions) else ""
+        _, in_night = np.unique(sessions, return_counts=True)
+        #: Nights of the past that tell how nights differ; with fewer than three the promise holds
+        #: within a night.
+        self.past_nights = int((in_night >= FEWEST_IN_NIGHT).sum())
         self.first_row = len(history)
         self.row = 0
         #: What the state belongs to, once it was asked for: see `pyport.watch.state`.
@@ -150,6 +154,11 @@ class Watch:
         self.events: list[Event] = []
         self.happened = 0
         self.recent: list[Seen] = []
+
+    @staticmethod
+    def enough(model: str | Path | Model | PointingModel = "altaz") -> int:
+        """Return how many pointings make a past for a model, where it may be chosen."""
+        return enough(model_of(model))
 
     @property
     def standing(self) -> list[Alarm]:
@@ -268,6 +277,7 @@ class Watch:
             "model": self.model.name,
             "history": str(Path(self.history.file)),
             "pointings_per_false_alarm": self.pointings_per_false_alarm,
+            "past_nights": self.past_nights,
             "rows": self.row,
             "last": None if last is None else moment(last.time, timed=self.timed),
             "alarms_raised": self.raised,

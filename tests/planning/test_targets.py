@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 from drawn_nights import world, write
 
+from pyport.angles import ARCSEC
 from pyport.cli import pyport as program
 from pyport.effects.base import Site
 from pyport.errors import BadInput
@@ -136,3 +137,42 @@ def test_a_catalogue_is_read_and_refused(tmp_path):
         path.write_text(text)
         with pytest.raises(BadInput, match=why):
             read_catalogue(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "count", "known"),
+    [
+        ("radio", 211, {"3C273B": (187.2779155, 2.0523883), "3C286": (202.7845333, 30.5091553)}),
+        ("stars", 351, {"HIP 91262": (279.2347348, 38.7836889), "HIP 71683": (219.902, -60.834)}),
+    ],
+)
+def test_catalogues_are_shipped(name, count, known):
+    """Places published elsewhere: ICRF's of 3C 273 and 3C 286, Vega's, alpha Centauri's."""
+    some = {one.name: one for one in read_catalogue(name)}
+
+    assert len(some) == count
+    for one, (ra, dec) in known.items():
+        assert (some[one].ra / DEG, some[one].dec / DEG) == pytest.approx((ra, dec), abs=2e-3)
+    later = {one.name: one for one in read_catalogue(name, 2025.0)}
+    moved = max(
+        np.hypot((later[n].ra - one.ra) * np.cos(one.dec), later[n].dec - one.dec)
+        for n, one in some.items()
+    )
+    # alpha Centauri goes 3.7 arcsec a year
+    assert moved / ARCSEC == pytest.approx(92 if name == "stars" else 0, abs=4)
+
+
+def test_shipped_sources_are_offered(tmp_path):
+    """By name; what is no catalogue is one line."""
+    drawn = world()
+    path = write(tmp_path / "past.csv", drawn.past, drawn.header)
+    words = ["targets", str(path), "--start", "2024-03-28T01:00:00Z", "--hours", "2"]
+    done = CliRunner().invoke(program, [*words, "--count", "3", "--catalogue", "radio"])
+    assert done.exit_code == 0, done.output
+
+    names = {one.name for one in read_catalogue("radio")}
+    rows = [line.split(",") for line in done.output.splitlines()[1:]]
+    assert rows
+    assert {row[1] for row in rows} <= names
+    bad = CliRunner().invoke(program, [*words, "--catalogue", "infrared"])
+    assert "infrared" in str(bad.exception)

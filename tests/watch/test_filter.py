@@ -5,6 +5,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from drawn_nights import world
+from scipy.special import logsumexp
 
 from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
@@ -19,7 +20,7 @@ def known():
     """Return a baseline, its filter and states, and the rows of a night."""
     drawn = world()
     before = past(from_table(drawn.past, drawn.header), load("altaz"))
-    start, states = calibrated(before)
+    start, states, _ = calibrated(before)
     return (
         before.baseline,
         start,
@@ -40,7 +41,8 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
     baseline, _, states, rows = known
     start = null.begin(states)
     gaussian(start, monkeypatch)
-    watch = antenna.begin(baseline, states, start, 1e300)
+    layout = detector.layout(baseline.changes)
+    watch = antenna.begin(baseline, states, start, detector.standing(layout, start), 1e300)
     monkeypatch.setattr(detector, "learnt", lambda scale, *_: scale)
     monkeypatch.setattr(detector, "log_density", lambda square, *_: 0 * square)
     monkeypatch.setattr(detector, "log_usual", lambda square, *_: 0 * square)
@@ -65,7 +67,7 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
             null.take(one, axis, rows.value[n, axis], column, rows.variance[n, axis])
     assert watch.detector.row[first] == 1
     watch.pending = 1
-    adopt.adopt(watch, first, change, None)
+    adopt.adopt(watch, first, change, None, watch.detector)
 
     sigma = np.sqrt(np.diag(one.covariance))
     assert np.abs((watch.null.mean - one.mean) / sigma).max() < 1e-5
@@ -84,7 +86,7 @@ def test_every_likelihood_ratio_has_the_expectation_one(known):
     scale, degrees, share, tail = 1.3, 20.0, 0.01, 0.05
     before = scale, degrees, share, tail
     own = detector.fresh(layout, len(states))
-    detector.start(own, layout, start, 1, 0.0)
+    detector.start(own, layout, start, 1, 0.0, np.zeros(layout.members))
 
     def told(own, value, n, axis):
         one = null.Innovation(axis, value, 3e-5, np.zeros(len(states)))
@@ -116,11 +118,32 @@ def test_starts_are_kept_near_and_thinned_far(known):
     layout = detector.layout(baseline.changes)
     own = detector.fresh(layout, len(states))
     for row in range(1, 2000):
-        detector.start(own, layout, start, row, float(row))
+        detector.start(own, layout, start, row, float(row), np.zeros(layout.members))
 
     assert len(own.row) == detector.STARTS
     assert np.all(np.diff(own.row) > 0)
     assert own.row[-1] == 1999
     assert own.row[0] < 1000
     # the mass of what was merged is kept: one for each pointing
-    assert np.exp(detector.evidence(own, layout)) == pytest.approx(1999, rel=1e-9)
+    stands = detector.standing(layout, start)
+    assert np.exp(detector.evidence(own, layout, stands)) == pytest.approx(1999, rel=1e-9)
+
+
+def test_a_ratio_is_taken_to_the_best_of_what_may_have_stood(known):
+    """Nothing that an effect explains that was always there counts for a change since."""
+    baseline, start, states, rows = known
+    layout = detector.layout(baseline.changes)
+    own, stands = detector.fresh(layout, len(states)), detector.standing(layout, start)
+    for row in range(1, 5):
+        detector.start(own, layout, start, row, float(row), stands.log_mass[0, : layout.members])
+        one = null.Innovation(row % 2, 4.0, 3e-5, np.zeros(len(states)))
+        columns = rows.nuisance[row, row % 2], rows.change[row, row % 2]
+        for each in (own, stands):
+            detector.update(each, layout, one, *columns, (1.0, 20.0, 0.01, 0.05))
+    alone = own.log_mass + layout.log_share
+    beside = detector.log_odds(own, layout, stands)
+    since = stands.log_mass[0, : layout.members] - own.stood
+
+    assert since.max() > 5
+    np.testing.assert_allclose(alone - beside, np.repeat(since.max(1)[:, None], alone.shape[1], 1))
+    assert detector.evidence(own, layout, stands) < 5 < logsumexp(alone)

@@ -68,15 +68,31 @@ def test_outcomes_are_kept_and_summed_up(tmp_path):
     assert "2/2" in summary.of_steps([one for one in found if one["step"]])
 
 
-@pytest.mark.parametrize(("name", "delays"), [("IRAM 2015-03", [4]), ("MMT together", [4, 3, 12])])
-def test_known_events_of_public_recordings_are_raised(name, delays):
+@pytest.mark.parametrize(
+    ("name", "past", "delays"),
+    [("IRAM 2015-03", 80, [24]), ("MMT together", None, [5, 3, 31])],
+)
+def test_known_events_of_public_recordings_are_raised(name, past, delays):
     """Within as many pointings as the manual says, and some to spare."""
     if not DATA.is_dir():
         pytest.skip(f"no public recordings in {DATA}: PYPORT_SHARED_DATA names their folder")
     entry = next(one for one in sets.catalogue() if one["name"] == name)
-    found = replays._replayed(sets.read(entry, DATA), 10_000.0)
+    found = replays._replayed(sets.read(entry, DATA), 10_000.0, past)
 
     assert [what for what, delay in found.known if delay is None] == []
     said = [delay for _, delay in found.known]
     assert all(one <= other + 2 for one, other in zip(said, delays, strict=True))
     assert "known: " in replays.text(found)
+
+
+@pytest.mark.parametrize("name", ["IRAM 2013-10"])
+def test_what_a_model_leaves_out_is_no_change(name):
+    """The collimation follows the focus: in 437 pointings not one alarm of a change."""
+    if not DATA.is_dir():
+        pytest.skip(f"no public recordings in {DATA}: PYPORT_SHARED_DATA names their folder")
+    entry = next(one for one in sets.catalogue() if one["name"] == name)
+    found = replays._replayed(sets.read(entry, DATA), 10_000.0)
+
+    assert (found.nights, found.pointings, found.changes) == (3, 437, 0)
+    assert any("collimation follows focus_z_mm" in one["sentence"] for one in found.alarms)
+    assert "437 pointings, 0 alarms of a change" in replays.total([found], 10_000.0)

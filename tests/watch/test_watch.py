@@ -102,6 +102,28 @@ def test_a_night_without_change_raises_nothing():
     assert watch.raised == 0
 
 
+def test_what_the_past_did_not_show_is_no_change():
+    """Elevation follows a temperature that hardly moved in the past: said as if it always had."""
+    quiet = world(step=False)
+    rng = np.random.default_rng(3)
+    past, watched = dict(quiet.past), dict(quiet.watched)
+    n = len(watched["az_deg"])
+    past["temperature_c"] = np.round(5 + 0.2 * rng.standard_normal(len(past["az_deg"])), 1)
+    warm = np.round(5 + 12 * np.sin(np.linspace(0, 12, n)) ** 2, 1)
+    for table in (past, watched):
+        warmth = table.setdefault("temperature_c", warm) - 5
+        table["d_el_arcsec"] = table["d_el_arcsec"] + 0.5 * quiet.sigma * warmth
+    watch = pyport.Watch(past, header=quiet.header)
+    list(watch.replay(watched))
+
+    assert watch.raised >= 1
+    assert [one for one in watch.alarms.values() if not one.stood] == []
+    (alarm,) = watch.standing
+    assert "temperature" in str(alarm.members)
+    assert "as if it had always been so: the past did not show it" in alarm.sentence
+    assert alarm.as_json(timed=True)["stood"] is True
+
+
 def test_more_scatter_is_an_alarm_of_scatter():
     """Readings that scatter three times as far are called that."""
     quiet = world(step=False)

@@ -31,12 +31,17 @@ from pyport.cli.manners import in_json, plain
 def command(data: Path, rarity: float, *, as_json: bool) -> None:
     """Replay public recordings in the order of time; say what is raised, and what is known.
 
-    The first 80 pointings of a set stand for the past, of an array its first day.
+    The first ten pointings for each coefficient stand for the past, and three nights where that
+    leaves half; of an array its first day.
     """
     from pyport.examiner.nights import replays
 
+    found = []
     for one in replays.replays(data, rarity):
+        found.append(one)
         if as_json:
             click.echo(json.dumps(plain(dataclasses.asdict(one))))
         else:
             click.echo(replays.text(one) + "\n")
+    if not as_json:
+        click.echo(replays.total(found, rarity))

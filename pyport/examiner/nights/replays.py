@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.examiner.real import sets
 
-#: Pointings that stand for the past; of shorter recordings this share.
-PAST, PAST_SHARE = 80, 0.6
+#: Of shorter recordings than a log needs without a past this share stands for it.
+PAST_SHARE = 0.6
+#: Nights, of so many pointings, from which on it is known how nights differ: the past goes on until
+#: then where that leaves half of the recordings.
+NIGHTS, IN_NIGHT = 3, 8
+#: Pasts of other lengths that a known event is looked for with: none was chosen by what it shows.
+PASTS = range(60, 121, 10)
 #: What is known to have changed, and when. [UTC]
 KNOWN = {
     "GMRT Cygnus A": (
@@ -48,7 +54,15 @@ class Replay:
     #: What is known to have changed, and how many pointings after it an alarm was raised; None
     #: where none was.
     known: list[tuple[str, int | None]] = field(default_factory=list)
+    #: For pasts of other lengths the delays of the known events.
+    others: dict[int, list[int | None]] = field(default_factory=dict)
+    nights: int = 0  #: nights in the past that tell how nights differ
     refused: str = ""  #: why the set was not watched
+
+    @property
+    def changes(self) -> int:
+        """Return how many alarms were of a change, not of what may always have been so."""
+        return sum(not one["stood"] for one in self.alarms)
 
 
 def replays(data: Path | None, pointings_per_false_alarm: float) -> Iterator[Replay]:
@@ -60,21 +74,30 @@ def replays(data: Path | None, pointings_per_false_alarm: float) -> Iterator[Rep
         if isinstance(found, str):
             yield Replay(entry["name"], refused=found)
         else:
-            yield _replayed(found, pointings_per_false_alarm)
+            replay = _replayed(found, pointings_per_false_alarm)
+            if replay.known and "antenna" not in found.table:
+                for past in PASTS:
+                    other = _replayed(found, pointings_per_false_alarm, past)
+                    replay.others[past] = [delay for _, delay in other.known]
+            yield replay
 
 
-def _replayed(found: sets.Recordings, pointings_per_false_alarm: float) -> Replay:
+def _replayed(
+    found: sets.Recordings, pointings_per_false_alarm: float, past: int | None = None
+) -> Replay:
     import pyport
     from pyport.errors import BadInput
 
     time = found.table.get("time_utc")
     clock = np.arange(len(found)) if time is None else np.array(time, "datetime64[s]").astype(float)
     order = np.argsort(clock, kind="stable")
-    past = min(PAST, int(PAST_SHARE * len(found)))
+    past = past or max(pyport.Watch.enough(found.model), _three_nights(found.night[order]))
+    past = min(past, int(PAST_SHARE * len(found)))
     if len(np.unique(found.table.get("antenna", np.array([""])))) > 1:
         past = int(np.sum(found.night == found.night[order[0]]))
     table = {name: np.asarray(cells)[order] for name, cells in found.table.items()}
-    out = Replay(found.name, past, len(found) - past)
+    _, each = np.unique(found.night[order][:past], return_counts=True)
+    out = Replay(found.name, past, len(found) - past, nights=int((each >= IN_NIGHT).sum()))
     try:
         watch = pyport.Watch(
             {name: cells[:past] for name, cells in table.items()},
@@ -95,26 +118,56 @@ def _replayed(found: sets.Recordings, pointings_per_false_alarm: float) -> Repla
     out.alarms = [{"row": row, **last.get(number, {})} for number, row in raised.items()]
     for moment, what in KNOWN.get(found.name, ()):
         first = int(np.searchsorted(clock[order], np.datetime64(moment, "s").astype(float))) - past
-        after = [row for row in raised.values() if row > first]
+        after = [one["row"] for one in out.alarms if one["row"] > first and not one["stood"]]
         out.known.append((what, after[0] - first if after else None))
     return out
+
+
+def _three_nights(night: NDArray[Any]) -> int:
+    """Return how many pointings three nights are over after, 0 where that is beyond half."""
+    ends = np.flatnonzero(night[1:] != night[:-1]) + 1
+    for end in ends[ends <= len(night) // 2]:
+        if (np.unique(night[:end], return_counts=True)[1] >= IN_NIGHT).sum() >= NIGHTS:
+            return int(end)
+    return 0
+
+
+def total(found: Sequence[Replay], pointings_per_false_alarm: float) -> str:
+    """Return how many alarms of a change there were, and how many are promised at most."""
+    some = [one for one in found if one.nights >= NIGHTS]
+    pointings = sum(one.pointings for one in some)
+    changes = sum(one.changes for one in some)
+    known = sum(delay is not None for one in some for _, delay in one.known)
+    return (
+        f"after pasts of {NIGHTS} nights or more: {pointings} pointings, {changes} alarms of a"
+        f" change, {known} of {sum(len(one.known) for one in some)} known events raised;"
+        f" {pointings / pointings_per_false_alarm:.2f} false alarms are promised at most"
+    )
 
 
 def text(found: Replay) -> str:
     """Return a replay as text."""
     if found.refused:
         return f"{found.name}: not watched: {found.refused}"
-    lines = [f"{found.name}: {found.pointings} pointings after {found.past}"]
+    nights = f"{found.nights} night{'s' * (found.nights != 1)}"
+    lines = [f"{found.name}: {found.pointings} pointings after {found.past} in {nights}"]
     many = Counter(one["effect"] for one in found.alarms)
     if len(found.alarms) > MOST_LISTED:
         antennas = len({one["antenna"] for one in found.alarms})
         told = ", ".join(f"{count} {effect}" for effect, count in many.most_common())
-        lines.append(f"  {len(found.alarms)} alarms of {antennas} antennas: {told}")
+        stood = sum(one["stood"] for one in found.alarms)
+        lines.append(
+            f"  {len(found.alarms)} alarms of {antennas} antennas, {stood} as if always so: {told}"
+        )
     for one in found.alarms if len(found.alarms) <= MOST_LISTED else ():
         whose = f", antenna {one['antenna']}" if one["antenna"] else ""
-        lines.append(f"  alarm at {one['row']}{whose}, {one['state']}, since {one['since']}:")
+        since = "as if always so" if one["stood"] else f"since {one['since']}"
+        lines.append(f"  alarm at {one['row']}{whose}, {one['state']}, {since}:")
         lines.append(f"    {one['sentence']}")
     for what, delay in found.known:
         when = "no alarm" if delay is None else f"an alarm within {delay} pointings"
         lines.append(f"  known: {what}: {when}")
+    for past, delays in found.others.items():
+        some = ", ".join("none" if one is None else str(one) for one in delays)
+        lines.append(f"  after a past of {past}: an alarm within {some} pointings")
     return "\n".join(lines)
