@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.finding import Interval
-from pyport.effects import Circumstances, Effect, MissingColumn
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.effects import catalogue as effects_of
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
@@ -90,3 +92,20 @@ def conditions(recordings: Recordings) -> Circumstances:
     at, kept = recordings.at, set(recordings.at.columns)
     kept -= set(recordings.meta.get("bookkeeping", "").split())
     return replace(at, columns={name: at.columns[name] for name in at.columns if name in kept})
+
+
+def but_of_every_session(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates without changes that have coefficients of their own in every session.
+
+    Among sessions that depart at random those are no change but their scatter. The choice among
+    a family is one among those that are left.
+    """
+    kept = [one for one in candidates if not _of_every_session(one.effect)]
+    left = Counter(one.effect.id for one in kept)
+    return [
+        replace(one, choices=left[one.effect.id]) if one.effect.is_change else one for one in kept
+    ]
+
+
+def _of_every_session(effect: Effect) -> bool:
+    return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)

@@ -31,8 +31,6 @@ from pyport.stages import stage
 from pyport.thresholds import ENOUGH_ANTENNAS
 
 DRAWS = 300
-#: Sessions of a single antenna up to which an effect of the sky may differ between them.
-MOST_SESSIONS = 12
 
 
 @dataclass(frozen=True)
@@ -207,10 +205,16 @@ def prepare(
     terms = model.fitted(refit)
     base_columns, base = _base(recordings, data, terms)
     found, candidates, untestable = listing.design(recordings, data)
+    given = frame(recordings, data)
+    departing = any(one.of == "session" for one in given.departures)
+    if departing:
+        candidates = listing.but_of_every_session(candidates)
     generic, others = shapes.design(recordings, data)
     first = base_columns.shape[1]
-    sessions, session_names = group(recordings, ("session",))
-    block_of_row, names = group(recordings, _block_labels(recordings, terms, len(session_names)))
+    own = any("session" in term.per for term in terms)
+    # Among sessions that depart at random what each has of its own is no effect but their scatter.
+    labels = ("antenna",) if departing and not own else ("antenna", "session")
+    block_of_row, names = group(recordings, labels)
     return Problem(
         recordings=recordings,
         model=model,
@@ -226,25 +230,12 @@ def prepare(
             np.array([n[1] if len(n) > 1 else "" for n in names]),
         ),
         block=block_of_row[data.row],
-        session=sessions[data.row],
+        session=group(recordings, ("session",))[0][data.row],
         pointing=pointings(recordings)[data.row],
         scan=_scans(recordings, data),
-        frame=frame(recordings, data),
+        frame=given,
         seed=seed,
     )
-
-
-def _block_labels(recordings: Recordings, terms: Sequence[Term], sessions: int) -> tuple[str, ...]:
-    """Return the labels whose values part the blocks.
-
-    One antenna's many sessions are one block unless the model has terms for
-    each: what differs between them has effects of its own, and the products
-    need not be kept session by session.
-    """
-    antennas = len(np.unique(recordings.label("antenna").astype(str)))
-    own = any("session" in term.per for term in terms)
-    whole = antennas == 1 and sessions > MOST_SESSIONS and not own
-    return ("antenna",) if whole else ("antenna", "session")
 
 
 @stage("whitening")

@@ -15,7 +15,6 @@ import numpy as np
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
-from pyport.effects import CATALOGUE
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, MOST_CHANGES
@@ -34,7 +33,6 @@ def proposed(
     `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
     of a term that the model lacks: first that term is looked for.
     """
-    departing = any(one.of == "session" for one in setup.frame.departures)
     effects = [one.candidate.effect for one in (*setup.base, *chosen)]
     has = {"", *(one.of or one.id for one in effects)}
     wanted = [
@@ -43,7 +41,6 @@ def proposed(
         if one.candidate.effect.physical
         and temporal(setup, one.candidate.effect)
         and one.candidate.effect.id not in banned
-        and not (departing and _of_every_session(one))
         and one.candidate.effect.change_of in has
     ]
     still = _still(setup, weighed.covariance)
@@ -76,15 +73,6 @@ def proposed(
             best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
     ranked = sorted(best.values(), key=lambda one: -round(one.evidence, TIE))
     return beside, ranked[:MOST_CHANGES]
-
-
-def _of_every_session(trial: CandidateFit) -> bool:
-    """Tell whether a change has coefficients of its own in every session but one.
-
-    Among sessions that depart at random that is no change but their scatter.
-    """
-    effect = trial.candidate.effect
-    return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)
 
 
 def _still(setup: Problem, covariance: Covariance) -> Covariance:

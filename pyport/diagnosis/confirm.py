@@ -8,6 +8,7 @@ where nights, sources and drifts do it all, and one with the change and what is 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,10 +40,17 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
     whole = noise(setup, (*others, one), searching=False)
-    value, given = setup.residual, setup.frame
-    without = estimate(value, model, given, like=whole)
-    lack, gained = _lack(whole, model, own, value)
-    return _lack(without, model, own[:, :0], value)[0] - lack + gained - price - _among(setup, one)
+    value = setup.residual
+    noises = [whole] + [
+        estimate(value, columns, setup.frame, like=whole)
+        for columns in (np.concatenate([model, own], axis=1), model)
+    ]
+    noises += [replace(one, departures=()) for one in noises if one.departures]
+    # Either world has the likeliest of them: what one estimate misses is no evidence.
+    worlds = [_lack(covariance, model, own, value) for covariance in noises]
+    without = min(lack for lack, _ in worlds)
+    with_it = min(lack - gained for lack, gained in worlds)
+    return without - with_it - price - _among(setup, one)
 
 
 def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
@@ -94,8 +102,6 @@ def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tup
         + float(left @ left)
     )
     lack += 2 * float(np.log(length[length > 0]).sum())
-    if own.shape[1] == 0:
-        return lack, 0.0
     columns = rest[:, :-1]
     size = np.linalg.norm(white[:, p:-1], axis=0)
     columns = columns / np.where(size > 0, size, np.inf)

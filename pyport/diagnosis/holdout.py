@@ -13,6 +13,7 @@ from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
+from pyport.recordings.nights import clock
 from pyport.stages import stage
 from pyport.thresholds import BLOCKS, CLIP, FOLDS, MOST_FOLDS, SEVERAL
 
@@ -39,7 +40,7 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
     Whole sessions where there are enough of them and nothing that is fitted
     belongs to a session; otherwise whole scans where they are known to be
     scans, or blocks of time within the sessions, or single pointings where
-    there is no time. Where sessions depart from each other, blocks of each are
+    there is neither time nor order. Where sessions depart from each other, blocks of each are
     predicted from its others; but a change among them must do better than the
     model alone, for any change could be called departures.
     """
@@ -56,9 +57,9 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
         return Folds("leave whole sessions out, twenty folds", sessions * MOST_FOLDS // count)
     rng = np.random.default_rng(setup.seed)
     at = setup.recordings.at
-    if "time" not in at or not np.all(np.isfinite(np.asarray(at.column("time"), float))):
+    time = clock(at)[setup.stack.row]
+    if not np.isfinite(time).all():
         return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing)
-    time = np.asarray(at.column("time"), float)[setup.stack.row]
     if "scan_direction" in at and setup.blocks.antennas > 1:
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
@@ -67,7 +68,8 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
         rows = np.flatnonzero(sessions == session)
         rank = np.unique(time[rows], return_inverse=True)[1]
         fold[rows] = rank * BLOCKS // (rank.max() + 1)
-    return Folds("leave blocks of time out, five in each session", fold, departing)
+    what = "time" if "time" in at else "rows"
+    return Folds(f"leave blocks of {what} out, five in each session", fold, departing)
 
 
 def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:

@@ -56,17 +56,20 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
     )
     outside: list[CandidateFit] = []
     others: list[str] = []
+    # One whose evidence does not pay for the choice among all names explains nothing.
+    choice = 2 * float(np.log(max(len({rival.candidate.effect.id for rival in rivals}), 1)))
+    least = max(winner.evidence - NOT_EXCLUDED, choice)
     for rival in rivals:
         effect = rival.candidate.effect.id
         if effect in members:
-            if _follows_another(winner, rival):
+            if rival.evidence > least and _follows_another(winner, rival):
                 others.append(rival.candidate.effect.variant)
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
         if _changes(winner, rival):
             continue
-        close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
+        close = rival.evidence > least
         # A rival with many more coefficients can draw any curve; that is no likeness.
         same = (
             rival.scope == winner.scope
@@ -86,10 +89,9 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
 
 
 def _follows_another(winner: CandidateFit, rival: CandidateFit) -> bool:
-    """Tell whether a rival of the winner's family has another driver and is not excluded."""
+    """Tell whether a rival of the winner's family has another driver."""
     one, other = winner.candidate.effect, rival.candidate.effect
-    close = rival.evidence > max(winner.evidence - NOT_EXCLUDED, 0.0)
-    return close and one.id == other.id and one.driver != other.driver
+    return one.id == other.id and one.driver != other.driver
 
 
 def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:

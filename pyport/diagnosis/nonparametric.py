@@ -67,5 +67,6 @@ def _with_field(
     if not own:
         return None
     winner = replace(own[0], evidence=worth.evidence)
-    step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials))
+    price = 2 * float(np.log(candidate.choices))
+    step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials), price)
     return Outcome(wider, after, (*steps, step), weigh(wider, after), p_value, ())

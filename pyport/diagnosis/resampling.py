@@ -14,13 +14,14 @@ from itertools import pairwise
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.case import Chosen, Problem, temporal
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.identify import TIE, fits_physics
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.least_squares.gram import inverse_of
+from pyport.recordings.nights import clock
 from pyport.stages import stage
 from pyport.thresholds import ENOUGH_TO_RESAMPLE, OUT_OF_REACH
 
@@ -69,6 +70,10 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
     slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]
+    if temporal(setup, own.candidate.effect):
+        # What speaks for a change is also what it leaves for the noise to do, not its gain alone.
+        whole = _worths(products.sum(axis=0), model.shape[1], slices[:1], excess[:1])
+        prices[0] = float(whole[0]) - step.winner.evidence
     rng = np.random.default_rng([setup.seed, choice])
     first: Counter[str | None] = Counter()
     for _ in range(DRAWS):
@@ -113,9 +118,7 @@ def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
     if len(np.unique(sessions)) >= ENOUGH_TO_RESAMPLE and not of_session:
         return "sessions", sessions
     at = setup.recordings.at
-    time = np.full(len(at), np.nan)
-    if "time" in at:
-        time = np.asarray(at.column("time"), float)
+    time = clock(at)
     if not np.isfinite(time).all():
         rng = np.random.default_rng(setup.seed)
         distinct, pointing = np.unique(setup.pointing, return_inverse=True)
@@ -127,7 +130,7 @@ def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
     session = moments[0].astype(np.intp)
     rank = np.arange(len(session)) * UNITS // len(session)
     unit = np.unique(np.stack([session, rank]), axis=1, return_inverse=True)[1]
-    return "blocks of time", unit.ravel()[moment.ravel()]
+    return f"blocks of {'time' if 'time' in at else 'rows'}", unit.ravel()[moment.ravel()]
 
 
 def _products(columns: Array, unit: Codes) -> Array:

@@ -39,7 +39,7 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
         outcome = _searched(setup, banned, tell)
         wrong = _wrong_sizes(outcome)
         if not wrong:
-            return _walk(_standing(outcome, tell), banned, tell, strict=True)
+            return _walk(_standing(outcome, tell), banned, tell)
         tell(f"{', '.join(sorted(wrong))}: not the size that physics gives, once more without")
         banned |= wrong
 
@@ -89,13 +89,7 @@ def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
     return frozenset(found)
 
 
-def _walk(
-    start: Outcome,
-    banned: frozenset[str],
-    tell: Callable[[str], None],
-    *,
-    strict: bool = False,
-) -> Outcome:
+def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
     """Go on from where a search stands with the effects that have names."""
     now = start
     first = start.p_value if start.steps else None
@@ -118,7 +112,6 @@ def _walk(
                 least,
                 banned=banned,
                 mismatch=mismatch,
-                strict=strict,
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
@@ -129,7 +122,7 @@ def _walk(
         if not now.steps:
             first = min(first, p_value)
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
-        step = Step(trial, new, trials, chosen, beside, p_value)
+        step = Step(trial, new, trials, chosen, beside, p_value, winner.price)
         then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
@@ -172,7 +165,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         trial, setup, new = better.trial, better.setup, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
         old = now.step_of(one)
-        step = Step(trial, new, trials, others, beside, old.p_value)
+        step = Step(trial, new, trials, others, beside, old.p_value, better.price)
         now = _settled(
             replace(now, setup=setup),
             tuple(step if each is old else each for each in now.steps),

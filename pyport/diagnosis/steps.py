@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.evidence import CandidateFit, Projection
 
@@ -26,6 +24,8 @@ class Step:
         The evidence as it was weighed in that turn, with that model projected out.
     p_value
         Chance that noise alone gives a search as good as this, over all trials.
+    price
+        What the choice of the winner among its family cost, in twice the log odds.
     """
 
     winner: CandidateFit
@@ -34,12 +34,7 @@ class Step:
     before: tuple[Chosen, ...]
     beside: Projection
     p_value: float
-
-    @property
-    def price(self) -> float:
-        """Return what the choice of the winner among its family cost, in twice the log odds."""
-        known = self.winner.dof * float(np.log(max(self.beside.evidence.pointings, 3)))
-        return max(0.0, self.winner.gain - self.winner.delta_bic - known)
+    price: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pyport.diagnosis.resampling import stability
 from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
-from pyport.effects import known
+from pyport.effects import Effect, known
 from pyport.thresholds import MOST_MEMBERS
 
 
@@ -32,7 +32,8 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
     named = [one for one in found if one.verdict != "unknown"]
     if not named:
         return list(found)
-    refusals = {id(one): _refusal(scene, one) for one in named}
+    own = scene.joint.choices[choice].candidate.effect
+    refusals = {id(one): _refusal(scene, one, own) for one in named}
     told = [one for one in named if refusals[id(one)] is None]
     comes_back = None
     if told:
@@ -76,9 +77,10 @@ def judged(one: Finding, stability: Stability) -> Finding:
     return _nameless(one, counts, decide_by(members) or "record more pointings where it is seen")
 
 
-def _refusal(scene: Scene, one: Finding) -> Refusal | None:
+def _refusal(scene: Scene, one: Finding, chosen: Effect) -> Refusal | None:
+    """Return why a finding of a choice is not named; what it is in single antennas may differ."""
     assert one.curve is not None  # noqa: S101 - what has a name has a curve
-    effect = known(one.effect)
+    effect = chosen if one.effect == chosen.id else known(one.effect)
     assert effect is not None  # noqa: S101 - a name is one of the catalogue
     return refusal(scene, effect, one.curve)
 

@@ -52,7 +52,7 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
 class Winner:
     """What a turn adds: its trial, the case with its columns, the choice.
 
-    `price` is what a refined moment or edge costs beyond the choice among the family.
+    `price` is what its choice among its family costs, a refined moment or edge included.
     """
 
     trial: CandidateFit
@@ -71,41 +71,41 @@ def winner_of(
     banned: Collection[str] = (),
     mismatch: bool = True,
     changes: bool = True,
-    strict: bool = False,
 ) -> Winner | None:
     """Return the effect most worth its coefficients that also predicts unseen data better.
 
-    Nothing wins whose evidence is no more than `least`, or that is `banned`.
-    Steps and edges compete with their moment and curve refined. What changes with time competes
-    by its evidence with the noise estimated anew, unless no `changes` are looked for, and without
-    a `mismatch` beside the present noise nothing else does: the noise may have swallowed a change,
-    and no other effect. In a `strict` turn everything is confirmed in that way.
+    Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
+    estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
+    changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
+    present noise nothing else is: the noise may have swallowed a change, and no other effect.
     """
     moved = _changes(setup, weighed, chosen, trials, banned) if changes else []
     lasting = []
     if mismatch or moved:
         lasting = _lasting(setup, weighed, chosen, trials, least, banned)
+        lasting = sorted(lasting, key=_rank)[:MOST_TRIED]
     if moved:
-        # What was there all along may pass for a change, and a change for it: only what the noise
-        # that is estimated anew cannot do competes.
-        lasting.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
-        sure = [(_confirmed(one, chosen), one) for one in lasting[:MOST_TRIED]]
+        # What was there all along may pass for a change, and a change for it: both compete by
+        # what the noise cannot do.
+        sure = [(_confirmed(one, chosen), one) for one in lasting]
         lasting = [
             replace(one, trial=replace(one.trial, evidence=max(one.trial.evidence, odds)))
             for odds, one in sure
             if odds > CONVINCING
         ]
-    ranked = [*moved, *lasting]
-    ranked.sort(key=lambda one: -round(one.trial.evidence, identify.TIE))
-    for one in ranked[:MOST_TRIED]:
+    for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
         if temporal(setup, one.chosen.candidate.effect):
             return one
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        if not strict or _confirmed(one, chosen) > CONVINCING:
+        if moved or _confirmed(one, chosen) > CONVINCING:
             return one
     return None
+
+
+def _rank(one: Winner) -> float:
+    return -round(one.trial.evidence, identify.TIE)
 
 
 def _changes(
@@ -150,7 +150,9 @@ def _lasting(
     found = []
     refined: set[str] = set()
     for trial in _worth(setup, trials, least, banned):
-        one = Winner(trial, setup, Chosen(trial.candidate, trial.scope), 0.0)
+        one = Winner(
+            trial, setup, Chosen(trial.candidate, trial.scope), _of_family(trial.candidate)
+        )
         if trial.candidate.effect.id not in refined:
             refined.add(trial.candidate.effect.id)
             one = _refined(setup, weighed, chosen, trial)
@@ -171,14 +173,18 @@ def _refined(
         delta_bic=trial.delta_bic + added - price,
         evidence=trial.evidence + added - price,
     )
-    return Winner(better, wider, new, price)
+    return Winner(better, wider, new, price + _of_family(new.candidate))
 
 
 def _confirmed(one: Winner, chosen: tuple[Chosen, ...]) -> float:
     """Return the evidence of a winner in the world that it makes, its price paid."""
     others = joined(one.setup, chosen, one.chosen)[:-1]
-    price = one.price + 2 * float(np.log(one.chosen.candidate.choices))
-    return confirmed(one.setup, others, one.chosen, price)
+    return confirmed(one.setup, others, one.chosen, one.price)
+
+
+def _of_family(candidate: Candidate) -> float:
+    """Return what the choice of a member among its family costs, in twice the log odds."""
+    return 2 * float(np.log(candidate.choices))
 
 
 def _worth(

@@ -156,6 +156,13 @@ class Draft:
         return Noise(self.within, between, drifts, self.dof, self.how)
 
 
+def likeliest(chance: Array) -> Array:
+    """Return chances (G,) that are all with the likeliest noise, whatever the prior."""
+    one = np.zeros(len(chance))
+    one[np.argmax(chance / _prior(len(chance)))] = 1.0
+    return one
+
+
 def draft(
     value: Array,
     columns: Array,

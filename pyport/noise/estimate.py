@@ -17,7 +17,7 @@ from pyport.least_squares.pivoting import most_different
 from pyport.least_squares.refit import Refit
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
-from pyport.noise.drift import Departing, beside, draft, grid_of
+from pyport.noise.drift import Departing, beside, draft, grid_of, likeliest
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack
@@ -108,7 +108,8 @@ def estimate(
         noise must not contain what they explain. None for a final fit.
     like
         A covariance whose weights, precision, tails and coupling hold: only how much there is
-        of scatter, drift and departures is estimated, so that likelihoods can be compared.
+        of scatter, drift and departures is estimated, the likeliest, so that likelihoods can be
+        compared.
     """
     parts = given.parts
     floors = _floors(value, parts)
@@ -124,7 +125,7 @@ def estimate(
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
-    for _ in range(TURNS if like is None else 1):
+    for _ in range(TURNS):
         found = departures.estimate(covariance, value, wide, given.departures)
         covariance = replace(covariance, departures=found)
         drafts = []
@@ -145,11 +146,12 @@ def estimate(
                 )
             )
         starts = [one.best for one in drafts]
+        chances = [beside(drafts, parts, n) for n in range(len(parts))]
+        if like is not None:
+            chances = [likeliest(one) for one in chances]
         noises = [
-            replace(
-                one.noise(beside(drafts, parts, n), floors[parts[n].is_y]), centred=given.centred
-            )
-            for n, one in enumerate(drafts)
+            replace(one.noise(chance, floors[part.is_y]), centred=given.centred)
+            for one, chance, part in zip(drafts, chances, parts, strict=True)
         ]
         covariance = replace(
             covariance, noises=tuple(_moderated(noises, parts)), starts=tuple(starts)

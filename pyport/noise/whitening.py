@@ -17,6 +17,7 @@ import numpy as np
 from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
 from pyport.pointing import kernel
+from pyport.recordings.nights import clock
 from pyport.recordings.schema import Recordings
 from pyport.recordings.stacking import Stack, group
 
@@ -122,11 +123,7 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
     """Split the stack into antennas and axes, ordered by time where there is one."""
     antennas, names = group(recordings, ("antenna",))
     sessions, _ = group(recordings, ("session",))
-    time = np.full(len(recordings), np.nan)
-    for clock in ("time", "order"):
-        if clock in recordings.at:
-            time = np.asarray(recordings.at.column(clock), float)
-            break
+    time = clock(recordings.at)
     pointing = pointings(recordings)
     found = []
     for antenna, name in enumerate(names):

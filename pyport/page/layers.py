@@ -35,7 +35,7 @@ def visible(diagnosis: Diagnosis) -> list[Array]:
     return [one + rest / len(found) for one in found]
 
 
-def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list[int]]:
+def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list[int | None]]:
     """Return the layers of a diagnosis, and for each finding the number of its layer.
 
     A layer is called what its findings call it: an effect without a name by its shape.
@@ -57,10 +57,12 @@ def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list
     return found, of_finding
 
 
-def _layer_of(finding: Finding, diagnosis: Diagnosis, curves: list[Array]) -> int:
-    """Return the number of the chosen effect that a finding is read from."""
+def _layer_of(finding: Finding, diagnosis: Diagnosis, curves: list[Array]) -> int | None:
+    """Return the number of the chosen effect that a finding is read from, None of a survey."""
     chosen = diagnosis.after.choices[len(diagnosis.setup.base) :]
     effects = [one.candidate.effect for one in chosen]
+    if not effects:
+        return None
     same = [n for n, one in enumerate(effects) if one.variant == finding.variant] or [
         *range(len(effects))
     ]

@@ -86,7 +86,11 @@ def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
 
 
 def _story(
-    diagnosis: Diagnosis, report: Report, picture: Picture, of_finding: list[int], whole: Model
+    diagnosis: Diagnosis,
+    report: Report,
+    picture: Picture,
+    of_finding: list[int | None],
+    whole: Model,
 ) -> Story:
     names, matrix = _named(whole, report)
     headline, lead = _verdict(report)

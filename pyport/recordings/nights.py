@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import Array
+from pyport.effects import Circumstances
 from pyport.recordings.schema import Recordings
 
 #: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
@@ -37,6 +38,17 @@ def with_nights(recordings: Recordings) -> Recordings:
                 columns["session"] = nights
                 meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
+
+
+def clock(at: Circumstances) -> Array:
+    """Return what tells before from after: the time [s], or the order of the rows, shape (n,).
+
+    NaN where it is not known.
+    """
+    for name in ("time", "order"):
+        if name in at:
+            return np.asarray(at.column(name), float)
+    return np.full(len(at), np.nan)
 
 
 def _sorted(recordings: Recordings) -> bool:

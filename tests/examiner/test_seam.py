@@ -16,6 +16,7 @@ ALLOWED = {
     "nights": {"", "errors"},
     "nulls": set(),
     "mounts": {"angles"},
+    "ideal": {"angles", "thresholds"},
     "outcomes.py": set(),
     "real": set(),
     "terms.py": set(),

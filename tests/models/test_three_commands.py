@@ -163,7 +163,7 @@ def test_a_real_night_is_carried_to_tpoint(tmp_path, monkeypatch):
     text, _ = does("compare", old, target, "--recordings", night)
     was, now = text.split("recordings, sky: rms ")[1].split(" arcsec")[0].split(" -> ")
     assert was == "3.14"
-    assert float(now) < 2.1
+    assert float(now) < 2.6
     assert np.sqrt(np.mean(np.square(np.subtract(held, after)).sum(axis=0))) < 0.7 * ARCSEC
 
 

@@ -31,10 +31,11 @@ def test_a_rival_within_odds_of_fifty_to_one_stays_in_the_class(evidence, inside
     assert ("sag_sine" in found) == inside
 
 
-@pytest.mark.parametrize(("evidence", "inside"), [(0.1, True), (-0.1, False)])
+@pytest.mark.parametrize(("evidence", "inside"), [(2.9, True), (2.7, False)])
 def test_what_explains_nothing_joins_no_class(evidence, inside):
-    """A rival whose evidence is below zero is no name, however weak the winner."""
-    found = members([trial("sag_sine", evidence)], trial("refraction", 4.0))
+    """A rival that does not pay for its choice among four names, however weak the winner."""
+    others = [trial(name, -3.0) for name in ("refraction", "skew", "tilt")]
+    found = members([trial("sag_sine", evidence), *others], trial("refraction", 4.0))
 
     assert ("sag_sine" in found) == inside
 

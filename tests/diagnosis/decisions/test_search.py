@@ -190,11 +190,10 @@ def test_a_wrong_size_starts_the_search_again(monkeypatch):
     monkeypatch.setattr(search, "_searched", lambda _, some, __: banned.append(some) or outcome())
     monkeypatch.setattr(search, "_wrong_sizes", lambda _: wrong.pop(0))
     monkeypatch.setattr(search, "_standing", lambda now, _: now)
-    monkeypatch.setattr(search, "_walk", lambda now, *_, **more: (now, more))
-    _, more = search.search(setup(), QUIET)
+    monkeypatch.setattr(search, "_walk", lambda now, *_: now)
+    search.search(setup(), QUIET)
 
     assert banned == [frozenset(), frozenset({"annual_aberration"})]
-    assert more == {"strict": True}
 
 
 def fixed(evidence, times):
@@ -256,7 +255,7 @@ def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, 
     assert winner.predicts(None, None, "before", "after", gain) == good
 
 
-def turn(monkeypatch, lasting=(), moved=(), sure=0.0, unseen=lambda _: True, **options):
+def turn(monkeypatch, lasting=(), moved=(), sure=99.0, unseen=lambda _: True, **options):
     """Return who wins a turn among lasting effects and changes."""
     monkeypatch.setattr(winner, "_changes", lambda *_: list(moved))
     monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
@@ -283,9 +282,9 @@ def test_the_next_best_takes_its_turn_on_unseen_data(monkeypatch, failing, wins)
 
 
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
-def test_in_a_strict_turn_everything_is_confirmed(monkeypatch, sure, wins):
+def test_what_joins_is_confirmed(monkeypatch, sure, wins):
     """By odds of twenty to one."""
-    found = turn(monkeypatch, RANKED[:1], sure=sure, strict=True)
+    found = turn(monkeypatch, RANKED[:1], sure=sure)
 
     assert found == ("refraction" if wins else None)
 
@@ -328,10 +327,23 @@ def test_a_confirmation_pays_for_its_choice(monkeypatch):
     asked = []
     monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
     monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
-    one = won("epoch_tilt", of=candidate("epoch_tilt", choices=7))
-    winner._confirmed(Winner(one.trial, one.setup, one.chosen, 3.0), ())
+    of = candidate("epoch_tilt", choices=7)
+    refined = (setup(), Chosen(of, "all"), 1.0, 3.0)
+    monkeypatch.setattr(winner, "refine", lambda *_: refined)
+    one = winner._refined(setup(), None, (), trial("epoch_tilt", of=of))
+    winner._confirmed(one, ())
 
     assert asked == [pytest.approx(3.0 + 2 * np.log(7))]
+
+
+def test_a_choice_pays_as_much_at_the_end(monkeypatch):
+    """As when it joined, whatever its evidence was then."""
+    asked = []
+    monkeypatch.setattr(search, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
+    one = replace(step(trial("epoch_tilt", 30.0, gain=30.0)), price=5.5)
+    search._standing_of(outcome(one), one.chosen)
+
+    assert asked == [5.5]
 
 
 def test_an_effect_pays_for_being_one_of_many():
