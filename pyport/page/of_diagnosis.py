@@ -190,7 +190,7 @@ def _change(held: HeldOut) -> str:
     return f"{held.rms_before_arcsec:.3g} → {held.rms_after_arcsec:.3g}"
 
 
-def _card(finding: Finding, layer: int) -> Card:
+def _card(finding: Finding, layer: int | None) -> Card:
     facts = [("adds to the residuals", f"{finding.visible_rms_arcsec:.3g} arcsec rms")]
     if finding.true_rms_arcsec is not None:
         absorbed = f"{finding.true_rms_arcsec:.3g} arcsec rms"
