@@ -1,7 +1,8 @@
 """Whether the compiled kernel is there; nothing else is imported to find out.
 
 It is a distribution of its own, `pyport-pointing-kernel`, that `make wheel` builds from
-`kernel_src`. PYPORT_KERNEL=off leaves it out, PYPORT_KERNEL=required insists on it.
+`kernel_src`. PYPORT_KERNEL=off leaves it out, PYPORT_KERNEL=required insists on it, and the name
+of an instruction set, such as AVX2, lets it use no newer one.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ def _installed() -> ModuleType | None:
             raise
         return None
     if getattr(found, "INTERFACE", 1) == INTERFACE:
+        if wish in found.levels():
+            found.choose(wish)
         return found
     if wish == "required":
         raise ImportError("pyport-pointing-kernel is of another version")

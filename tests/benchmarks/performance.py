@@ -132,12 +132,19 @@ def shared(row: Row) -> str:
 
 
 def elsewhere(recorded: dict[str, Any]) -> list[str]:
-    """Return what was measured on other processors, by the program as it was then."""
+    """Return what was measured on other processors, or without the newest instructions."""
     others = recorded.get("elsewhere", [])
     if not others:
         told = "No other kind of processor was at hand: the ratios above may hold on this one only."
         return [told, ""]
-    lines = ["## On other processors", ""]
+    lines = [
+        "## On other processors, and without the newest instructions",
+        "",
+        "`PYPORT_KERNEL=AVX2 NPY_DISABLE_CPU_FEATURES='X86_V4 AVX512_ICL' make bench-record` holds",
+        "a processor to what an older one has; the last run of each kind is kept here. What is",
+        "promised above was measured on one processor alone.",
+        "",
+    ]
     for one in others:
         how = one["machine"].get("computed with", "numpy, before there was a kernel")
         lines += [f"{one['machine']['processor']}; {one['machine']['numpy']}; {how}:", ""]
@@ -150,19 +157,24 @@ def elsewhere(recorded: dict[str, Any]) -> list[str]:
 
 
 def with_elsewhere(recorded: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
-    """Return a run with the last ones of other processors, without their profiles."""
+    """Return a run with the last ones of each other way to compute, without their profiles."""
     others = [*before.get("elsewhere", []), {key: before[key] for key in ("machine", "rows")}]
-    here = recorded["machine"]["processor"]
-    kept = {one["machine"].get("processor", here): one for one in others}
+    here = way(recorded["machine"])
+    kept = {way(one["machine"]): one for one in others}
     slim = [
         {
             "machine": one["machine"],
             "rows": {group: _slim(told) for group, told in one["rows"].items()},
         }
-        for processor, one in kept.items()
-        if processor != here
+        for how, one in kept.items()
+        if how != here
     ]
     return recorded | {"elsewhere": slim}
+
+
+def way(machine: dict[str, str]) -> tuple[str, str]:
+    """Return a processor and the instructions that its run had."""
+    return machine.get("processor", ""), machine.get("computed with", "")
 
 
 def _slim(told: dict[str, Any]) -> dict[str, Any]:

@@ -256,6 +256,14 @@ def test_the_tables_text_is_numpys(monkeypatch, step):
         assert text == ascii_text(Table(grid, *offsets))
 
 
+def test_the_environment_can_ask_for_an_older_instruction_set(monkeypatch, level):
+    """Each one that this processor has, by its name."""
+    monkeypatch.setenv("PYPORT_KERNEL", level)
+    compiled.choose(compiled.levels()[0])
+
+    assert runpy.run_path(str(SOURCE.parent / "compiled.py"))["KERNEL"].level() == level
+
+
 def test_an_older_kernel_is_left_out(monkeypatch):
     """One that lacks what this version calls is as good as none."""
     monkeypatch.setattr(compiled, "INTERFACE", 1)

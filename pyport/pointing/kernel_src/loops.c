@@ -368,63 +368,84 @@ static void gram(size_t k, size_t n, const double *columns, const double *weight
             normal[b * k + a] = normal[a * k + b];
 }
 
-/* The covariance of Ornstein-Uhlenbeck processes is semiseparable, and so is the inverse of its
-   triangle: Foreman-Mackey et al. 2017, AJ 154, 220. What the rows before say of the next one is
-   carried along in `carried`, a row for each term. */
-static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
-                  const double *rate, const double *power, const double *variance, const double *columns, double *room,
-                  double *d, double *white)
+/* Columns that are whitened at a time: what is carried along of them stays in the first cache. */
+#define SIDE_BY_SIDE 128
+
+/* Of every row what each term keeps until then, and what it takes of the row; the variance given the
+   rows before. The covariance of Ornstein-Uhlenbeck processes is semiseparable, and so is its
+   triangle: Foreman-Mackey et al. 2017, AJ 154, 220. */
+static int factored(size_t n, size_t terms, const double *time, const double *rate,
+                    const double *power, const double *variance, double *known, double *decay,
+                    double *weight, double *d)
 {
-    double *known = room, *carried = known + terms * terms, *decay = carried + terms * k;
-    double *weight = decay + terms, *seen = weight + terms, *last = seen + terms, total = 0;
+    double total = 0;
     for (size_t a = 0; a < terms; a++)
         total += power[a];
-    for (size_t a = 0; a < terms * (terms + k); a++)
-        room[a] = 0;
-    for (size_t a = 0; a < terms; a++)
-        weight[a] = 0;
-    for (size_t a = 0; a < k; a++)
-        last[a] = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t a = 0; a < terms * terms; a++)
+        known[a] = 0;
+    for (size_t i = 0; i < n; i++, decay += terms, weight += terms)
     {
-        const double *from = columns + (size_t)rows[i] * k;
-        double *to = white + (size_t)rows[i] * k;
         double before = i ? d[i - 1] : 0, left = variance[i] + total;
+        const double *last = i ? weight - terms : NULL;
         for (size_t a = 0; a < terms; a++)
             decay[a] = i ? exp(rate[a] * (time[i - 1] - time[i])) : 0;
         for (size_t a = 0; a < terms; a++)
         {
             double sum = 0;
-            for (size_t b = 0; b < terms; b++)
+            for (size_t b = 0; i && b < terms; b++)
             {
                 double *of = known + a * terms + b;
-                *of = decay[a] * (*of + before * weight[a] * weight[b]) * decay[b];
+                *of = decay[a] * (*of + before * last[a] * last[b]) * decay[b];
                 sum += power[b] * *of;
             }
-            seen[a] = sum;
+            weight[a] = sum;
             left -= sum * power[a];
         }
         if (!(left > 0))
             return 0;
         for (size_t a = 0; a < terms; a++)
-        {
-            double share = weight[a], fading = decay[a], *of = carried + a * k;
-            EACH for (size_t c = 0; c < k; c++) of[c] = fading * (of[c] + share * last[c]);
-            weight[a] = (1 - seen[a]) / left;
-        }
-        EACH for (size_t c = 0; c < k; c++) last[c] = 0;
-        for (size_t a = 0; a < terms; a++)
-        {
-            double strength = power[a], *of = carried + a * k;
-            EACH for (size_t c = 0; c < k; c++) last[c] += strength * of[c];
-        }
-        double scale = 1 / __builtin_sqrt(left);
-        EACH for (size_t c = 0; c < k; c++)
-        {
-            last[c] = from[c] - last[c];
-            to[c] = last[c] * scale;
-        }
+            weight[a] = (1 - weight[a]) / left;
         d[i] = left;
+    }
+    return 1;
+}
+
+static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
+                  const double *rate, const double *power, const double *variance,
+                  const double *columns, double *room, double *d, double *white)
+{
+    double *known = room, *decay = known + terms * terms, *weight = decay + n * terms;
+    double *carried = weight + n * terms, last[SIDE_BY_SIDE], sum[SIDE_BY_SIDE];
+    if (!factored(n, terms, time, rate, power, variance, known, decay, weight, d))
+        return 0;
+    for (size_t low = 0; low < k; low += SIDE_BY_SIDE)
+    {
+        size_t some = k - low < SIDE_BY_SIDE ? k - low : SIDE_BY_SIDE;
+        for (size_t c = 0; c < terms * SIDE_BY_SIDE; c++)
+            carried[c] = 0;
+        for (size_t c = 0; c < SIDE_BY_SIDE; c++)
+            last[c] = 0;
+        for (size_t i = 0; i < n; i++)
+        {
+            const double *from = columns + (size_t)rows[i] * k + low;
+            double *to = white + (size_t)rows[i] * k + low, scale = 1 / __builtin_sqrt(d[i]);
+            EACH for (size_t c = 0; c < some; c++) sum[c] = 0;
+            for (size_t a = 0; a < terms; a++)
+            {
+                double share = i ? weight[(i - 1) * terms + a] : 0, fading = decay[i * terms + a];
+                double strength = power[a], *of = carried + a * SIDE_BY_SIDE;
+                EACH for (size_t c = 0; c < some; c++)
+                {
+                    of[c] = fading * (of[c] + share * last[c]);
+                    sum[c] += strength * of[c];
+                }
+            }
+            EACH for (size_t c = 0; c < some; c++)
+            {
+                last[c] = from[c] - sum[c];
+                to[c] = last[c] * scale;
+            }
+        }
     }
     return 1;
 }

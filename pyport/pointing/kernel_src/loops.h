@@ -36,7 +36,7 @@ struct loops {
     void (*gram)(size_t k, size_t n, const double *columns, const double *weight,
                  const double *target, double *normal, double *right);
     /* Whiten some n rows of k columns, written in their place, under scatter and drifts of so many terms: d is the variance of a
-       row given those before it, `room` holds DRIFT_ROOM(terms, k) numbers; 0 where a d is none. */
+       row given those before it, `room` holds DRIFT_ROOM(n, terms) numbers; 0 where a d is none. */
     int (*whiten)(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
                   const double *rate, const double *power, const double *variance, const double *columns, double *room,
                   double *d, double *white);
@@ -54,7 +54,7 @@ struct loops {
 /* Arrays that a grid's azimuths need. */
 #define COLUMN_ROOMS 5
 /* Numbers that whitening needs. */
-#define DRIFT_ROOM(terms, k) ((terms) * ((terms) + (k) + 3) + (k))
+#define DRIFT_ROOM(n, terms) ((terms) * ((terms) + 2 * (n) + 128))
 #define WIDE(k) (((k) + 7) / 8 * 8)
 #define PRODUCTS_ROOM(n, k) (3 * (n) + 2 + ((k) + 9) * WIDE(k))
 

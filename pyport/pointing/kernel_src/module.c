@@ -227,7 +227,7 @@ static PyObject *whiten(PyObject *self, PyObject *args)
         return wrong(&of);
     if (!take_indices(indices, &rows, n, k ? all / k : SIZE_MAX))
         return wrong(&of);
-    double *room = PyMem_Malloc((DRIFT_ROOM(terms, k) + 1) * sizeof(double));
+    double *room = PyMem_Malloc((DRIFT_ROOM(n, terms) + 1) * sizeof(double));
     int done = 0;
     if (room)
     {
