@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pyport.effects import known
 from pyport.effects.on_mount import said
-from pyport.mounts import ALTAZ, BY_MODEL
+from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 
 @dataclass(frozen=True)
@@ -308,6 +308,16 @@ ELSEWHERE: dict[str, tuple[Alike, ...]] = {
         Alike(("clock", "tilt"), "always", _FIXED, ("azimuth_zero",)),
         Alike(("site_longitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
         Alike(("site_latitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
+        *(
+            Alike(
+                ("sag_cosine", other),
+                "always",
+                "hold the scale of elevation at what an inclinometer on the tube says",
+                ("elevation_scale",),
+                exact=False,
+            )
+            for other in ("azimuth_scale", "azimuth_eccentricity")
+        ),
     ),
 }
 
@@ -338,8 +348,12 @@ def decisions(members: Collection[str]) -> list[str]:
     return list(dict.fromkeys(said(one, mount.words) for one in found))
 
 
-def alike(effect: str) -> list[tuple[str, Alike]]:
-    """Return what an effect may be taken for: the other's id and how they look alike."""
+def alike(effect: str, mount: Mount = ALTAZ) -> list[tuple[str, Alike]]:
+    """Return what an effect may be taken for on a mount: the other's id and how they look alike.
+
+    The ids are those of an alt-azimuth mount.
+    """
+    pairs = ALIKE if mount is ALTAZ else ELSEWHERE.get(mount.model, ())
     return [
-        (other, one) for one in ALIKE if effect in one.ids for other in one.ids if other != effect
+        (other, one) for one in pairs if effect in one.ids for other in one.ids if other != effect
     ]

@@ -7,11 +7,13 @@ import textwrap
 from collections.abc import Sequence
 from types import ModuleType
 
-from pyport.effects import CATALOGUE, FAMILIES, Effect
+from pyport.effects import CATALOGUE, FAMILIES, Effect, catalogue
 from pyport.effects.base import Coefficient
 from pyport.effects.degeneracies import USUAL, WHERE, Alike, alike
 from pyport.effects.mounts import MOUNTS
+from pyport.effects.on_mount import on, said
 from pyport.errors import BadInput
+from pyport.mounts import ALTAZ, Mount
 
 _SHARED = {
     "array": "the same for all antennas",
@@ -35,16 +37,16 @@ those of the model `altaz`. Both are held to the curves themselves by tests.
 """
 
 
-def listing(names: Sequence[str] = ()) -> str:
-    """Return some effects, by default all, as text for a terminal.
+def listing(names: Sequence[str] = (), mount: Mount = ALTAZ) -> str:
+    """Return some effects, by default all, as text for a terminal, in the words of a mount.
 
     Raises `BadInput`: there is no effect of such a name.
     """
-    return "\n".join(_paragraph(effect) for effect in _called(names))
+    return "\n".join(_paragraph(effect, mount) for effect in _called(names, mount))
 
 
-def entries(names: Sequence[str] = ()) -> list[dict[str, object]]:
-    """Return some effects, by default all, for other programs.
+def entries(names: Sequence[str] = (), mount: Mount = ALTAZ) -> list[dict[str, object]]:
+    """Return some effects, by default all, for other programs, in the words of a mount.
 
     Raises `BadInput`: there is no effect of such a name.
     """
@@ -64,35 +66,48 @@ def entries(names: Sequence[str] = ()) -> list[dict[str, object]]:
             "shared": effect.common,
             "physical": effect.physical,
             "looks_like": [
-                {"effect": other, "where": WHERE[how.where], "decide_by": how.decide}
-                for other, how in alike(effect.id)
+                {"effect": other, "where": WHERE[how.where], "decide_by": decide}
+                for other, how, decide in _alike(effect, mount)
             ],
             "source": effect.citation,
         }
-        for effect in _called(names)
+        for effect in _called(names, mount)
     ]
 
 
-def _called(names: Sequence[str]) -> list[Effect]:
-    """Return the effects of some names, all of them for none."""
+def _called(names: Sequence[str], mount: Mount) -> list[Effect]:
+    """Return the effects of some names on a mount, all of them for none."""
+    there = catalogue(mount)
     for name in names:
-        if name not in CATALOGUE:
-            near = difflib.get_close_matches(name, CATALOGUE)
+        if name not in there:
+            near = difflib.get_close_matches(name, there)
             meant = f"; did you mean {' or '.join(near)}?" if near else ""
             raise BadInput(f"no effect is called {name!r}{meant}")
-    return [CATALOGUE[name] for name in names or CATALOGUE]
+    return [there[name] for name in names or there]
 
 
-def _paragraph(effect: Effect) -> str:
+def _alike(effect: Effect, mount: Mount) -> list[tuple[str, Alike, str]]:
+    """Return what an effect looks like on a mount, how, and what decides, in its words."""
+    return [
+        (
+            on(CATALOGUE[other], mount).id if other in CATALOGUE else other,
+            how,
+            said(how.decide, mount.words),
+        )
+        for other, how in alike(effect.of or effect.id, mount)
+    ]
+
+
+def _paragraph(effect: Effect, mount: Mount) -> str:
     lines = [
         f"{effect.id}: {effect.sentence}",
-        *(f"{name}: {text}" for name, text in _facts(effect)),
+        *(f"{name}: {text}" for name, text in _facts(effect, mount)),
     ]
     wrapped = [textwrap.fill(line, 92, subsequent_indent="    ") for line in lines]
     return wrapped[0] + "\n" + textwrap.indent("\n".join(wrapped[1:]), "  ") + "\n"
 
 
-def _facts(effect: Effect) -> list[tuple[str, str]]:
+def _facts(effect: Effect, mount: Mount = ALTAZ) -> list[tuple[str, str]]:
     """Return what there is to say of an effect, with a word for each."""
     facts = [(axis, formula) for axis, formula in zip("xy", effect.formula, strict=True) if formula]
     if effect.pattern:
@@ -108,8 +123,11 @@ def _facts(effect: Effect) -> list[tuple[str, str]]:
     if not effect.physical:
         facts.append(("use", "a term of models; never named by a diagnosis"))
     facts += [
-        ("looks exactly like" if how.exact else "looks nearly like", _likeness(other, how))
-        for other, how in alike(effect.id)
+        (
+            "looks exactly like" if how.exact else "looks nearly like",
+            _likeness(other, how, decide, mount),
+        )
+        for other, how, decide in _alike(effect, mount)
     ]
     facts.append(("source", effect.citation))
     return facts
@@ -120,10 +138,11 @@ def _coefficient(one: Coefficient) -> str:
     return name if one.expected is None else f"{name}, expected {one.expected:g}"
 
 
-def _likeness(other: str, how: Alike) -> str:
-    terms = "the usual terms" if how.beside == USUAL else " and ".join(how.beside)
+def _likeness(other: str, how: Alike, decide: str, mount: Mount) -> str:
+    names = " and ".join(on(CATALOGUE[one], mount).id for one in how.beside)
+    terms = "the usual terms" if how.beside == USUAL else names
     beside = f", with {terms} fitted too" if how.beside else ""
-    return f"{other}, {WHERE[how.where]}{beside}; to decide, {how.decide}"
+    return f"{other}, {WHERE[how.where]}{beside}; to decide, {decide}"
 
 
 def markdown() -> str:

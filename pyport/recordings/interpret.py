@@ -201,7 +201,7 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
             ~np.isin(columns["scan_axis"], ("az", "el", "")), "scan_axis is not az, el or blank"
         )
     if PIER_SIDE in columns:
-        side = columns[PIER_SIDE] = np.char.lower(columns[PIER_SIDE])
+        side = columns[PIER_SIDE] = mounted.sides(columns[PIER_SIDE])
         raw.refuse(~np.isin(side, (*mounted.SIDES, "")), "pier_side is not east, west or blank")
     if "scan_rate" in columns:
         raw.refuse(columns["scan_rate"] < 0, f"{SCAN_RATE} is negative, expected a positive number")
@@ -256,7 +256,13 @@ def _position(
     nothing = np.full(len(raw.line), np.nan)
     az, el = angles.get("az", nothing), angles.get("el", nothing)
     if mount is not ALTAZ and {mount.first.column, mount.second.column} <= set(angles):
-        return mounted.place(mount, angles, 0.0 if site is None else site.latitude, az, el)
+        az, el = mounted.place(mount, angles, 0.0 if site is None else site.latitude, az, el)
+        raw.refuse(
+            el < LOWEST_EL_DEG * DEG,
+            f"{mount.first.name} and {mount.second.name} of a place below the horizon, expected a "
+            "telescope's (units, signs, the latitude)",
+        )
+        return az, el
     if {"az", "el"} <= set(angles) and site is None:
         return az, el
     if site is not None and {"hour_angle", "dec"} <= set(angles):

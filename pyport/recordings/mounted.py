@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import OVER, PIER_SIDE, Circumstances
@@ -26,6 +27,14 @@ ALSO = {
 }
 #: The sides of a pier: of the tube, `east` in the ordinary state, looking west.
 SIDES = ("east", OVER)
+
+
+def sides(words: NDArray[np.str_]) -> NDArray[np.str_]:
+    """Return sides of a pier as `SIDES` spells them: also E and W, and ASCOM's pierEast."""
+    short = np.char.lower(words)
+    for whole in SIDES:
+        short = np.where(np.isin(short, (whole[0], f"pier{whole}")), whole, short)
+    return short
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import pytest
 
 from pyport.angles import ARCSEC, DEG
 from pyport.errors import BadInput
+from pyport.formats.convert import convert
 from pyport.mounts import KINDS
 from pyport.recordings import read, write
 from pyport.recordings.naming import column, names
@@ -56,6 +57,31 @@ def test_coordinates_and_places(tmp_path):
     assert np.allclose(column(recordings, "d_ha_arcsec"), [10, 8])
     assert np.allclose(recordings.y / ARCSEC, [5, -3])
     assert {"d_xha_deg", "d_dec_deg", "sigma_xha_deg"} <= set(names(recordings))
+
+
+@pytest.mark.parametrize("words", ["east west", "E W", "pierEast pierWest", "EAST West"])
+def test_sides_of_a_pier_by_other_names(tmp_path, words):
+    """E and W, and what ASCOM says, are east and west, for the reader and for TPOINT's file."""
+    east, west = words.split()
+    table = written(tmp_path, LATITUDE + GERMAN.replace("east", east).replace("west", west))
+    recordings = read(table)
+    convert(str(table), tmp_path / "night.dat")
+
+    assert recordings.at.column("pier_side").tolist() == ["east", "west"]
+    assert read(tmp_path / "night.dat").at.column("pier_side").tolist() == ["east", "west"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (GERMAN.replace("-20,60", "160,20"), "csv:3: .* of a place below the horizon"),
+        (GERMAN.replace("west", "up"), "csv:4: pier_side is not east, west or blank"),
+    ],
+)
+def test_what_no_telescope_sees_is_refused(tmp_path, text, words):
+    """An hour angle of another sign or unit, and a side that is none, at their line."""
+    with pytest.raises(BadInput, match=words):
+        read(written(tmp_path, LATITUDE + text))
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet", "ecsv"])

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from pyport.columns import SET_ASIDE, angle_of
+from pyport.effects.base import PIER_SIDE
 from pyport.effects.mounts import declared
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, KINDS, Mount
@@ -171,7 +172,10 @@ def mount_of(table: Table) -> Mount:
         if ALSO.get(word, word) in KINDS:
             return KINDS[ALSO.get(word, word)]
     there = {angle[0] for name in table.columns if (angle := angle_of(name))}
-    return next((one for one in KINDS.values() if names_of(one).offsets & there), ALTAZ)
+    fitting = [one for one in KINDS.values() if names_of(one).offsets & there]
+    if PIER_SIDE in table.columns:
+        fitting = [one for one in fitting if one.turns_over] or fitting
+    return fitting[0] if fitting else ALTAZ
 
 
 def readings(table: Table, mount: Mount, path: Path) -> tuple[Numbers, ...]:

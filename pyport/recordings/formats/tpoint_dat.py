@@ -15,6 +15,8 @@ import re
 from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
 
+import numpy as np
+
 from pyport.columns import SET_ASIDE
 from pyport.effects.base import OVER, PIER_SIDE
 from pyport.effects.mounts import MOUNT
@@ -22,6 +24,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
+from pyport.recordings.mounted import sides
 from pyport.recordings.raw import Raw
 from pyport.recordings.tabulate import Table
 
@@ -257,7 +260,7 @@ def _turned_over(
     """Return what a mount reads that has turned over in some rows: declinations beyond the pole."""
     if PIER_SIDE not in table.columns:
         raise BadInput(f"no column {PIER_SIDE}, and a German mount reads both sides", path)
-    over = [side.lower() == OVER for side in exact.cells(table, PIER_SIDE)]
+    over = (sides(np.array(exact.cells(table, PIER_SIDE))) == OVER).tolist()
     ahead = [a + 180 if a is not None and o else a for a, o in zip(first, over, strict=True)]
     beyond = [180 - b if b is not None and o else b for b, o in zip(second, over, strict=True)]
     return ahead, beyond
