@@ -25,7 +25,7 @@ from pyport.formats.model_file import (
     translated,
 )
 from pyport.formats.rest import Rest, rest_of, sky
-from pyport.formats.waves import Waves, waves
+from pyport.formats.waves import Waves, sums, waves
 from pyport.models import toml
 from pyport.models.model import Model
 from pyport.models.terms.alike import shape_of
@@ -80,7 +80,8 @@ def write_model(
     if model.given is not None:
         lost.insert(0, f"the RT32's exact form ({model.base})")
     whole = rest_as is None and not leave_out
-    instead = _waves(model, lost, vocabulary) if whole else Waves()
+    nameless = [one for one, (_, entries) in zip(told, each, strict=True) if not entries]
+    instead = _waves(model, nameless, vocabulary) if lost and whole else Waves()
     if instead.values:
         found, lost = [*found, *_entries(instead, vocabulary)], []
     if lost and whole:
@@ -216,14 +217,22 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
     return list(found.values())
 
 
-def _waves(model: Model, lost: Sequence[str], vocabulary: str) -> Waves:
-    """Return waves for what is lost, where that is fields without a name that waves hold."""
-    nameless = bool(lost) and all(one.startswith(_FIELD) for one in lost)
-    if not nameless or model.mount is not ALTAZ:
+def _waves(model: Model, lost: Sequence[_Told], vocabulary: str) -> Waves:
+    """Return waves for what is lost: fields nearly, what has a law of its own exactly."""
+    if model.mount is not ALTAZ or model.given is not None:
         return Waves()
-    fields = [one for one in model.terms if one.effect.id == UNKNOWN and one.has_values]
+    effects = {id(one.effect) for one in lost}
+    terms = [one for one in model.terms if id(one.effect) in effects]
+    if sum(len(one.effect.coefficients) for one in terms) != len(lost):
+        return Waves()
     made = {} if model.completed is None else model.completed.made
-    return waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1]) or Waves()
+    fields = [one for one in terms if one.effect.id == UNKNOWN]
+    others = [one for one in terms if one.effect.id != UNKNOWN]
+    about = waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1])
+    exact = sums(others, vocabulary, sky()[1])
+    if about is None or exact is None:
+        return Waves()
+    return Waves((*exact.values, *about.values), about.missed_arcsec)
 
 
 def _entries(instead: Waves, vocabulary: str) -> list[Entry]:

@@ -1,4 +1,4 @@
-"""A field without a name as waves that another program has names for: the fewest that hold it."""
+"""What has no name as waves that another program has names for: the fewest that hold it."""
 
 from __future__ import annotations
 
@@ -23,6 +23,15 @@ MOST_TURNS = 9
 #: Waves of elevation are alike on the quarter of a turn that a mount has: what is smaller than
 #: this beside the strongest of them is not solved for, or two waves cancel each other.
 DISTINCT = 1e-2
+#: What a sum of terms may be: with sines and cosines of elevation in either axis.
+SUMMED = tuple(
+    map(
+        Shape,
+        ("azimuth_zero", "collimation", "skew", "elevation_zero", "sag_cosine", "sag_sine"),
+    )
+)
+#: Of the largest offset: what a sum may miss, by rounding.
+EXACT = 1e-9
 #: Kinds of fields that waves of one angle can hold, or products of two.
 KINDS = frozenset({"azimuth", "elevation", "curve", "wave", "waves"})
 
@@ -42,9 +51,9 @@ class Waves:
         """Return it as a sentence, "" for none."""
         if not self.values:
             return ""
-        names = ", ".join(name for name, _ in self.values)
+        names = ", ".join(dict.fromkeys(name for name, _ in self.values))
         missed = f"they miss {self.missed_arcsec:.2g} arcsec rms over the sky"
-        return f"fields without a name as {names}: {missed}"
+        return f"what has no name as {names}: {missed}"
 
 
 def waves(
@@ -60,7 +69,9 @@ def waves(
     `scatter_arcsec`: what the model leaves of its recordings.
     `at`: directions all over the sky, shape (n,), each weighted by its area.
     """
-    bumps = [term.effect.member["bumps"] for term in fields]
+    bumps = [one.effect.member["bumps"] for one in fields if "bumps" in one.effect.member]
+    if not fields:
+        return Waves()
     if any(one["kind"] not in KINDS for one in bumps):
         return None
     try:
@@ -81,6 +92,31 @@ def waves(
     if missed > MOST_LOST * scatter_arcsec:
         return None
     return Waves(tuple((names[n], float(v)) for n, v in zip(chosen, sizes, strict=True)), missed)
+
+
+def sums(terms: Sequence[Term], vocabulary: str, at: Circumstances) -> Waves | None:
+    """Return what terms are a sum of, zeros and waves of elevation; None where they are none.
+
+    `at`: directions all over the sky. Nothing is missed.
+    """
+    try:
+        both = [term.effect.columns(at) for term in terms]
+    except MissingColumn:
+        return None
+    values = [np.asarray(term.given(next(iter(term.by), ()))) for term in terms]
+    wanted = np.zeros(2 * len(at))
+    for pair, value in zip(both, values, strict=True):
+        wanted += np.concatenate([axis @ value for axis in pair])
+    named = [name for name in map(NAMES[vocabulary], SUMMED) if name is not None]
+    names = list(dict.fromkeys(name for name, _ in named))
+    words = [WORDS[vocabulary](name) for name in names]
+    matrix = np.stack([np.concatenate(word.columns(at)) for word in words if word is not None], 1)
+    sizes = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
+    largest = float(np.abs(wanted).max(initial=0.0))
+    if np.abs(matrix @ sizes - wanted).max(initial=0.0) > EXACT * largest:
+        return None
+    kept = [(n, float(v)) for n, v in zip(names, sizes, strict=True) if abs(v) > EXACT * largest]
+    return Waves(tuple(kept))
 
 
 def _pursued(matrix: Array, wanted: Array, allowed: float) -> tuple[list[int], Array, Array]:

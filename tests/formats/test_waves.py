@@ -9,7 +9,8 @@ from pyport.angles import ARCSEC
 from pyport.effects.fields import field
 from pyport.formats.model_file import WORDS
 from pyport.formats.rest import sky
-from pyport.formats.waves import MOST_LOST, waves
+from pyport.formats.waves import MOST_LOST, sums, waves
+from pyport.models.members import effect_of
 from pyport.models.model import Term
 
 AT = sky()[1]
@@ -68,3 +69,21 @@ def test_bumps_of_azimuth_are_the_fewest_waves(vocabulary):
 def test_what_waves_cannot_hold_has_none(one, scatter):
     """Too narrow for nine waves in a turn, over the sky, of the weather, with an edge."""
     assert waves([one], "tpoint", scatter, AT) is None
+
+
+def test_an_effect_is_written_as_terms_that_add_up_to_it():
+    """A receiver on the left platform is IA and ECES, NPAE and TF in TPOINT: nothing is missed."""
+    left = effect_of("nasmyth", {"sense": -1})
+    term = Term(left, values=(20 * ARCSEC, -7 * ARCSEC))
+    found = sums([term], "tpoint", AT)
+
+    assert {name for name, _ in found.values} == {"IA", "ECES", "NPAE", "TF"}
+    assert missed([term], found, "tpoint") < 1e-9
+    assert (
+        sums(
+            [replace(term, effect=effect_of("refraction_curvature", {}), values=(1e-5,))],
+            "tpoint",
+            AT,
+        )
+        is None
+    )

@@ -127,7 +127,7 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
     missed = np.subtract(load(str(target)).offsets(at), after.offsets(at))
     assert not refused
     if found.findings[0].effect == "unknown":
-        assert "fields without a name as" in told
+        assert "what has no name as" in told
         assert np.sqrt(np.mean((missed**2).sum(axis=0))) < 3 * ARCSEC
     elif not nameless:
         np.testing.assert_allclose(missed, 0, atol=1e-3 * ARCSEC)
