@@ -79,11 +79,5 @@ def test_an_effect_is_written_as_terms_that_add_up_to_it():
 
     assert {name for name, _ in found.values} == {"IA", "ECES", "NPAE", "TF"}
     assert missed([term], found, "tpoint") < 1e-9
-    assert (
-        sums(
-            [replace(term, effect=effect_of("refraction_curvature", {}), values=(1e-5,))],
-            "tpoint",
-            AT,
-        )
-        is None
-    )
+    bent = replace(term, effect=effect_of("refraction_curvature", {}), values=(1e-5,))
+    assert sums([bent], "tpoint", AT) is None
