@@ -75,6 +75,8 @@ class Problem:
         Of the draws of noise.
     known
         Covariances that were estimated before, by what was chosen, with what they are beside.
+    anew
+        Columns of what was chosen, chosen again without a fold, by what, noise and fold.
     """
 
     recordings: Recordings
@@ -94,6 +96,9 @@ class Problem:
     frame: Frame
     seed: int
     known: dict[tuple[object, ...], tuple[tuple[Chosen, ...], Covariance]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+    anew: dict[tuple[object, ...], tuple[list[Array], tuple[object, ...]]] = field(
         default_factory=dict, repr=False, compare=False
     )
 

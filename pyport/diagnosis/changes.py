@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
-from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
+from pyport.diagnosis.evidence import CandidateFit, at_best, shown
 from pyport.diagnosis.identify import TIE
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
@@ -43,7 +43,7 @@ def proposed(
         and one.candidate.effect.id not in banned
         and one.candidate.effect.change_of in has
     ]
-    still = _still(setup, weighed.covariance)
+    still = still_noise(setup, weighed.covariance)
     white = whiten_model(setup, still, (*setup.base, *chosen))
     beside = WhitenedData(still, white, weighed.evidence)
     if not wanted:
@@ -58,16 +58,12 @@ def proposed(
     for trial, places in zip(wanted, of_change, strict=True):
         where = slice(start, start + len(places))
         start += len(places)
-        length = np.linalg.norm(seen[:, where], axis=0)
-        shown = left[:, where] / np.where(length > 0, length, np.inf)
-        power, vectors = np.linalg.eigh(shown.T @ shown)
-        good = power > VISIBLE**2 * max(1.0, float(power[-1]))
-        if trial.scope != "all" or not good.any():
+        power, along = shown(left[:, where], np.linalg.norm(seen[:, where], axis=0), left[:, -1])
+        if trial.scope != "all" or not len(power):
             continue
-        along = vectors[:, good].T @ (shown.T @ left[:, -1])
         price = 2 * float(np.log(trial.candidate.choices))
-        evidence = at_best(power[good], along)[0] - price
-        gain = float((along**2 / power[good]).sum())
+        evidence = at_best(power, along)[0] - price
+        gain = float((along**2 / power).sum())
         held = best.get(trial.candidate.effect.id)
         if evidence > CONVINCING and (held is None or evidence > held.evidence):
             best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
@@ -75,7 +71,7 @@ def proposed(
     return beside, ranked[:MOST_CHANGES]
 
 
-def _still(setup: Problem, covariance: Covariance) -> Covariance:
+def still_noise(setup: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
     A longer memory shows within a session by the share of its variance that it changes there.

@@ -14,7 +14,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, noise, temporal
-from pyport.diagnosis.evidence import VISIBLE, at_best
+from pyport.diagnosis.evidence import at_best, shown
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate
 from pyport.stages import stage
@@ -102,10 +102,5 @@ def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tup
         + float(left @ left)
     )
     lack += 2 * float(np.log(length[length > 0]).sum())
-    columns = rest[:, :-1]
     size = np.linalg.norm(white[:, p:-1], axis=0)
-    columns = columns / np.where(size > 0, size, np.inf)
-    power, vectors = np.linalg.eigh(columns.T @ columns)
-    good = power > VISIBLE**2 * max(1.0, float(power[-1]))
-    along = vectors[:, good].T @ (columns.T @ left)
-    return lack, at_best(power[good], along)[0]
+    return lack, at_best(*shown(rest[:, :-1], size, left))[0]

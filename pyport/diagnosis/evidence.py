@@ -76,6 +76,22 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     return float(evidence[best]), float(variance[best, 0])
 
 
+def shown(columns: Array, length: Array, data: Array) -> tuple[Array, Array]:
+    """Return the information on independent directions of columns, and their products with data.
+
+    Parameters
+    ----------
+    columns, data
+        Whitened columns (n, k) and data (n,), the model projected out of both.
+    length
+        How long the columns were before, shape (k,): what the model draws all of shows nothing.
+    """
+    unit = columns / np.where(length > 0, length, np.inf)
+    power, vectors = np.linalg.eigh(unit.T @ unit)
+    good = power > VISIBLE**2 * max(1.0, float(power[-1]))
+    return power[good], vectors[:, good].T @ (unit.T @ data)
+
+
 class Evidence:
     """Whitened products of all columns, and draws of the noise that they would meet."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
+from pyport.diagnosis.anew import columns_anew
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
@@ -81,44 +82,72 @@ def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
 
 @stage("holding data out")
 def residuals(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: Sequence[Chosen],
+    partition: Folds,
+    whole: Sequence[Chosen] = (),
 ) -> Array:
     """Return each reading less what a fit without its fold predicts [rad], shape (m,).
 
-    NaN where the other folds do not determine the prediction.
+    What was chosen from the data is chosen anew without the fold, beside the `whole` of what was
+    chosen. NaN where the other folds do not determine the prediction.
     """
-    expanded = setup.expanded((*setup.base, *chosen))
     left = np.full(len(setup.residual), np.nan)
-    for one, solution, covariance in _solutions(setup, weighed, chosen, partition):
+    if setup.blocks.antennas > 1:
+        solutions = _of_products(setup, weighed, chosen, partition)
+    else:
+        solutions = _of_others(setup, weighed, chosen, partition, whole or chosen)
+    for one, columns, solution, covariance in solutions:
         rows = np.flatnonzero(partition.fold == one)
-        unknown = _left_open(solution, expanded[rows])
-        predicted = expanded[rows] @ solution.values
+        unknown = _left_open(solution, columns[rows])
+        predicted = columns[rows] @ solution.values
         if partition.departing and covariance is not None:
-            predicted += covariance.departed(setup.residual - expanded @ solution.values)[rows]
+            predicted += covariance.departed(setup.residual - columns @ solution.values)[rows]
         left[rows] = np.where(unknown, np.nan, setup.residual[rows] - predicted)
     return left
 
 
-def _solutions(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
-) -> Iterator[tuple[int, Solution, Covariance | None]]:
-    """Yield each fold, the solution without it and the covariance of the others.
+#: A fold, the columns of the fit, the solution without it and the covariance of the others.
+_Solutions = Iterator[tuple[int, Array, Solution, Covariance | None]]
 
-    The readings of an array hang together too little for it to matter that those left out were
-    there when the others were whitened: a fold is taken off the products of the whole.
+
+def _of_products(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
+) -> _Solutions:
+    """Yield the solutions of an array: a fold is taken off the products of the whole.
+
+    Its readings hang together too little for it to matter that those left out were there when
+    the others were whitened.
     """
-    if setup.blocks.antennas > 1:
-        white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
-        for one, solution, _ in _without_each(setup, white, choices, partition):
-            yield one, solution, None
-        return
     columns = setup.expanded((*setup.base, *chosen))
-    data = np.concatenate([columns, setup.residual[:, None]], axis=1)
+    white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
+    for one, solution, _ in _without_each(setup, white, choices, partition):
+        yield one, columns, solution, None
+
+
+def _of_others(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: Sequence[Chosen],
+    partition: Folds,
+    whole: Sequence[Chosen],
+) -> _Solutions:
+    """Yield the solutions of a single antenna: a fold has no weight in them, nor in the choices."""
+    base = setup.expanded(setup.base)
     for one in np.unique(partition.fold):
         weights = np.where(partition.fold == one, 0.0, weighed.weights)
         covariance = replace(weighed.covariance, weights=weights)
+        key = *map(id, whole), id(weighed.covariance), partition.fold.tobytes(), int(one)
+        if chosen and key not in setup.anew:
+            # What the key's identities belong to is kept as long as the key.
+            found = columns_anew(setup, weighed, covariance, whole)
+            setup.anew[key] = found, (*whole, weighed.covariance)
+        anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
+        columns = np.concatenate([base, *(anew[id(each)] for each in chosen)], axis=1)
+        data = np.concatenate([columns, setup.residual[:, None]], axis=1)
         white = tempered(covariance).whiten(data)
-        yield int(one), Solution.of(white.T @ white), covariance
+        yield int(one), columns, Solution.of(white.T @ white), covariance
 
 
 @stage("holding data out")

@@ -10,7 +10,6 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.diagnosis.edges import edges_of
-from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.view import View, plain_view
 from pyport.effects import Effect, catalogue
 from pyport.effects.epochs import clock, epoch_step
@@ -23,9 +22,9 @@ STRETCHES = 24
 
 @stage("refining steps and edges")
 def refine(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], winner: CandidateFit
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], plain: Chosen
 ) -> tuple[Problem, Chosen, float, float]:
-    """Move a winner's moment or edge to where it fits best, beside the rest of the model.
+    """Move the moment or edge of a choice to where it fits best, beside the rest of the model.
 
     Returns
     -------
@@ -37,8 +36,8 @@ def refine(
     price
         What the further numbers of a moment or a curve must earn.
     """
-    effect, plain = winner.candidate.effect, Chosen(winner.candidate, winner.scope)
-    if winner.scope != "all":
+    effect = plain.candidate.effect
+    if plain.scope != "all":
         return setup, plain, 1.0, 0.0
     step = effect.is_change and effect.parameter is not None
     if not step and effect.edge is None:
@@ -50,22 +49,22 @@ def refine(
     else:
         tried = edges_of(setup, view, effect)
     # A drift pulls as a step does: what was found as if there were none is weighed with it.
-    which = list(winner.candidate.coefficients)
+    which = list(plain.candidate.coefficients)
     found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one, _ in tried]
-    old = setup.columns[:, winner.candidate.columns]
+    old = setup.columns[:, plain.candidate.columns]
     before, *gains = _gains(setup, weighed, chosen, [old, *found])
     best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
     more = gains[best] / max(before, 1e-300)
-    price = tried[best][1] - 2 * np.log(winner.candidate.choices)
+    price = tried[best][1] - 2 * np.log(plain.candidate.choices)
     if more <= 1:
         return setup, plain, 1.0, 0.0
     better, columns = tried[best][0], found[best]
     start = setup.columns.shape[1]
     candidate = replace(
-        winner.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
+        plain.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
     )
     wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
-    return wider, Chosen(candidate, winner.scope), more, max(float(price), 0.0)
+    return wider, Chosen(candidate, plain.scope), more, max(float(price), 0.0)
 
 
 def _gains(

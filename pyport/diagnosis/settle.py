@@ -78,7 +78,7 @@ def unseen(
     A reading is a gross error when both predictions miss it by more than `GROSS` times the
     scatter that the readings of the other folds have about theirs.
     """
-    first = holdout.residuals(setup, weighed[0], before, partition)
+    first = holdout.residuals(setup, weighed[0], before, partition, after if before else ())
     second = holdout.residuals(setup, weighed[1], after, partition)
     finite = np.isfinite(first) & np.isfinite(second)
     nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)

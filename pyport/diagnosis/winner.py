@@ -165,7 +165,8 @@ def _refined(
     setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], trial: CandidateFit
 ) -> Winner:
     """Return a trial with its moment or edge moved to where it fits best."""
-    wider, new, more, price = refine(setup, weighed, chosen, trial)
+    plain = Chosen(trial.candidate, trial.scope)
+    wider, new, more, price = refine(setup, weighed, chosen, plain)
     added = trial.gain * (more - 1)
     better = replace(
         trial,

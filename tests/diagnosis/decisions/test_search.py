@@ -554,7 +554,7 @@ def test_sessions_may_differ_only_in_an_array():
 def still(setup_):
     """Return a covariance whose drifts and departures a test looks at."""
     noise = Noise(0.0, 1.0, ((2.0, 100.0), (1.0, 40000.0)))
-    return changes._still(
+    return changes.still_noise(
         setup_,
         Covariance(
             (),
@@ -616,7 +616,7 @@ def proposed(monkeypatch, evidences, **more):
         frame=SimpleNamespace(departures=more.get("departures", ())),
         expanded=lambda _, of: np.zeros((len(of), 1)),
     )
-    monkeypatch.setattr(changes, "_still", lambda *_: plain)
+    monkeypatch.setattr(changes, "still_noise", lambda *_: plain)
     monkeypatch.setattr(
         changes, "whiten_model", lambda *_: np.concatenate([columns, data[:, None]], axis=1)
     )

@@ -1,0 +1,52 @@
+"""What is left out has no part in any choice: member, moment, edge."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+
+from pyport.angles import ARCSEC, DEG
+from pyport.diagnosis import holdout
+from pyport.diagnosis.anew import columns_anew
+from pyport.diagnosis.case import prepare
+from pyport.diagnosis.search import search
+from pyport.formats.models import load
+
+HIDDEN = {
+    "subreflector_jump": lambda at: 9 * (at.el > (45 + 8 * np.cos(at.az)) * DEG),
+    "elevation_harmonics": lambda at: 7 * np.sin(5 * at.az),
+}
+
+
+@pytest.fixture(scope="module", params=list(HIDDEN))
+def outcome(request):
+    """Return the end of a search of which one effect is chosen."""
+    made = recordings(400, 7, y=HIDDEN[request.param])
+    found = search(prepare(made, load("altaz"), seed=1))
+    assert request.param in {one.candidate.effect.id for one in found.chosen}
+    return found
+
+
+def test_what_is_left_out_chooses_nothing(outcome):
+    """Readings of no weight may say what they like."""
+    setup, weighed = outcome.setup, outcome.weighed
+    hidden = setup.session == 2
+    covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
+    absurd = replace(setup, residual=np.where(hidden, 4000 * ARCSEC, setup.residual), anew={})
+    as_it_is = columns_anew(setup, weighed, covariance, outcome.chosen)
+    beside_absurd = columns_anew(absurd, weighed, covariance, outcome.chosen)
+
+    for one, other in zip(as_it_is, beside_absurd, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_predictions_are_made_with_what_the_others_choose(outcome):
+    """No better than with what all chose, and near it where the effect is there."""
+    setup, weighed = outcome.setup, outcome.weighed
+    partition = holdout.folds(setup, weighed, outcome.chosen)
+    left = holdout.residuals(setup, weighed, outcome.chosen, partition)
+    found = np.sqrt(np.nanmean(left**2))
+    alone = np.sqrt(np.nanmean(holdout.residuals(setup, weighed, (), partition) ** 2))
+
+    assert 4.5 * ARCSEC < found < alone
