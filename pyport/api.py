@@ -78,7 +78,7 @@ class Shown:
 
     def _repr_html_(self) -> str:
         """Return the whole page in a frame, for Jupyter."""
-        from pyport.page.frame import framed
+        from pyport.page.document import framed
 
         return framed(*self.drawn)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pyport import __version__
 from pyport.files import write_whole
-from pyport.page import groups, sections, tables
+from pyport.page import sections, tables
 from pyport.page.markup import Markup, tag
 from pyport.page.payload import MOST_DRAWN, payload
 from pyport.page.picture import Picture
@@ -110,7 +110,7 @@ def _main(picture: Picture, story: Story) -> list[Markup | None]:
             else "",
             tag("div", class_="panels", id="spread-panels"),
             sections.unseen(story),
-            *groups.by_label(picture),
+            *tables.by_label(picture),
         ),
         tables.parameters(story),
         sections.refit() if picture.linear is not None and len(picture) <= MOST_DRAWN else None,
@@ -132,3 +132,31 @@ def _text(name: str) -> str:
 def _inert(text: str) -> str:
     """Return JSON that cannot end the element it stands in."""
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+HEIGHT = 720
+
+
+def framed(picture: Picture, story: Story) -> str:
+    """Return the page in a frame of its own.
+
+    Scripts and styles of the page and of the notebook cannot touch each other.
+    Where frames are not shown the words above it remain.
+    """
+    found = [
+        tag("li", tag("b", f"{one.title}, {one.verdict}: "), one.sentence) for one in story.cards
+    ]
+    return str(
+        tag(
+            "div",
+            tag("p", tag("b", story.headline), f" {story.lead}"),
+            tag("ol", *found) if found else None,
+            tag(
+                "iframe",
+                srcdoc=html(picture, story),
+                sandbox="allow-scripts allow-downloads",
+                style=f"width:100%;height:{HEIGHT}px;border:1px solid #8884;border-radius:8px",
+                title=story.headline,
+            ),
+        )
+    )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.page import pack
-from pyport.page.clock import stretches
 from pyport.page.picture import Column, Picture, Side
 
 #: More recordings than this are not drawn, but a random choice of as many.
@@ -27,10 +27,10 @@ def payload(picture: Picture) -> dict[str, object]:
         "total": len(picture),
         "names": list(picture.names if picture.layers else ("residuals", "residuals")),
         "show": picture.show if picture.layers else "after",
-        "line": pack.numbers(picture.line[rows].astype(float), step=1.0),
+        "line": numbers(picture.line[rows].astype(float), step=1.0),
         "time": _time(picture, rows),
         "columns": [_column(one, rows) for one in picture.columns],
-        "labels": {name: pack.words(values[rows]) for name, values in picture.labels.items()},
+        "labels": {name: words(values[rows]) for name, values in picture.labels.items()},
         "layers": [
             {
                 "name": one.name,
@@ -41,7 +41,7 @@ def payload(picture: Picture) -> dict[str, object]:
         ],
         "turn": None
         if picture.turn is None
-        else [pack.numbers(one[rows]) for one in picture.turn.reshape(4, -1)],
+        else [numbers(one[rows]) for one in picture.turn.reshape(4, -1)],
         "axes": [
             {"name": name, "letter": "x" if side is picture.x else "y", **_side(side, rows, scale)}
             for name, side in picture.sides()
@@ -62,11 +62,9 @@ def _linear(picture: Picture) -> dict[str, object] | None:
         "units": own.units,
         "values": own.values,
         "free": own.free,
-        "left": {
-            name: pack.numbers(side.after / scale, EXACT) for name, (side, _) in sides.items()
-        },
+        "left": {name: numbers(side.after / scale, EXACT) for name, (side, _) in sides.items()},
         "columns": {
-            name: [pack.numbers(one / scale, EXACT) if one.any() else None for one in columns]
+            name: [numbers(one / scale, EXACT) if one.any() else None for one in columns]
             for name, (_, columns) in sides.items()
         },
     }
@@ -81,9 +79,9 @@ def drawn(n: int) -> NDArray[np.intp]:
 
 def _side(side: Side, rows: NDArray[np.intp], scale: float) -> dict[str, object]:
     return {
-        "before": pack.numbers(side.before[rows] / scale),
-        "layers": [pack.numbers(one[rows] / scale) for one in side.layers],
-        "share": pack.numbers(side.share[rows]),
+        "before": numbers(side.before[rows] / scale),
+        "layers": [numbers(one[rows] / scale) for one in side.layers],
+        "share": numbers(side.share[rows]),
         "floor": None if side.floor is None else float(f"{side.floor / scale:.6g}"),
         "reach": float(f"{reach(side, side.before, side.after) / scale:.4g}"),
         "near": float(f"{reach(side, side.after) / scale:.4g}"),
@@ -101,10 +99,9 @@ def _column(column: Column, rows: NDArray[np.intp]) -> dict[str, object]:
     head = {"name": column.name, "label": column.label, "unit": column.unit}
     values = column.values[rows]
     if values.dtype.kind == "U":
-        return {**head, "words": pack.words(values.astype(str))}
-    numbers: Array = values.astype(float)
+        return {**head, "words": words(values.astype(str))}
     regions = [[low, high, layer] for low, high, layer in column.regions]
-    return {**head, "numbers": pack.numbers(numbers), "regions": regions}
+    return {**head, "numbers": numbers(values.astype(float)), "regions": regions}
 
 
 def _time(picture: Picture, rows: NDArray[np.intp]) -> dict[str, object] | None:
@@ -114,6 +111,63 @@ def _time(picture: Picture, rows: NDArray[np.intp]) -> dict[str, object] | None:
     first = float(np.floor(np.nanmin(picture.time)))
     return {
         "first": first,
-        "seconds": pack.numbers(picture.time[rows] - first, step=1.0),
+        "seconds": numbers(picture.time[rows] - first, step=1.0),
         "stretches": [[round(a - first), round(b - first)] for a, b in stretches(picture.time)],
     }
+
+
+#: The code of a number that is not known, by the bytes of a code.
+_NOTHING = {2: 0xFFFF, 4: 0xFFFFFFFF}
+
+
+def numbers(values: Array, step: float = 0.0) -> dict[str, object]:
+    """Return numbers as whole steps above the lowest; NaN for what is not known.
+
+    Two bytes a number, or four where 65 534 steps across the range are coarser
+    than `step` (0 for whatever two bytes hold).
+    """
+    known = np.isfinite(values)
+    low, high = (
+        (float(values[known].min()), float(values[known].max())) if known.any() else (0.0, 0.0)
+    )
+    size = 2 if step <= 0 or (high - low) / (_NOTHING[2] - 1) <= step else 4
+    unit = (high - low) / (_NOTHING[size] - 1)
+    # Few digits in the text; rounded up so that the highest still has a code.
+    unit = float(f"{unit * (1 + 1e-6):.7g}") or 1.0
+    codes = np.full(len(values), _NOTHING[size], f"<u{size}")
+    codes[known] = np.round((values[known] - low) / unit)
+    return {"low": low, "unit": unit, "bytes": size, "data": _text(codes)}
+
+
+def words(values: NDArray[np.str_]) -> dict[str, object]:
+    """Return labels as their list and a code of two bytes for each."""
+    names, codes = np.unique(values, return_inverse=True)
+    return {"names": [str(name) for name in names], "data": _text(codes.astype("<u2"))}
+
+
+def _text(codes: NDArray[np.unsignedinteger]) -> str:
+    return base64.b64encode(codes.tobytes()).decode("ascii")
+
+
+#: Gaps longer than this may be cut out [s].
+SHORTEST_GAP = 6 * 3600.0
+MOST_STRETCHES = 40
+
+
+def stretches(time: Array) -> list[tuple[float, float]]:
+    """Return the stretches (from, to) [s] in which observations lie close together.
+
+    There are at most `MOST_STRETCHES`: where more campaigns were observed, only
+    the longest gaps are cut out.
+    """
+    known = np.unique(time[np.isfinite(time)])
+    if len(known) == 0:
+        return []
+    gaps = np.diff(known)
+    shortest = SHORTEST_GAP
+    if (gaps > shortest).sum() >= MOST_STRETCHES:
+        shortest = float(np.sort(gaps)[-MOST_STRETCHES])
+    cuts = np.flatnonzero(gaps > shortest)
+    first = known[np.concatenate([[0], cuts + 1])]
+    last = known[np.concatenate([cuts, [len(known) - 1]])]
+    return [(float(a), float(b)) for a, b in zip(first, last, strict=True)]

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.page.clock import stretches
-from pyport.page.payload import reach
+from pyport.page.payload import reach, stretches
 from pyport.page.picture import Column, Picture, Side
 from pyport.page.story import Story
 from pyport.plots import style

@@ -16,11 +16,10 @@ from pages import HOSTILE, recordings
 from pyport import page
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
-from pyport.page import pack
+from pyport.page import payload as pack
 from pyport.page.against import _azimuth, columns
-from pyport.page.clock import MOST_STRETCHES, stretches
 from pyport.page.markup import tag
-from pyport.page.payload import MOST_DRAWN
+from pyport.page.payload import MOST_DRAWN, MOST_STRETCHES, stretches
 from pyport.studies.rt32 import fit_rt32
 from pyport.studies.rt32.page import of_rt32
 

@@ -11,8 +11,7 @@ import seeds
 from seeds import ECSV, NIGHT, parquet
 
 from pyport.effects import Circumstances
-from pyport.examiner.sealed.judge import judge
-from pyport.examiner.sealed.places import place
+from pyport.examiner.sealed.judge import judge, place
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.formats.convert import convert
 from pyport.formats.field_system import agreement
@@ -146,7 +145,7 @@ def readers() -> dict[str, Reader]:
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
     scans = ("recordings.scans.measure", "recordings.scans.beam")
-    judges = ("examiner.sealed.judge", "examiner.sealed.places")
+    judges = ("examiner.sealed.judge",)
     all_of_them = (
         ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *raw)),
         ("ecsv", ".ecsv", (ECSV,), recordings, ("recordings.formats.tables", *raw)),

@@ -12,7 +12,7 @@ import time
 import pytest
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import ledger, seal
+from pyport.examiner.sealed import page, seal
 from pyport.examiner.sealed.protocol import Spec
 
 SPECS = [
@@ -124,8 +124,8 @@ def test_the_ledger_has_each_entry_once(tmp_path):
     """A run that is called again after it wrote an entry does not write it twice."""
     root, book = tmp_path / "set", tmp_path / "ledger.md"
     sealed = seal.seal(root, "a-set", SPECS[:1])
-    ledger.enter_seal(book, root, sealed)
+    page.enter_seal(book, root, sealed)
     once = book.read_bytes()
-    ledger.enter_seal(book, root, sealed)
+    page.enter_seal(book, root, sealed)
 
     assert book.read_bytes() == once

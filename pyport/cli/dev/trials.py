@@ -100,7 +100,7 @@ def make(
 @in_json
 def seal(folder: Path, which: str, ledger: Path, *, as_json: bool = False) -> None:
     """Draw truths, hide them, and publish the hashes that fix them."""
-    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed import page as book
     from pyport.examiner.sealed.protocol import SETS
     from pyport.examiner.sealed.seal import seal as seal_set
 
@@ -143,7 +143,7 @@ def reveal(folder: Path, *, as_json: bool = False) -> None:
 @in_json
 def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> None:
     """Check every seal, print the score and write it down, good or bad."""
-    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed import page as book
     from pyport.examiner.sealed.examine import examine
 
     whole = examine(folder, jobs)
@@ -167,7 +167,7 @@ def prove(
     context: click.Context, folder: Path, which: str, jobs: int, ledger: Path, *, as_json: bool
 ) -> None:
     """Seal, run, reveal and score, from wherever that was interrupted."""
-    from pyport.examiner.sealed import ledger as book
+    from pyport.examiner.sealed import page as book
     from pyport.examiner.sealed.published import read_seal
 
     with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):

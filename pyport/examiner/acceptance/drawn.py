@@ -12,8 +12,7 @@ from typing import Any
 
 from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.intervals import Rate
-from pyport.examiner.sealed.judge import Verdict, judge
-from pyport.examiner.sealed.places import place, read_table
+from pyport.examiner.sealed.judge import Verdict, judge, place, read_table
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.worlds.campaign import NOISES
 from pyport.examiner.worlds.faults import UNCATALOGUED

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from pyport.angles import Array
 from pyport.errors import BadInput
-from pyport.examiner.sealed import controls, score
-from pyport.examiner.sealed.judge import Verdict, judge
-from pyport.examiner.sealed.places import place, read_table
+from pyport.examiner.sealed import score
+from pyport.examiner.sealed.judge import Table, Verdict, judge, numbers, place, read_table
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
 from pyport.examiner.sealed.published import read_report, read_seal
 from pyport.examiner.sealed.seal import (
@@ -90,8 +90,8 @@ def _controls(folder: Folder, verdicts: Iterable[Verdict]) -> list[score.Row]:
     if len(named) < 2:
         return []
     names = [str(one.spec["effect"]) for one in named]
-    mean, high = controls.shuffled_key(named, np.random.default_rng(len(named)))
-    hits, of = controls.metadata_only([folder.recordings(one.case) for one in named], names)
+    mean, high = shuffled_key(named, np.random.default_rng(len(named)))
+    hits, of = metadata_only([folder.recordings(one.case) for one in named], names)
     blind = score.Rate(hits, of)
     chance = 1 / len(set(names))
     return [
@@ -128,3 +128,47 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
     """Return a verdict as JSON can hold it: a place that was not found is null."""
     found = {key: value if np.isfinite(value) else None for key, value in verdict.place.items()}
     return {**asdict(verdict), "place": found}
+
+
+_SHUFFLES = 500
+_OFFSETS = frozenset({"d_az_deg", "d_el_deg"})
+
+
+def shuffled_key(verdicts: Sequence[Verdict], rng: np.random.Generator) -> tuple[float, float]:
+    """Return how often answers fit truths dealt out at random: mean, and 97.5 % of the deals."""
+    names = np.array([str(one.spec["effect"]) for one in verdicts])
+    said = np.array([one.said for one in verdicts])
+    rates = [float(np.mean(said == rng.permutation(names))) for _ in range(_SHUFFLES)]
+    return float(np.mean(rates)), float(np.quantile(rates, 0.975))
+
+
+def metadata_only(paths: Sequence[Path], names: Sequence[str]) -> tuple[int, int]:
+    """Return (hits, of) of a solver that sees all columns but the offsets.
+
+    It has the truths of all other cases, and names that of the case whose
+    columns are most like these in mean, spread and range.
+    """
+    features = _standardised(np.array([_summary(read_table(path)) for path in paths]))
+    apart = np.linalg.norm(features[:, None, :] - features[None, :, :], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    nearest = np.argmin(apart, axis=1)
+    truth = np.array(names)
+    return int(np.sum(truth[nearest] == truth)), len(truth)
+
+
+def _summary(table: Table) -> list[float]:
+    """Return what there is to see of a case besides its offsets."""
+    summary = [float(len(table["el_deg"])), float("scan_axis" in table)]
+    for column in sorted(set(table) - _OFFSETS - {"scan_axis"}):
+        try:
+            value = numbers(table, column)
+        except ValueError:
+            summary.append(float(len(set(table[column]))))
+        else:
+            summary += [float(f(value)) for f in (np.mean, np.std, np.min, np.max)]
+    return summary
+
+
+def _standardised(features: Array) -> Array:
+    spread = features.std(axis=0)
+    return (features - features.mean(axis=0)) / np.where(spread > 0, spread, 1.0)

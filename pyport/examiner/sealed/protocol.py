@@ -9,9 +9,8 @@ import numpy as np
 
 from pyport.examiner.worlds.campaign import NOISES
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.degenerate import TWINS
 from pyport.examiner.worlds.faults import UNCATALOGUED
-from pyport.examiner.worlds.kinds import HIDEABLE, make_case
+from pyport.examiner.worlds.kinds import HIDEABLE, TWINS, make_case
 
 #: What each row of the score must reach, as the proof's table has it.
 THRESHOLDS: dict[str, float] = {

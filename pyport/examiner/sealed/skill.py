@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
-from pyport.examiner.sealed.places import numbers, read_table
+from pyport.examiner.sealed.judge import numbers, read_table
 from pyport.examiner.worlds.case import Case
 from pyport.examiner.worlds.projection import altaz_columns
 

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.examiner.worlds import noise as noises
+from pyport.examiner.worlds.earth import wander
 from pyport.examiner.worlds.faults import Fault
 from pyport.examiner.worlds.faults.uncatalogued import UNKNOWN_COLUMN
 from pyport.examiner.worlds.noise import Noise
 from pyport.examiner.worlds.projection import Base
 from pyport.examiner.worlds.schedule import Plan
-from pyport.examiner.worlds.weather import wander
 from pyport.examiner.worlds.world import Observation, World, assumed_site, observe, unwrapped
 
 _DAY_S = 86400.0

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array
+from pyport.examiner.worlds.earth import wander
 from pyport.examiner.worlds.schedule import Plan
-from pyport.examiner.worlds.weather import wander
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from pyport.examiner.worlds.schedule import (
     rough_place,
     sessions,
 )
-from pyport.examiner.worlds.sources import sources
+from pyport.examiner.worlds.sky import sources
 from pyport.examiner.worlds.world import Drive, World, believed, observe
 
 _DAY_S = 86400.0

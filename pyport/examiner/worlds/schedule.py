@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from pyport.angles import ARCMIN, DEG, Array
 from pyport.errors import BadInput
 from pyport.examiner.worlds import sky
-from pyport.examiner.worlds.earth import Site, julian_date
+from pyport.examiner.worlds.earth import Site, julian_date, weather
 from pyport.examiner.worlds.mount import direction
-from pyport.examiner.worlds.sources import sources
-from pyport.examiner.worlds.weather import weather
+from pyport.examiner.worlds.sky import sources
 
 #: Planets that campaigns visit, with ERFA's numbers for them.
 _PLANETS = {"Venus": 2, "Mars": 4, "Jupiter": 5}

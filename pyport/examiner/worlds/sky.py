@@ -6,13 +6,24 @@ one, and what is left out is what its recordings will show.
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 
 import erfa
 import numpy as np
+from numpy.typing import NDArray
 
-from pyport.angles import Array
-from pyport.examiner.worlds.earth import Site, dynamical, julian_date, motion, orientation
+from pyport.angles import DEG, HOUR, Array
+from pyport.examiner.worlds.earth import (
+    EARTH_RADIUS_M,
+    Site,
+    dynamical,
+    julian_date,
+    motion,
+    orientation,
+)
 from pyport.examiner.worlds.mount import Each
 
 #: What lies between a catalogue position and an observed one.
@@ -134,3 +145,74 @@ def planet(number: int, time_s: Array) -> tuple[Array, Array]:
     from_sun, _ = motion(time_s)
     ra, dec = erfa.c2s(erfa.plan94(*dynamical(time_s), number)["p"] - from_sun)
     return erfa.anp(ra), dec
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Names and ICRS positions [rad] of sources, to an arcsecond, shape (m,)."""
+
+    name: NDArray[np.str_]
+    ra: Array
+    dec: Array
+
+
+@cache
+def sources() -> Sources:
+    """Return the list in `sources.csv`: calibrators from 80 deg north to 80 deg south."""
+    text = (files("pyport.examiner.worlds") / "sources.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(text.splitlines()))
+    return Sources(
+        np.array([row["name"] for row in rows]),
+        np.array([float(row["ra_h"]) for row in rows]) * HOUR,
+        np.array([float(row["dec_deg"]) for row in rows]) * DEG,
+    )
+
+
+_ZERO_C_K = 273.15
+_LAPSE_K_M = 6.5e-3
+_COLDEST_K = 216.65
+#: Gravity over the gas constant of dry air. [K/m]
+_GRAVITY_K_M = 9.80665 / 287.053
+_VAPOUR_HEIGHT_M = 2000.0
+_TOP_M = 80e3
+_LAYERS = 160
+
+
+def bending(el: Array, air: Air) -> Array:
+    """Return how far the air lifts sources that stand at vacuum elevations, [rad], shape (n,).
+
+    Good where rays meet the layers at an angle, some degrees above the horizon.
+    """
+    height = _TOP_M * np.linspace(0, 1, _LAYERS + 1) ** 2
+    index = 1 + 1e-6 * refractivity(height, air)
+    radius = EARTH_RADIUS_M + height
+    lift = np.zeros_like(el)
+    for _ in range(5):
+        # n r sin z is the same all along the ray (Bouguer).
+        ray = index[..., :1] * radius[0] * np.cos(el + lift)[:, None]
+        sine = ray / (index * radius)
+        tangent = sine / np.sqrt(1 - sine**2)
+        middle = (tangent[:, 1:] + tangent[:, :-1]) / 2
+        lift = np.sum(middle * -np.diff(np.log(index), axis=-1), axis=1)
+    return lift
+
+
+def refractivity(height_m: Array, air: Air) -> Array:
+    """Return (n - 1) * 10^6 of air over the telescope, shape (n, heights).
+
+    Constants of Rueger 2002, FIG XXII, "best average"; vapour pressure by Magnus.
+    """
+    ground_k, pressure, humidity = (
+        np.atleast_1d(np.asarray(value, float))[:, None]
+        for value in (air.temperature_c + _ZERO_C_K, air.pressure_hpa, air.humidity)
+    )
+    celsius = ground_k - _ZERO_C_K
+    vapour = humidity * 6.112 * np.exp(17.62 * celsius / (243.12 + celsius))
+    kelvin = np.maximum(ground_k - _LAPSE_K_M * height_m, _COLDEST_K)
+    # Where the air stops cooling its pressure falls exponentially instead of as a power.
+    bend_m = np.maximum(ground_k - _COLDEST_K, 0) / _LAPSE_K_M
+    cooled = (kelvin / ground_k) ** (_GRAVITY_K_M / _LAPSE_K_M)
+    thinned = np.exp(-_GRAVITY_K_M / _COLDEST_K * np.maximum(height_m - bend_m, 0))
+    e = vapour * np.exp(-height_m / _VAPOUR_HEIGHT_M)
+    dry = (pressure - vapour) * cooled * thinned
+    return 77.6890 * dry / kelvin + 71.2952 * e / kelvin + 375463 * e / kelvin**2

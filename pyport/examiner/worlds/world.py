@@ -9,10 +9,10 @@ import numpy as np
 from pyport.angles import Array, wrap
 from pyport.examiner.worlds import mount as mounts
 from pyport.examiner.worlds import sky
-from pyport.examiner.worlds.atmosphere import bending
 from pyport.examiner.worlds.earth import EARTH_RADIUS_M, Site
 from pyport.examiner.worlds.mount import Each, Mount
 from pyport.examiner.worlds.schedule import Plan
+from pyport.examiner.worlds.sky import bending
 
 #: Time on either side over which a rate of tracking is taken. [s]
 _BESIDE_S = 20.0

@@ -8,7 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.cli.dev.trials import command
-from pyport.examiner.sealed import controls, ledger, places, seal, skill
+from pyport.examiner.sealed import examine as examining
+from pyport.examiner.sealed import judge as judging
+from pyport.examiner.sealed import page, seal, skill
 from pyport.examiner.sealed.examine import examine
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.intervals import Rate
@@ -119,8 +121,8 @@ def test_regions_overlap_in_rows_and_azimuth_goes_round():
     low_north = [*north, {"column": "el_deg", "low": None, "high": 35}]
     first = finding("unknown", where={"region": low_north})
 
-    np.testing.assert_array_equal(places.inside(TABLE, north), [1, 1, 0, 0, 1])
-    assert places.region_overlap(TABLE, first, north) == pytest.approx(2 / 3)
+    np.testing.assert_array_equal(judging.inside(TABLE, north), [1, 1, 0, 0, 1])
+    assert judging.region_overlap(TABLE, first, north) == pytest.approx(2 / 3)
 
 
 def test_what_no_finding_places_is_nowhere():
@@ -129,14 +131,14 @@ def test_what_no_finding_places_is_nowhere():
     vague, right = finding("drift"), finding("unknown", where={"region": north})
     cause = {"where": {"region": north, "since": "2004-01-03T12:00:00Z", "curve": None}}
 
-    assert places.place(TABLE, [vague, right], [cause])["region_iou"] == 1
-    assert places.place(TABLE, [], [cause]) == {"region_iou": 0, "moment_rows": np.inf}
-    assert places.place(TABLE, [right], []) == {}
+    assert judging.place(TABLE, [vague, right], [cause])["region_iou"] == 1
+    assert judging.place(TABLE, [], [cause]) == {"region_iou": 0, "moment_rows": np.inf}
+    assert judging.place(TABLE, [right], []) == {}
 
 
 def test_a_region_in_a_column_that_is_not_there_holds_nothing():
     """A place that the recordings do not have is nowhere."""
-    assert not places.inside(TABLE, [{"column": "moon_deg", "low": 0, "high": 9}]).any()
+    assert not judging.inside(TABLE, [{"column": "moon_deg", "low": 0, "high": 9}]).any()
 
 
 def test_curves_are_compared_in_elevation_where_the_found_one_runs():
@@ -144,15 +146,15 @@ def test_curves_are_compared_in_elevation_where_the_found_one_runs():
     true = [{"az_deg": az, "el_deg": 50.0 + az / 36} for az in range(0, 360, 10)]
     found = [{"az_deg": az, "el_deg": 51.5 + az / 36} for az in (15, 95, 205)]
 
-    assert places.curve_distance_deg({"where": {"curve": found}}, true) == pytest.approx(1.5)
-    assert places.curve_distance_deg({"where": {"curve": None}}, true) is None
+    assert judging.curve_distance_deg({"where": {"curve": found}}, true) == pytest.approx(1.5)
+    assert judging.curve_distance_deg({"where": {"curve": None}}, true) is None
 
 
 def test_moments_are_compared_in_recordings():
     """Two recordings lie between noon of the first and noon of the third day."""
     found = {"where": {"since": "2004-01-01T12:00:00Z"}}
 
-    assert places.moment_rows(TABLE, found, "2004-01-03T12:00:00Z") == 2
+    assert judging.moment_rows(TABLE, found, "2004-01-03T12:00:00Z") == 2
 
 
 @pytest.mark.parametrize(("share", "expected"), [(0.0, 0.0), (0.5, 0.75), (1.0, 1.0)])
@@ -194,7 +196,7 @@ def _predict(case, share, path):
 def test_answers_dealt_out_at_random_score_chance():
     """Ten names, each said once: a tenth of a random deal is right."""
     verdicts = [replace(judged([finding(str(n))], SAG), spec={"effect": str(n)}) for n in range(10)]
-    mean, high = controls.shuffled_key(verdicts, np.random.default_rng(1))
+    mean, high = examining.shuffled_key(verdicts, np.random.default_rng(1))
 
     assert mean == pytest.approx(0.1, abs=0.02)
     assert high < 0.5
@@ -208,7 +210,7 @@ def test_metadata_that_tells_is_told(tmp_path):
         paths.append(tmp_path / f"{n}.csv")
         names.append(effect)
         write_recordings(case, paths[-1])
-    honest = controls.metadata_only(paths, names)
+    honest = examining.metadata_only(paths, names)
     for path, effect in zip(paths, names, strict=True):
         text = path.read_text().splitlines()
         told = [f"{line},{effect == 'refraction':d}" for line in text[6:]]
@@ -216,17 +218,17 @@ def test_metadata_that_tells_is_told(tmp_path):
         path.write_text("\n".join([*text[:5], *loud]) + "\n")
 
     assert honest[1] == 12
-    assert controls.metadata_only(paths, names)[0] > honest[0]
+    assert examining.metadata_only(paths, names)[0] > honest[0]
 
 
 def test_all_right_passes_every_row_and_is_written_down(answered, tmp_path):
     """A set whose every answer is right passes, and the ledger has its table."""
     book = tmp_path / "ledger.md"
-    ledger.enter_seal(book, answered, read_json(seal.Folder(answered).seal))
+    page.enter_seal(book, answered, read_json(seal.Folder(answered).seal))
     seal.reveal(answered)
 
     whole = examine(answered)
-    ledger.enter_score(book, answered, whole)
+    page.enter_score(book, answered, whole)
 
     assert [row.what for row in whole.rows if row.passed is False] == []
     assert whole.passed

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCSEC, DEG
-from pyport.examiner.worlds.atmosphere import bending, refractivity
-from pyport.examiner.worlds.sky import Air
+from pyport.examiner.worlds.sky import Air, bending, refractivity
 
 AIR = Air(np.array([1005.0]), np.array([10.0]), np.array([0.6]))
 

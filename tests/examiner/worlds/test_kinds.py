@@ -5,9 +5,8 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
-from pyport.examiner.worlds.degenerate import TWINS
 from pyport.examiner.worlds.faults import CATALOGUED, SWALLOWED, UNCATALOGUED
-from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, make_case
+from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, TWINS, make_case
 from pyport.examiner.worlds.projection import Base
 
 ROWS = 240

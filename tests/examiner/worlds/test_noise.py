@@ -5,8 +5,8 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.examiner.worlds.campaign import campaign, gappy_campaign, usual_noise
+from pyport.examiner.worlds.earth import wander
 from pyport.examiner.worlds.noise import Noise, draw, rounded
-from pyport.examiner.worlds.weather import wander
 
 ROWS = 8000
 

@@ -7,7 +7,7 @@ import pytest
 from pyport.angles import ARCSEC, DEG
 from pyport.examiner.worlds import sky
 from pyport.examiner.worlds.earth import SITES, dynamical, julian_date, motion, orientation
-from pyport.examiner.worlds.sources import sources
+from pyport.examiner.worlds.sky import sources
 
 SITE = SITES["rt32"]
 AIR = sky.Air(1000.0, 10.0, 0.6)
