@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import models
+from pyport.cli.manners import beside_model
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -20,13 +20,7 @@ if TYPE_CHECKING:
     epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
 )
 @click.argument("recordings", nargs=-1, required=True, shell_complete=named)
-@click.option(
-    "--model",
-    default="altaz",
-    show_default=True,
-    shell_complete=models,
-    help="A built-in model or a file.",
-)
+@beside_model
 @click.option(
     "--refit",
     default="all",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import models
+from pyport.cli.manners import beside_model
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -51,13 +51,7 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
 
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")
 @click.argument("recordings", shell_complete=named)
-@click.option(
-    "--model",
-    default="altaz",
-    show_default=True,
-    shell_complete=models,
-    help="A built-in model or a file.",
-)
+@beside_model
 @click.option(
     "--noise",
     "noise_arcsec",

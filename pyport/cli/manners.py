@@ -110,3 +110,22 @@ def effects(_: click.Context, __: click.Parameter, typed: str) -> list[Completio
 def _completed(names: list[str], typed: str) -> list[CompletionItem]:
     found = [CompletionItem(name) for name in names if name.startswith(typed)]
     return [*found, CompletionItem(typed, type="file")]
+
+
+#: The model beside which recordings are looked at.
+beside_model = click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="A built-in model or a file.",
+)
+#: How rare the watch's false alarms are to be, where it is examined.
+as_promised = click.option(
+    "--false-alarm-every",
+    "rarity",
+    default=10_000.0,
+    show_default=True,
+    metavar="POINTINGS",
+    help="What the watch promises.",
+)

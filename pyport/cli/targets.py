@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import in_json, models, say
+from pyport.cli.manners import beside_model, in_json, say
 from pyport.cli.manners import recordings as named
 from pyport.errors import BadInput
 
@@ -26,13 +26,7 @@ _J2000_S, _YEAR_S = 946_728_000.0, 365.25 * 86400
     epilog="Example: pyport targets offsets.csv --catalogue radio --format snap -o next.snp",
 )
 @click.argument("recordings", shell_complete=named)
-@click.option(
-    "--model",
-    default="altaz",
-    show_default=True,
-    shell_complete=models,
-    help="A built-in model or a file.",
-)
+@beside_model
 @click.option("--count", type=click.IntRange(1, 500), default=20, show_default=True)
 @click.option("--start", metavar="TIME", help="ISO 8601 UTC; now by default.")
 @click.option(

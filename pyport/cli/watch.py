@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import in_json, models
+from pyport.cli.manners import beside_model, in_json
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,13 +27,7 @@ ALARMED = 3
     epilog="Example: pyport watch tonight.csv --history past.csv --model altaz --out watch",
 )
 @click.argument("log", type=click.Path(path_type=Path))
-@click.option(
-    "--model",
-    default="altaz",
-    show_default=True,
-    shell_complete=models,
-    help="A built-in model or a file.",
-)
+@beside_model
 @click.option(
     "--history",
     metavar="RECORDINGS",

@@ -8,21 +8,14 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import in_json, resumable
+from pyport.cli.manners import as_promised, in_json, resumable
 
 
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
 @click.option("--nulls", default=1000, show_default=True, help="Nights without any change.")
 @click.option("--steps", default=1000, show_default=True, help="Steps of one to five sigmas.")
 @click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
-@click.option(
-    "--false-alarm-every",
-    "rarity",
-    default=10_000.0,
-    show_default=True,
-    metavar="POINTINGS",
-    help="What the watch promises.",
-)
+@as_promised
 @resumable("out/nights")
 @in_json
 def command(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_json: bool) -> None:

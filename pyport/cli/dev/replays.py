@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import in_json, plain
+from pyport.cli.manners import as_promised, in_json, plain
 
 
 @click.command("replays", epilog="Example: pyport dev replays --data ../shared/data")
@@ -19,14 +19,7 @@ from pyport.cli.manners import in_json, plain
     show_default=True,
     help="Folder of public recordings; what is not there is said to be.",
 )
-@click.option(
-    "--false-alarm-every",
-    "rarity",
-    default=10_000.0,
-    show_default=True,
-    metavar="POINTINGS",
-    help="What the watch promises.",
-)
+@as_promised
 @in_json
 def command(data: Path, rarity: float, *, as_json: bool) -> None:
     """Replay public recordings in the order of time; say what is raised, and what is known.

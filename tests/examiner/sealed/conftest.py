@@ -2,9 +2,11 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from machines import INPUTS
 
 from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.protocol import Spec
@@ -12,14 +14,7 @@ from pyport.examiner.sealed.protocol import Spec
 ROWS = 150
 
 SPECS = [
-    Spec("null", "null", rows=ROWS, noise="white"),
-    *(Spec("one", "one", effect, 1.0, ROWS) for effect in ("refraction", "azimuth_harmonics")),
-    Spec("degenerate", "degenerate", "latitude", 1.0, ROWS),
-    Spec("two", "two", "refraction+beam_squint", 1.0, ROWS),
-    Spec("unknown", "unknown", "mixed_wave", 1.0, ROWS),
-    Spec("region", "unknown", "region", 1.0, ROWS),
-    Spec("curve", "one", "subreflector_jump", 1.0, ROWS),
-    Spec("moment", "one", "epoch_offset", 1.0, ROWS),
+    *(replace(one, rows=ROWS) for one in INPUTS),
     Spec("ablation", "ablation", "nutation", 1.0, ROWS),
     Spec("zero", "one", "refraction", 0.0, ROWS),
 ]
