@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import resumable
+from pyport.cli.manners import in_json, resumable, say
 
 
 @click.command("calibrate", epilog="Example: pyport dev calibrate FAMILY_ERROR --cases 10")
@@ -22,8 +22,16 @@ from pyport.cli.manners import resumable
 @click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
 @click.option("--into", type=click.Path(exists=True, dir_okay=False), help="The page to rewrite.")
 @resumable("out/calibrate")
+@in_json
 def command(
-    *, names: tuple[str, ...], cases: int, seed: int, jobs: int, into: str | None, out: Path
+    *,
+    names: tuple[str, ...],
+    cases: int,
+    seed: int,
+    jobs: int,
+    into: str | None,
+    out: Path,
+    as_json: bool,
 ) -> None:
     """Draw noise with nothing in it; count false alarms against each threshold, and coverage.
 
@@ -45,7 +53,7 @@ def command(
     found.sort(key=lambda one: (order[one["kind"]], one["number"]))
     tables = [calibrate.text(name, found) for name in names or calibrate.LEVELS]
     if into is None:
-        click.echo("\n\n".join(tables))
+        say("\n\n".join(tables), found, as_json=as_json)
         return
     text = "".join(f"```text\n{one}\n```\n\n" for one in tables)
     page = put_between(Path(into).read_text(encoding="utf-8"), "calibration", text)
