@@ -198,10 +198,11 @@ real: $(BIN)/pyport
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pyport dev real --data $(DATA) --jobs 2 --out $(OUT)/real \
 	  --markdown docs/real.md
 
-# Every reader against spoilt files for SECONDS; every writer against KILLS kills; every command
-# with FAULTS faults in it.
+# Every reader against spoilt files for SECONDS; every writer against KILLS kills, LOAD other processes
+# beside it; every command with FAULTS faults in it.
 SECONDS ?= 600
 KILLS ?= 200
+LOAD ?= 0
 FAULTS ?= 25
 
 $(VENV)/fuzz: $(BIN)/pyport
@@ -212,7 +213,8 @@ fuzz: $(VENV)/fuzz
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/reliability/fuzz.py --seconds $(SECONDS) --out $(OUT)/fuzz
 
 torture: $(BIN)/pyport
-	$(BIN)/python tests/reliability/torture.py --kills $(KILLS) $(if $(SEED),--seed $(SEED))
+	$(BIN)/python tests/reliability/torture.py --kills $(KILLS) --load $(LOAD) \
+	  $(if $(SEED),--seed $(SEED))
 
 faults: $(BIN)/pyport
 	$(BIN)/python tests/reliability/faults.py --faults $(FAULTS) $(if $(SEED),--seed $(SEED))

@@ -11,6 +11,7 @@ already, so that no kill is wasted on imports.
 
 All that is drawn comes from a seed, which is printed. Where something differs
 both folders are kept, with what the command said, and what differs is named.
+With --load so many other processes compute and write all the while.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import filecmp
+import hashlib
 import itertools
 import json
 import multiprocessing
@@ -30,7 +32,7 @@ import tempfile
 import time
 import traceback
 import unittest.mock
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -270,6 +272,29 @@ def _answers(root: Path) -> dict[str, object]:
     return found
 
 
+@contextlib.contextmanager
+def load(count: int) -> Iterator[None]:
+    """Let so many other processes compute and write meanwhile."""
+    others = [multiprocessing.get_context("spawn").Process(target=toil) for _ in range(count)]
+    for other in others:
+        other.start()
+    try:
+        yield
+    finally:
+        for other in others:
+            other.kill()
+            other.join()
+
+
+def toil() -> None:
+    """Compute and write until killed."""
+    with tempfile.TemporaryFile() as file:
+        while True:
+            file.seek(0)
+            file.write(b"".join(hashlib.sha256(b"%d" % n).digest() for n in range(30_000)))
+            file.flush()
+
+
 def one(name: str, kills: int, seed: int, folder: Path) -> Count:
     """Torture one command, in a process of its own."""
     os.environ.update(ALWAYS)
@@ -297,20 +322,24 @@ def main() -> int:
     parser.add_argument("--seed", type=int, help="printed; drawn unless given")
     parser.add_argument("--keep", type=Path, default=Path("out/torture"), help="for what differs")
     parser.add_argument("--jobs", type=int, default=2, help="commands at the same time")
+    parser.add_argument(
+        "--load", type=int, default=0, help="other processes that compute and write"
+    )
     told = parser.parse_args()
     seed = random.SystemRandom().randrange(10**6) if told.seed is None else told.seed
     counts = []
     started = time.monotonic()
-    print(f"seed {seed}")
+    print(f"seed {seed}, {told.load} other processes")
     print(f"{'command':<22}{'kills':>6}{'writing':>9}{'elsewhere':>11}{'lost':>6}", flush=True)
     forge = multiprocessing.get_context("spawn")
     with (
         tempfile.TemporaryDirectory(prefix="torture-") as name,
+        load(told.load),
         ProcessPoolExecutor(told.jobs, forge, max_tasks_per_child=1) as pool,
     ):
         prepare(Path(name))
         shares = shared(told.kills, Path(name))
-        slowest_first = sorted(told.commands or shares, key=lambda what: shares[what])
+        slowest_first = [what for what in reversed(shares) if what in (told.commands or shares)]
         runs = [pool.submit(one, what, shares[what], seed, Path(name)) for what in slowest_first]
         for run in itertools.chain(as_completed(runs), [None]):
             missing = told.kills - sum(count.kills for count in counts)
