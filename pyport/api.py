@@ -12,12 +12,16 @@ recordings, units and all: `az_deg`, `el_deg`, `d_xel_arcsec`, `d_el_arcsec`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from pyport.arguments import mapping, number, refusal, texts, whole
 from pyport.errors import BadInput
 from pyport.recordings.from_table import Header, Table, from_table
 
@@ -179,7 +183,6 @@ class Fit(Shown):
     @cached_property
     def residuals(self) -> dict[str, Quantity]:
         """Return what is left of each recording: `xel` on the sky, and `el`, NaN for none."""
-        import numpy as np
         from astropy import units
 
         from pyport.angles import ARCSEC
@@ -296,9 +299,9 @@ def diagnose(
     from pyport.pipeline import ids_of
 
     known = model_of(model)
-    names = refit if isinstance(refit, str) else ",".join(refit) or "none"
-    held = ids_of(known, names)
-    return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=seed))
+    held = ids_of(known, ",".join(texts("refit", refit)) or "none")
+    drawn = whole("seed", seed, 0)
+    return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=drawn))
 
 
 def fit(
@@ -337,12 +340,19 @@ def fit(
     from pyport.fitting.fit import WEIGHTS, fit
     from pyport.models.terms.editing import edited
 
-    if weights not in WEIGHTS:
+    if not isinstance(weights, str) or weights not in WEIGHTS:
         raise BadInput(f"weights are {weights!r}, expected {' or '.join(map(repr, WEIGHTS))}")
-    told = [_fixed(name, one) for name, one in fix.items()] if isinstance(fix, Mapping) else fix
-    labels = (per,) if isinstance(per, str) else per
-    names = [(one,) if isinstance(one, str) else one for one in (add, drop)]
-    chosen = edited(model_of(model), fix=told, add=names[0], drop=names[1], per=labels)
+    if isinstance(fix, Mapping):
+        told = tuple(_fixed(name, one) for name, one in mapping("fix", fix).items())
+    else:
+        told = texts("fix", fix)
+    chosen = edited(
+        model_of(model),
+        fix=told,
+        add=texts("add", add),
+        drop=texts("drop", drop),
+        per=None if per is None else texts("per", per),
+    )
     return Fit(fit(from_table(table, header), chosen, weights=weights))
 
 
@@ -351,26 +361,31 @@ def _fixed(name: str, value: Any) -> str:  # noqa: ANN401 - a Quantity or a numb
     if value is None:
         return name
     if getattr(value, "unit", None) is None:
-        return f"{name}={float(value)!r}"
+        return f"{name}={number(f'fix: {name}', value, -math.inf)!r}"
     from astropy import units
 
     try:
         return f"{name}={float(value.to_value(units.arcsec))!r}arcsec"
     except units.UnitConversionError:
         raise BadInput(f"fix: {name} is in {value.unit}, expected an angle") from None
+    except TypeError:
+        raise refusal(f"fix: {name}", value, "an angle") from None
 
 
 def look(
     table: Table,
     model: str | Path | Model | PointingModel = "altaz",
     *,
+    noise_arcsec: float | None = None,
+    count: int = 6,
+    elevations: Sequence[float] | None = None,
+    sources: bool = False,
     header: Header | None = None,
-    **options: Any,  # noqa: ANN401 - those of planning.look
 ) -> Look:
     """Tell what recordings could show: coverage, what can be distinguished, what to observe next.
 
-    `options` are those of `pyport.planning.look`: `noise_arcsec`, `count`,
-    `elevations`, `sources`; the others as in `diagnose`.
+    `noise_arcsec`, `count`, `elevations` [deg] and `sources` are those of `pyport.planning.look`;
+    the others as in `diagnose`.
 
     Raises
     ------
@@ -380,7 +395,25 @@ def look(
     from pyport.correction.use import model_of
     from pyport.planning import look
 
-    return Look(look(from_table(table, header), model_of(model), **options))
+    found = look(
+        from_table(table, header),
+        model_of(model),
+        noise_arcsec=None if noise_arcsec is None else number("noise_arcsec", noise_arcsec, 0),
+        count=whole("count", count, 0),
+        elevations=None if elevations is None else _between(elevations),
+        sources=sources is True,
+    )
+    return Look(found)
+
+
+def _between(elevations: Sequence[float]) -> tuple[float, float]:
+    """Return two elevations [deg], the lower one first."""
+    if np.shape(elevations) != (2,):
+        raise refusal("elevations", elevations, "two numbers in degrees")
+    low, high = (number("elevations", one, -90, 180) for one in elevations)
+    if not low < high:
+        raise BadInput(f"elevations: {low:g} is not below {high:g}")
+    return low, high
 
 
 def load_model(model: str | Path | Model) -> PointingModel:

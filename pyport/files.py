@@ -97,6 +97,14 @@ def is_file(path: str | Path) -> bool:
         return False
 
 
+def is_folder(path: str | Path) -> bool:
+    """Tell whether there is such a folder; a name too long for one is no folder's."""
+    try:
+        return Path(path).is_dir()
+    except OSError:
+        return False
+
+
 def is_spelled(name: str | Path) -> bool:
     """Tell whether a name of a file is UTF-8: bytes that are none come as lone surrogates."""
     try:

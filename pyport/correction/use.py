@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
+from pyport.arguments import place
 from pyport.columns import LABELS, SPELLED
 from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
@@ -92,7 +93,8 @@ class PointingModel:
         """
         from astropy import units
 
-        if len(where) == 2 and not conditions and type(where[0]) is type(where[1]) is float:
+        plain = len(where) == 2 and type(where[0]) is type(where[1]) is float
+        if plain and not conditions and math.isfinite(where[0] + where[1]):
             one = self.offsets_rad(where[0] * DEG, where[1] * DEG)
             return Offsets(one[0] / ARCSEC * units.arcsec, one[1] / ARCSEC * units.arcsec)
         there = directions(where, conditions, self.model.site, self._others)
@@ -175,9 +177,13 @@ class PointingModel:
         """
         from pyport.formats.completed import write_model
 
-        rest = None if rest_as is None else Path(rest_as)
+        rest = None if rest_as is None else place("rest_as", rest_as)
         return write_model(
-            self.model, Path(path), rest_as=rest, leave_out=leave_out, conditions=conditions
+            self.model,
+            place("path", path),
+            rest_as=rest,
+            leave_out=leave_out,
+            conditions=conditions,
         )[2]
 
     def needs(self) -> list[str]:
@@ -316,4 +322,4 @@ def model_of(model: str | Path | Model | PointingModel) -> Model:
 
     if isinstance(model, PointingModel):
         return model.model
-    return model if isinstance(model, Model) else load(str(model))
+    return model if isinstance(model, Model) else load(str(place("model", model)))

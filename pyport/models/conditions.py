@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.arguments import refusal
 from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
@@ -139,6 +140,8 @@ def site_of(location: Any) -> Site | None:  # noqa: ANN401 - astropy is not type
     """Return the site that an astropy `EarthLocation` is, None for None."""
     if location is None or isinstance(location, Site):
         return location
+    if not hasattr(location, "to_geodetic"):
+        raise refusal("location", location, "astropy's EarthLocation")
     place = location.to_geodetic()
     return Site(
         float(place.lat.to_value("rad")),

@@ -85,19 +85,22 @@ def to_icrs(site: Site, az: Array, el: Array, time_s: Array) -> tuple[Array, Arr
 
 def _place(site: Site, time_s: Array) -> tuple[Array | float, ...]:
     """Return what ERFA asks of time and place, UT1 and pole as if they were UTC and zero."""
-    if site.longitude is None:
-        raise BadInput("no longitude_deg, expected one for targets at a time: --set longitude_deg=")
+    _refuse_without_longitude(site)
     days = np.asarray(time_s) / 86400.0
     weather = 0.0, 0.0, 0.0, 1.0
     moment = 2440587.5, days, 0.0
     return *moment, site.longitude, site.latitude, site.height_m, 0.0, 0.0, *weather
 
 
+def _refuse_without_longitude(site: Site) -> None:
+    if site.longitude is None:
+        raise BadInput("no longitude_deg, expected one for targets at a time: --set longitude_deg=")
+
+
 def sunrise(site: Site, start_s: float) -> float:
     """Return when the Sun next rises [s since 1970], within a day; the day's end if it does not."""
     time = start_s + np.arange(0, LONGEST_S, 60.0)
-    none = np.zeros(len(time))
-    up = sun(Circumstances(none, none, site, {"time": time}))[1] > SUNRISE
+    up = _sun(site, time)[1] > SUNRISE
     rises = np.flatnonzero(up[1:] & ~up[:-1])
     return float(time[rises[0] + 1]) if len(rises) else start_s + LONGEST_S
 
@@ -164,12 +167,18 @@ def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets
     return some
 
 
+def _sun(site: Site, time_s: Array) -> tuple[Array, Array]:
+    """Return azimuth and elevation of the Sun [rad]."""
+    _refuse_without_longitude(site)
+    none = np.zeros(len(time_s))
+    return sun(Circumstances(none, none, site, {"time": time_s}))
+
+
 def _from_sun(site: Site, time_s: float, az: Array, el: Array) -> Array:
     """Return how far directions are from the Sun [rad]."""
     from pyport.planning.coverage import separation
 
-    none = np.zeros(1)
-    sun_az, sun_el = sun(Circumstances(none, none, site, {"time": np.array([time_s])}))
+    sun_az, sun_el = _sun(site, np.array([time_s]))
     return separation(float(sun_az[0]), float(sun_el[0]), az, el)
 
 

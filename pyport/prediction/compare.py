@@ -158,4 +158,6 @@ def cancelled(rival: Refitted, model: Refitted) -> float:
     whole = terms.sum(axis=1)
     added = whole - basis @ (basis.T @ whole)
     single = terms - basis @ (basis.T @ terms)
-    return float(np.linalg.norm(single, axis=0).max() / max(np.linalg.norm(added), 1e-300))
+    return float(
+        np.linalg.norm(single, axis=0).max(initial=0.0) / max(np.linalg.norm(added), 1e-300)
+    )

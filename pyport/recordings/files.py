@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.files import is_file
+from pyport.files import is_file, is_folder
 from pyport.recordings import nearly, shipped
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
@@ -33,7 +33,7 @@ def resolve(name: str | Path) -> Path:
         return path
     if str(name) in shipped.NAMES:
         return shipped.path(str(name))
-    if path.is_dir():
+    if is_folder(path):
         from pyport.recordings.stream import is_data_set
 
         if is_data_set(path):
@@ -83,11 +83,11 @@ def read(
         recordings = interpret(read_raw(path, given))
     kept = where(recordings, given.where) if given.where else recordings
     if not len(kept):
-        raise BadInput(_nothing_left(recordings, given.where), path)
+        raise BadInput(nothing_left(recordings, given.where), path)
     return kept
 
 
-def _nothing_left(recordings: Recordings, expression: str) -> str:
+def nothing_left(recordings: Recordings, expression: str = "") -> str:
     """Return why no recording is left to use."""
     if len(recordings):
         return f"--where {expression!r} holds for none of the {len(recordings)} recordings"

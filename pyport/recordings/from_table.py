@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
+from pyport.arguments import mapping, place, refusal
 from pyport.columns import ANGLES, NUMBER, QUANTITIES, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.recordings import nearly
-from pyport.recordings.files import read
+from pyport.recordings.files import nothing_left, read
 from pyport.recordings.interpret import interpret
 from pyport.recordings.options import FileOptions
 from pyport.recordings.raw import Raw
@@ -33,19 +34,26 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
     BadInput
         Columns are missing, unknown or hold what they should not; rows count from 1.
     """
-    keys = _keys(header or {})
+    keys = _keys({} if header is None else header)
     if isinstance(table, Recordings):
         return table
     if isinstance(table, str | Path):
-        return read(table, FileOptions(keys))
-    return interpret(raw_table(table, keys))
+        return read(place("table", table), FileOptions(keys))
+    found = interpret(raw_table(table, keys))
+    if not len(found):
+        raise BadInput(nothing_left(found), "table")
+    return found
 
 
 def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
     """Return the cells of a table in memory; `keys` are header keys that it does not have."""
     columns = dict(_column(name, table[name]) for name in _names(table))
     nearly.refuse_columns(columns)
-    rows = max((len(cells) for cells in columns.values()), default=0)
+    sizes = {len(cells) for cells in columns.values()}
+    if len(sizes) > 1:
+        lengths = ", ".join(f"{name} {len(cells)}" for name, cells in columns.items())
+        raise BadInput(f"table: columns of different lengths: {lengths}")
+    rows = max(sizes, default=0)
     meta = {str(k): str(v) for k, v in (getattr(table, "meta", None) or {}).items()}
     return Raw(Path("table"), meta | dict(keys or {}), 0, columns, np.arange(1, rows + 1))
 
@@ -53,7 +61,7 @@ def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
 def _keys(header: Header) -> dict[str, str]:
     """Return header keys as text; `location` may be astropy's EarthLocation."""
     found = {}
-    for key, value in header.items():
+    for key, value in mapping("header", header).items():
         if key == "location" and hasattr(value, "to_geodetic"):
             place = value.to_geodetic()
             found["latitude_deg"] = repr(float(place.lat.to_value("deg")))
@@ -69,10 +77,16 @@ def _keys(header: Header) -> dict[str, str]:
 
 def _names(table: Table) -> list[str]:
     """Return the names of a table's columns."""
-    for attribute in ("column_names", "colnames", "columns"):
-        if hasattr(table, attribute):
-            return [str(name) for name in getattr(table, attribute)]
-    return [str(name) for name in table]
+    named = (getattr(table, one, None) for one in ("column_names", "colnames", "columns"))
+    names = next((one for one in named if isinstance(one, Iterable)), None)
+    if names is None and isinstance(table, Mapping):
+        names = table
+    if names is None:
+        raise refusal("table", table, "a file, a data frame, or columns by name")
+    for name in names:
+        if not isinstance(name, str):
+            raise refusal("table: the name of a column", name, "a text")
+    return list(names)
 
 
 def _column(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: ANN401 - of any table
@@ -88,7 +102,7 @@ def _column(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: ANN401
         return (TIME if name == "time" else name), when
     unit = getattr(column, "unit", None)
     if unit is None or not str(unit):
-        return name, _cells(column)
+        return name, _cells(name, column)
     told = angle_of(name)
     if name in ANGLES:
         own = "h" if str(unit) == "hourangle" else str(unit)
@@ -100,7 +114,7 @@ def _column(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: ANN401
         name, wanted = _QUANTITIES[name]
     else:
         wanted = dict(_QUANTITIES.values()).get(name, "")
-    return name, _cells(column) if not wanted else _converted(name, column, unit, wanted)
+    return name, _cells(name, column) if not wanted else _converted(name, column, unit, wanted)
 
 
 #: The contract's units of angle as astropy spells them.
@@ -122,7 +136,7 @@ def _converted(
     """Return the numbers of a column of astropy's in another unit."""
     from astropy import units
 
-    numbers = np.asarray(_cells(column), float)
+    numbers = np.asarray(_cells(name, column), float)
     if str(unit) == wanted:
         return numbers
     try:
@@ -132,14 +146,26 @@ def _converted(
     return np.asarray(there, float)
 
 
-def _cells(column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column of any table
-    """Return a column's cells: numbers or times with NaN or NaT, text with "", for blank."""
+def _cells(name: str, column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column of any table
+    """Return a column's cells: numbers or times with NaN or NaT, text with "", for blank.
+
+    Raises
+    ------
+    BadInput
+        They are none of these, or not one a row.
+    """
     if isinstance(column, np.ma.MaskedArray):
         if column.dtype.kind in "iuf":
             return np.asarray(np.ma.filled(column.astype(float), np.nan))
         blank = np.datetime64("NaT") if column.dtype.kind == "M" else ""
         return np.asarray(np.ma.filled(column, blank))
-    cells = np.asarray(column)
+    try:
+        cells = np.asarray(column)
+        cells = cells.astype(np.str_) if cells.dtype.kind == "S" else cells
+    except (TypeError, ValueError):  # cells of different shapes, bytes that are no ASCII
+        cells = np.empty((0, 0))
+    if cells.ndim != 1 or cells.dtype.kind not in "OUMiufb":
+        raise refusal(f"table: column {name!r}", column, "numbers, times or texts, one a row")
     if cells.dtype.kind == "O":
         return np.array(["" if _blank(one) else str(one) for one in cells.tolist()], np.str_)
     return cells

@@ -70,7 +70,7 @@ class Raw:
         else:
             try:
                 values = np.array([float(cell or "nan") for cell in cells.tolist()])
-            except ValueError:
+            except (TypeError, ValueError):
                 values = self._numbers_one_by_one(name)
         self.refuse(np.isinf(values), f"{name} is infinite, expected a number or blank")
         return values

@@ -22,6 +22,8 @@ HOST, PORT = "127.0.0.1", 8765
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 #: How often a viewer's connection looks for news, and says that it is alive [s].
 LOOK_S, ALIVE_S = 0.5, 15.0
+#: A connection that has not asked for anything by then is closed: it would hold a place [s].
+PATIENCE_S = 10.0
 #: Files of the page and what they are.
 FILES = {
     "/": ("watch.html", "text/html; charset=utf-8"),
@@ -144,6 +146,22 @@ async def _news(live: Live, request: Any) -> AsyncIterator[str]:  # noqa: ANN401
         quiet += LOOK_S
 
 
+def impatient() -> Any:  # noqa: ANN401 - uvicorn's
+    """Return uvicorn's protocol, which waits for a request as long as it takes, with a limit."""
+    from uvicorn.protocols.http.h11_impl import H11Protocol
+
+    class Impatient(H11Protocol):
+        def connection_made(self, transport: Any) -> None:  # noqa: ANN401 - asyncio's
+            super().connection_made(transport)
+            self.loop.call_later(PATIENCE_S, self._give_up)
+
+        def _give_up(self) -> None:
+            if self.cycle is None:
+                self.transport.close()
+
+    return Impatient
+
+
 @dataclass(frozen=True)
 class Served:
     """A page that is served: its address and how to stop."""
@@ -171,11 +189,13 @@ def serve(live: Live, host: str = HOST, port: int = PORT) -> Served:
         import uvicorn
 
         token = "" if host in LOOPBACK else secrets.token_urlsafe(16)
-        application = app(live, host, port, token)
+        application, protocol = app(live, host, port, token), impatient()
     except ImportError:
         wrong = "--serve needs starlette and uvicorn: pip install 'pyport-pointing[serve]'"
         raise BadInput(wrong) from None
-    config = uvicorn.Config(application, host=host, port=port, log_level="error", lifespan="off")
+    config = uvicorn.Config(
+        application, host=host, port=port, http=protocol, log_level="error", lifespan="off"
+    )
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, daemon=True)
     thread.start()

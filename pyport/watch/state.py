@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import zipfile
+import zlib
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,8 @@ from pyport.watch.alarms import Alarm
 from pyport.watch.antenna import Antenna, Slot
 from pyport.watch.watch import Event, Seen, Watch
 
+#: What reading an archive raises that is none, or is spoilt.
+_NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, NotImplementedError)
 _TOLD, _KEY = "told", "key"
 _OF_WATCH = ("row", "raised", "happened", "last", "session")
 _OF_NULL = ("tail", "outliers", "readings", "night_dof", "learning", "clock", "labels", "pointing")
@@ -91,15 +95,13 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
     """
     try:
         with np.load(path, allow_pickle=False) as kept:
-            if str(kept[_KEY]) != key(watch):
-                wrong = "the state of a watch with another past, model or program"
-                raise BadInput(f"{wrong}: move the folder away to begin anew", path)
-            told = json.loads(str(kept[_TOLD]))
             arrays = {name: kept[name] for name in kept.files}
-    except (OSError, ValueError, KeyError, EOFError) as error:
-        if isinstance(error, BadInput):
-            raise
+        whose, told = str(arrays[_KEY]), json.loads(str(arrays[_TOLD]))
+    except (OSError, ValueError, KeyError, EOFError, *_NO_ARCHIVE) as error:
         raise BadInput(f"no state of a watch: {error}", path) from None
+    if whose != key(watch):
+        wrong = "the state of a watch with another past, model or program"
+        raise BadInput(f"{wrong}: move the folder away to begin anew", path)
     for name in _OF_WATCH:
         setattr(watch, name, told[name])
     watch.alarms = {one["number"]: _alarm(one) for one in told["alarms"]}

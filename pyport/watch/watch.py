@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
+from pyport.arguments import mapping, number
 from pyport.correction.use import PointingModel, model_of
 from pyport.errors import BadInput
 from pyport.models.model import Model
@@ -115,12 +116,10 @@ class Watch:
         pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM,
         header: Header | None = None,
     ):
-        if not pointings_per_false_alarm > 1:
-            wrong = f"{pointings_per_false_alarm:g} pointings per false alarm"
-            raise BadInput(f"{wrong}, expected more than 1")
+        per = number("pointings_per_false_alarm", pointings_per_false_alarm, 1)
         history = with_nights(from_table(history, header))
         self.history, self.model = history, model_of(model)
-        self.pointings_per_false_alarm = float(pointings_per_false_alarm)
+        self.pointings_per_false_alarm = per
         names = np.unique(history.label("antenna").astype(str))
         self.antennas: dict[str, Antenna] = {}
         #: Antennas with too short a past, and what is said of them; their rows are passed over.
@@ -132,7 +131,7 @@ class Watch:
                 self.unwatched[str(name)] = few.message
                 continue
             null, known, stands = calibrated(of_it)
-            each = pointings_per_false_alarm * len(names)
+            each = per * len(names)
             self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, stands, each)
         if not self.antennas:
             raise BadInput(next(iter(self.unwatched.values())), history.file)
@@ -173,11 +172,16 @@ class Watch:
         BadInput
             The row lacks something or tells no offset; the watch is as it was.
         """
-        raw = raw_table({name: [value] for name, value in row.items()}, self.history.meta)
+        raw = raw_table(
+            {name: [value] for name, value in mapping("row", row).items()}, self.history.meta
+        )
         recordings = interpret(raw)
         if not len(recordings):
             raise BadInput(recordings.set_aside[0].reason)
-        return next(self.replay(recordings))
+        seen = next(self.replay(recordings), None)
+        if seen is None:
+            raise BadInput("row: its antenna has no past, or too short a one")
+        return seen
 
     def replay(self, table: Table) -> Iterator[Seen]:
         """Take in recordings in the order of time, and yield each as it was seen.

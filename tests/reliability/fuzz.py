@@ -1,8 +1,10 @@
 """Bounded fuzzing of every reader: python tests/reliability/fuzz.py --seconds 600 [READER...].
 
-Each reader gets an equal share of the time, in a process of its own: spoilt
-good files by hypothesis first, then bytes guided by coverage (atheris, where
-this Python has it). An input may be read or refused by `BadInput` on one line.
+Each reader gets an equal share of the processor's time, in a process of its own,
+forked from this one: good files spoilt at random first, then bytes guided by
+coverage (atheris, where this Python has it). Readers are those of files, the
+options of the quick commands, and the Python interface, whose calls are drawn from
+the bytes. An input may be read or refused by `BadInput` on one line.
 Anything else is a failure: another exception, more than 10 s, more than 4 GB, a
 file opened elsewhere than where the input lies, a program run, a connection.
 """
@@ -14,21 +16,29 @@ import importlib
 import importlib.util
 import json
 import os
+import random
 import resource
 import subprocess
 import sys
 import tempfile
 import time
 import traceback
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 LONGEST_S = 10
 LARGEST_BYTES = 4 * 2**30
-#: Share of a reader's time for hypothesis, where there is atheris too.
+GUIDED = importlib.util.find_spec("atheris") is not None
+#: What is watched to guide.
+INSTRUMENTED = [
+    *("pyport.recordings", "pyport.formats", "pyport.steering", "pyport.models.model", "tomllib"),
+    *("pyport.examiner.sealed.published", "pyport.watch.follow", "pyport.planning"),
+]
+#: Share of a reader's time for spoilt files, where there is atheris too.
 SHARE = 0.3
 LONGEST_INPUT = 4096
+#: Different failures of one reader that are kept.
+MOST_KEPT = 10
 WORDS = (
     *Path(__file__).with_name("words.txt").read_text(encoding="utf-8").split(),
     *("\ufeff", "é", "\0", "\r\n", "\t", " "),
@@ -51,7 +61,7 @@ class Tally:
 
     def failed(self, what: str, data: bytes, said: str = "") -> None:
         """Keep the first input that failed so, and what was said then."""
-        if what not in self.found["failures"]:
+        if what not in self.found["failures"] and len(self.found["failures"]) < MOST_KEPT:
             name = f"failure-{len(self.found['failures']):02d}"
             (self.folder / name).write_bytes(data)
             self.found["failures"][what] = f"{said} ({self.folder / name})"
@@ -76,6 +86,7 @@ class Attempt:
         self.reader = readers[name]
         self.tally = Tally(folder)
         self.scratch = Path(tempfile.mkdtemp(prefix="fuzz-", dir=_memory()))
+        tempfile.tempdir = str(self.scratch)
         self.guarded = False
         self.inside = False
         self.escape = ""
@@ -94,7 +105,7 @@ class Attempt:
         found = self.tally.found
         found["tried"] += 1
         wrong = said = ""
-        started = time.monotonic()
+        started = time.process_time()
         self.inside = True
         try:
             self.reader.read(path)
@@ -110,7 +121,7 @@ class Attempt:
         if self.escape:
             self.tally.failed(f"reached for {self.escape}", data)
             self.escape = ""
-        took = time.monotonic() - started
+        took = time.process_time() - started
         self.tally.slowest = max(self.tally.slowest, took)
         if took > LONGEST_S:
             self.tally.failed("took longer than 10 s", data)
@@ -153,75 +164,102 @@ def _where(error: BaseException) -> str:
 
 
 def spoil(attempt: Attempt, until: float, corpus: Path) -> None:
-    """Spoil good files by hypothesis until a time; what was read is kept for what comes next."""
-    from hypothesis import HealthCheck, given, settings
-    from hypothesis import strategies as st
-
-    pieces = st.sampled_from(WORDS).map(str.encode) | st.binary(max_size=4)
-    changes = st.lists(
-        st.tuples(st.integers(0, 3), st.floats(0, 1), st.integers(1, 20), pieces),
-        min_size=1,
-        max_size=5,
-    )
-
-    @settings(
-        max_examples=100, database=None, deadline=None, suppress_health_check=list(HealthCheck)
-    )
-    @given(st.sampled_from(attempt.reader.seeds), changes)
-    def once(seed: bytes, wanted: list[tuple[int, float, int, bytes]]) -> None:
-        if time.monotonic() > until:
-            return
-        data = seed
-        for kind, share, length, piece in wanted:
-            place = int(share * len(data))
-            rest = data[place + length :]
-            middle = (piece, b"", data[place : place + length] * 2, piece * length)[kind]
-            data = data[:place] + middle + (data[place:] if kind == 0 else rest)
+    """Spoil good files at random until a time; what was read is kept for what comes next."""
+    rng = random.Random(attempt.reader.name)  # noqa: S311 - no secret
+    pieces = [word.encode() for word in WORDS]
+    while time.process_time() < until:
+        data = rng.choice(attempt.reader.seeds)
+        for _ in range(rng.randint(1, 5)):
+            place = rng.randint(0, len(data))
+            length = rng.randint(1, 20)
+            piece = rng.choice(pieces) if rng.random() < 0.7 else rng.randbytes(rng.randint(0, 4))
+            end = place if rng.random() < 0.25 else place + length
+            middle = rng.choice((piece, b"", data[place : place + length] * 2, piece * length))
+            data = data[:place] + middle + data[end:]
         read = attempt.tally.found["read"]
         attempt(data)
         if attempt.tally.found["read"] > read and len(data) <= LONGEST_INPUT:
             (corpus / f"spoilt-{attempt.tally.found['tried'] % 200:03d}").write_bytes(data)
 
-    while time.monotonic() < until:
-        once()
-
 
 def work(name: str, seconds: float, folder: Path) -> None:
-    """Fuzz one reader for a while; does not return."""
+    """Fuzz one reader for so much of the processor's time; does not return."""
     resource.setrlimit(resource.RLIMIT_AS, (LARGEST_BYTES, LARGEST_BYTES))
-    guided = importlib.util.find_spec("atheris") is not None
-    if guided:
-        import atheris
-
-        with atheris.instrument_imports(include=["pyport.recordings", "pyport.formats",
-                                                 "pyport.steering", "pyport.models.model",
-                                                 "pyport.examiner.sealed.published", "tomllib"],
-                                        enable_loader_override=False):  # fmt: skip
-            attempt = Attempt(name, folder)
-    else:
-        attempt = Attempt(name, folder)
+    resource.setrlimit(resource.RLIMIT_CPU, (int(2 * seconds) + 120,) * 2)
+    attempt = Attempt(name, folder)
     corpus = folder / "corpus"
     corpus.mkdir(exist_ok=True)
     for n, seed in enumerate(attempt.reader.seeds):
         (corpus / f"seed-{n}").write_bytes(seed)
-    started = time.monotonic()
-    spoil(attempt, started + seconds * (SHARE if guided else 1), corpus)
+    started = time.process_time()
+    spoil(attempt, started + seconds * (SHARE if GUIDED else 1), corpus)
     attempt.tally.found["spoilt"] = attempt.tally.found["tried"]
     attempt.tally.save()
-    if guided:
-        words = folder / "words"
-        words.write_text("".join(f'"{_escaped(word)}"\n' for word in WORDS if word))
+    if not GUIDED:
+        os._exit(0)
+    import atheris
 
-        def one(data: bytes) -> None:
-            attempt(data)
-            if time.monotonic() - started > seconds:
-                attempt.tally.save()
-                os._exit(0)
+    words = folder / "words"
+    words.write_text("".join(f'"{_escaped(word)}"\n' for word in WORDS if word))
 
-        options = [f"-dict={words}", f"-max_len={LONGEST_INPUT}", "-timeout=60", "-rss_limit_mb=0"]
-        options += ["-verbosity=0", "-print_final_stats=0", f"-artifact_prefix={folder}/stopped-"]
-        atheris.Setup([name, *options, str(corpus)], one)
-        atheris.Fuzz()
+    def one(data: bytes) -> None:
+        attempt(data)
+        if time.process_time() - started > seconds:
+            attempt.tally.save()
+            os._exit(0)
+
+    options = [f"-dict={words}", f"-max_len={LONGEST_INPUT}", "-timeout=600", "-rss_limit_mb=0"]
+    options += ["-verbosity=0", "-print_final_stats=0", f"-artifact_prefix={folder}/stopped-"]
+    atheris.Setup([name, *options, str(corpus)], one)
+    atheris.Fuzz()
+
+
+def imported() -> dict[str, Any]:
+    """Return the readers, their code watched where that guides."""
+    if not GUIDED:
+        return dict(importlib.import_module("readers").readers())
+    import atheris
+
+    with atheris.instrument_imports(include=INSTRUMENTED, enable_loader_override=False):
+        return dict(importlib.import_module("readers").readers())
+
+
+def begin(name: str, seconds: float, folder: Path) -> int:
+    """Fork a process that fuzzes a reader, what it prints in a file; return its number."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in (*folder.glob("failure-*"), *folder.glob("stopped-*"), *folder.glob("tally.json")):
+        old.unlink()
+    sys.stdout.flush()
+    number = os.fork()
+    if number:
+        return number
+    try:
+        log = os.open(folder / "log", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        work(name, seconds, folder)
+    except BaseException:  # noqa: BLE001 - said, and told by the status
+        os.write(2, traceback.format_exc().encode())
+    os._exit(1)
+
+
+def ended(name: str, status: int, folder: Path) -> dict[str, Any]:
+    """Return the tally of a reader, and print its line."""
+    tally = folder / "tally.json"
+    found: dict[str, Any] = (
+        json.loads(tally.read_text())
+        if tally.exists()
+        else {"tried": 0, "read": 0, "failures": {}, "slowest_s": 0, "peak_mb": 0}
+    )
+    if status:
+        found["failures"][f"the process ended with {status}"] = str(folder / "log")
+    print(
+        f"{name:<22}{found['tried']:>9}{found['read']:>9}{found['slowest_s']:>7} s"
+        f"{found['peak_mb']:>6}  {len(found['failures'])}",
+        *(f"\n    {what}: {said}" for what, said in found["failures"].items()),
+        flush=True,
+    )
+    return found
 
 
 def _escaped(word: str) -> str:
@@ -232,6 +270,7 @@ def reached(name: str, folder: Path) -> str:
     """Return how many lines of a reader's functions the inputs that were kept run through."""
     import coverage
 
+    os.chdir(Path(__file__).parent)  # the folder of the last one is gone
     readers = importlib.import_module("readers").readers()
     reader = readers[name]
     modules = [importlib.import_module(one) for one in reader.modules]
@@ -280,66 +319,39 @@ def main() -> int:
     """Fuzz the readers that are named, or all; return 1 after failures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("readers", nargs="*")
-    parser.add_argument("--seconds", type=float, default=600, help="in all")
+    parser.add_argument("--seconds", type=float, default=600, help="in all, of each processor")
     parser.add_argument("--jobs", type=int, default=2, help="readers at the same time")
     parser.add_argument("--out", type=Path, default=Path("out/fuzz"))
-    parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--reached", action="store_true", help=argparse.SUPPRESS)
     told = parser.parse_args()
-    if told.worker:
-        work(told.readers[0], told.seconds, told.out)
-        return 0
+    told.out = told.out.resolve()
     if told.reached:
-        sys.stdout.write(reached(told.readers[0], told.out))
+        sys.stdout.write(
+            "".join(f" {name} {reached(name, told.out / name)}" for name in told.readers)
+        )
         return 0
-    names = told.readers or list(importlib.import_module("readers").readers())
+    known = imported()
+    names = told.readers or list(known)
     share = told.seconds * told.jobs / len(names)
-    guided = importlib.util.find_spec("atheris") is not None
-    how = "hypothesis and atheris" if guided else "hypothesis (no atheris for this Python)"
+    how = "spoilt and guided" if GUIDED else "spoilt (no atheris for this Python)"
     print(f"{len(names)} readers, {share:.0f} s each, {told.jobs} at a time, {how}", flush=True)
-    print(f"{'reader':<22}{'tried':>9}{'read':>9}{'lines':>9}{'slowest':>9}{'MB':>6}  failures")
-    with ThreadPoolExecutor(told.jobs) as pool:
-        results = list(pool.map(lambda name: _one(name, share, told.out / name), names))
+    print(f"{'reader':<22}{'tried':>9}{'read':>9}{'slowest':>9}{'MB':>6}  failures", flush=True)
+    waiting, running, results = list(names), {}, []
+    while waiting or running:
+        while waiting and len(running) < told.jobs:
+            name = waiting.pop(0)
+            running[begin(name, share, told.out / name)] = name
+        number, status = os.wait()
+        name = running.pop(number)
+        results.append(ended(name, os.waitstatus_to_exitcode(status), told.out / name))
+    # in a process whose code is not watched already
+    again = [sys.executable, __file__, *names, "--out", str(told.out), "--reached"]
+    lines = subprocess.run(again, stdout=subprocess.PIPE, text=True, check=False)
+    print(f"lines of each reader that the inputs kept run through:{lines.stdout}")
     tried = sum(one["tried"] for one in results)
     failures = sum(len(one["failures"]) for one in results)
     print(f"inputs tried {tried}, failures {failures}")
     return int(failures > 0)
-
-
-def _one(name: str, seconds: float, folder: Path) -> dict[str, Any]:
-    """Fuzz one reader, print its line, and return its tally."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for old in (*folder.glob("failure-*"), *folder.glob("stopped-*"), *folder.glob("tally.json")):
-        old.unlink()
-    command = [sys.executable, __file__, name, "--out", str(folder)]
-    with (folder / "log").open("wb") as log:
-        worker = [*command, "--worker", "--seconds", str(seconds)]
-        try:
-            done = subprocess.run(
-                worker, stdout=log, stderr=log, timeout=2 * seconds + 300, check=False
-            )
-            ended = f"status {done.returncode}" if done.returncode else ""
-        except subprocess.TimeoutExpired:
-            ended = "no end"
-    lines = subprocess.run(
-        [*command, "--reached"], capture_output=True, text=True, check=False, timeout=300
-    )
-    tally = folder / "tally.json"
-    found: dict[str, Any] = (
-        json.loads(tally.read_text())
-        if tally.exists()
-        else {"tried": 0, "read": 0, "failures": {}, "slowest_s": 0, "peak_mb": 0}
-    )
-    if ended:
-        found["failures"][f"the process ended with {ended}"] = str(folder / "log")
-    print(
-        f"{name:<22}{found['tried']:>9}{found['read']:>9}{lines.stdout or '-':>9}"
-        f"{found['slowest_s']:>7} s{found['peak_mb']:>6}  {len(found['failures'])}",
-        flush=True,
-    )
-    for what, said in found["failures"].items():
-        print(f"    {what}: {said}", flush=True)
-    return found
 
 
 if __name__ == "__main__":

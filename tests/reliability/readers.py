@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import seeds
+from asked import COMMANDS, ask, asked_seeds, call
 from seeds import ECSV, NIGHT, parquet
 
 from pyport.effects import Circumstances
@@ -16,13 +17,18 @@ from pyport.examiner.sealed.published import read_answers, read_report, read_sea
 from pyport.formats.convert import convert
 from pyport.formats.field_system import agreement
 from pyport.formats.models import load
+from pyport.planning.target_lists import read_catalogue
 from pyport.recordings import masks, read
 from pyport.recordings.antennas import read_survey
 from pyport.recordings.formats import csv
+from pyport.recordings.formats import mapped as columns
+from pyport.recordings.options import NOTHING, FileOptions
 from pyport.recordings.scans.measure import measure
 from pyport.recordings.where import where
 from pyport.steering import offsets_at, read_table
 from pyport.steering.lookup import answers
+from pyport.watch import follow
+from pyport.watch.state import load as load_state
 
 AT = Circumstances(np.array([0.1, 2.0]), np.array([0.3, 1.2]))
 
@@ -124,10 +130,41 @@ def report(path: Path) -> None:
             {"since": "2003-06-01T12:00:00Z"},
         )
     ]
-    columns = {"el_deg": ["7", "20"], "time_utc": ["2003-06-01T10:00:00", "2003-06-01T13:00:00"]}
+    told_columns = {
+        "el_deg": ["7", "20"],
+        "time_utc": ["2003-06-01T10:00:00", "2003-06-01T13:00:00"],
+    }
     judge("case", {"truth": {"effects": causes}, "spec": {"group": "one"}}, told)
     for cause in causes:
-        place(columns, told.get("findings", []), [cause])
+        place(told_columns, told.get("findings", []), [cause])
+
+
+def log(path: Path) -> None:
+    """Take a file for a log that grows: half of it at first, then the rest."""
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])
+    cursor = follow.Cursor()
+    for _ in range(2):
+        for batch in follow.new(path, NOTHING, cursor):
+            cursor = batch.cursor
+        path.write_bytes(content)
+
+
+def mapped(path: Path) -> None:
+    """Take a file for a table whose columns have other names."""
+    read(path, FileOptions(mapping=columns.propose(columns.sheet(path))))
+
+
+def column_map(path: Path) -> None:
+    """Take a file for the map of a table's columns."""
+    table = path.with_name("mine.csv")
+    table.write_bytes(seeds.MINE)
+    read(table, FileOptions(mapping=columns.parse(str(path))))
+
+
+def state(path: Path) -> None:
+    """Take a file for the state of a watch."""
+    load_state(seeds.watched()[1], path)
 
 
 def _modules(names: Iterable[str]) -> tuple[str, ...]:
@@ -158,6 +195,24 @@ def readers() -> dict[str, Reader]:
             recordings,
             (tpoint_dat, *lines, *raw),
         ),
+        (
+            "tpoint-equatorial",
+            ".dat",
+            (seeds.EQUATORIAL,),
+            recordings,
+            ("recordings.formats.tpoint_equatorial", tpoint_dat),
+        ),
+        ("other-names", ".txt", (seeds.MINE, seeds.PLAIN), mapped, ("recordings.formats.mapped",)),
+        ("column-map", ".toml", (seeds.MAP,), column_map, ("recordings.formats.mapped",)),
+        ("log", ".csv", (NIGHT, seeds.PLAIN), log, ("watch.follow",)),
+        ("watch-state", ".npz", (seeds.state(),), state, ("watch.state",)),
+        ("catalogue", ".csv", (seeds.CATALOGUE,), read_catalogue, ("planning.target_lists",)),
+        ("completed-model", ".toml", (seeds.completed(),), model, ("formats.toml_model", *terms)),
+        *(
+            (f"options-{name}", ".txt", asked_seeds(name), ask(name), (f"cli.{name}",))
+            for name in COMMANDS
+        ),
+        ("python", ".txt", tuple(b"%d" % n for n in range(8)), call, ("arguments", "api")),
         ("fs-xtr", ".xtr", (seeds.XTR,), recordings, (*field_system, *raw)),
         ("fs-err", ".err", (seeds.fit(),), recordings, (*field_system, *raw)),
         ("katpoint-csv", ".csv", (seeds.KATPOINT_CSV,), recordings, (katpoint_csv, *lines, *raw)),

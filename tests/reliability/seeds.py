@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import tempfile
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
+import pyport
+from pyport.correction.use import PointingModel
 from pyport.formats.convert import convert
 from pyport.models.terms.ska_mid import UNITS, UNPUBLISHED
 from pyport.recordings import masks
 from pyport.recordings.files import read_raw
 from pyport.steering import Grid, Table, write_ascii, write_binary
+from pyport.watch import Watch
+from pyport.watch.follow import Cursor
+from pyport.watch.state import save as keep
 
 NIGHT = (
     b"# latitude_deg: 53\n# azimuth_zero: south\n"
@@ -46,6 +53,17 @@ DAT = (
     b"Mine\n: ALTAZ\n: ROTNL\n-30 14 40.3\n10.5 20.1 10.6 20.2 5 ; x\n;1 2 3 4 5\n"
     b"2 3 nan 4 5\nEND\n"
 )
+EQUATORIAL = (
+    b"Mine\n: EQUAT\n53 05 43.8 2003 6 1\n"
+    b"01 02 03.0 20 30 40.0 01 02 05.0 20 30 30.0 03 10.5\n"
+    b"05 12 03.0 -10 30 40.0 05 12 05.0 -10 30 30.0 04 10.5\nEND\n"
+)
+MINE = b"date;AZd;ELd;dX;dE\n2003-06-01T12:00:00;10;30;1;2\n2003-06-01T12:10:00;20;40;3;1\n"
+MAP = (
+    b'[columns]\naz_deg = "AZd"\nel_deg = "ELd"\nd_xel_arcsec = "-dX"\nd_el_arcsec = "5"\n'
+    b'time_utc = "date"\nsession = "date|date"\n'
+)
+CATALOGUE = b"name,ra_h,dec_deg\n3C84,3.33,41.5\nCyg A,19.99,40.73\n"
 KATPOINT_CSV = (
     b"# antenna = x, -30:42:39.8, 21:26:38.0, 1086.6\n"
     b"target, azimuth, elevation, delta_azimuth, delta_elevation, keep\nA, 1, 20, 0.1, 0.2, 1\n"
@@ -185,6 +203,35 @@ def fit() -> bytes:
         path.with_name("a.err").replace(path)
 
     return written(write)
+
+
+def completed() -> bytes:
+    """Return a model that a fit completed, with errors and covariance."""
+
+    def write(path: Path) -> None:
+        watched()[0].save(path.with_suffix(".toml"))
+        path.with_suffix(".toml").replace(path)
+
+    return written(write)
+
+
+def state() -> bytes:
+    """Return the state of a watch."""
+    return written(lambda path: keep(watched()[1], path, asdict(Cursor())))
+
+
+@functools.cache
+def watched() -> tuple[PointingModel, Watch]:
+    """Return a model fitted to recordings, and a watch that they are the past of."""
+    rng = np.random.default_rng(0)
+    rows = 100
+    past = {
+        "az_deg": rng.uniform(-170, 170, rows),
+        "el_deg": rng.uniform(10, 80, rows),
+        "d_xel_arcsec": rng.normal(size=rows),
+        "d_el_arcsec": rng.normal(size=rows),
+    }
+    return pyport.fit(past).model, Watch(past)
 
 
 def mask() -> bytes:

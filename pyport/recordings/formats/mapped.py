@@ -79,6 +79,8 @@ def sheet(path: Path) -> Sheet:
     names, header = _names(rows, remarks, delimiter)
     if header == 0 and names:
         header, rows, lines = lines[0], rows[1:], lines[1:]
+    if len(names) > width:
+        raise BadInput(f"{len(names)} names above rows of {width} cells", path, max(header, 1))
     for row, line in zip(rows, lines, strict=True):
         if len(row) != width:
             raise BadInput(f"{len(row)} cells, expected {width} as in the others", path, line)
