@@ -102,6 +102,14 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
     if whose != key(watch):
         wrong = "the state of a watch with another past, model or program"
         raise BadInput(f"{wrong}: move the folder away to begin anew", path)
+    try:
+        _take_up(watch, told, arrays)
+    except KeyError as error:
+        raise BadInput(f"no state of a watch: it lacks {error}", path) from None
+    return told["beside"]
+
+
+def _take_up(watch: Watch, told: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
     for name in _OF_WATCH:
         setattr(watch, name, told[name])
     watch.alarms = {one["number"]: _alarm(one) for one in told["alarms"]}
@@ -109,7 +117,6 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
     watch.recent = [Seen(*one) for one in told["recent"]]
     for n, (name, own) in enumerate(watch.antennas.items()):
         _restore(own, told["antennas"][name], arrays, n)
-    return told["beside"]
 
 
 def _alarm(one: dict[str, Any]) -> Alarm:
