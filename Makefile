@@ -78,7 +78,8 @@ KERNEL := pyport/pointing/kernel_src
 wheel: dist
 	$(BIN)/python -m build --wheel --outdir dist $(KERNEL)
 
-# The kernel's tests with every load, store and sum watched.
+# The kernel's tests with every load, store, sum and cast watched; ROUNDS calls drawn at random.
+ROUNDS ?= 20000
 SANITIZED := $(OUT)/sanitized
 
 sanitize: $(BIN)/pyport
@@ -86,10 +87,11 @@ sanitize: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	rm -rf $(SANITIZED)
 	$(BIN)/python -m pip install --quiet --no-deps --target $(SANITIZED) $(KERNEL) \
-	  -Csetup-args=-Db_sanitize=address,undefined -Csetup-args=-Db_lundef=false
+	  -Csetup-args=-Db_sanitize=address,undefined -Csetup-args=-Db_lundef=false \
+	  -Csetup-args=-Dc_args=-fsanitize=float-cast-overflow
 	LD_PRELOAD=$$($${CC:-cc} -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 \
 	  UBSAN_OPTIONS=halt_on_error=1 PYTHONPATH=$(SANITIZED) PYPORT_KERNEL=required \
-	  $(BIN)/python -m pytest -q -p no:cacheprovider tests/pointing tests/steering/test_lookup.py
+	  PYPORT_KERNEL_ROUNDS=$(ROUNDS) $(BIN)/python -m pytest -q -p no:cacheprovider tests/pointing tests/steering/test_lookup.py
 
 # The reference of every public name, from the docstrings.
 api: $(BIN)/pyport

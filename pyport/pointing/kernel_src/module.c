@@ -71,6 +71,12 @@ static int take(struct numbers *of, PyObject *const *from, int count, int writte
             PyErr_SetString(PyExc_TypeError, "expected arrays of float64");
             return 0;
         }
+        if ((uintptr_t)of->view[n].buf % _Alignof(double))
+        {
+            give_back(of);
+            PyErr_SetString(PyExc_TypeError, "expected aligned arrays");
+            return 0;
+        }
     }
     return 1;
 }
@@ -78,6 +84,13 @@ static int take(struct numbers *of, PyObject *const *from, int count, int writte
 static size_t size(const struct numbers *of, int n)
 {
     return (size_t)of->view[n].len / sizeof(double);
+}
+
+/* Whether an array has a times b numbers, which need not fit into any. */
+static int is_product(const struct numbers *of, int n, size_t a, size_t b)
+{
+    size_t all;
+    return !__builtin_mul_overflow(a, b, &all) && size(of, n) == all;
 }
 
 static double *values(const struct numbers *of, int n)
@@ -131,10 +144,11 @@ static PyObject *grid(PyObject *self, PyObject *args)
     (void)self;
     if (!take_form(args, &exact, &of))
         return NULL;
-    size_t columns = size(&of, 1), rows = size(&of, 2), all = columns * rows, large;
-    if (size(&of, 0) != PARAMETERS || size(&of, 3) != all || size(&of, 4) != all)
+    size_t columns = size(&of, 1), rows = size(&of, 2), large;
+    if (size(&of, 0) != PARAMETERS || !is_product(&of, 3, columns, rows)
+        || !is_product(&of, 4, columns, rows))
         return wrong(&of);
-    double *room = PyMem_Malloc((COLUMN_ROOMS * columns + 1) * sizeof(double));
+    double *room = PyMem_Calloc(columns + 1, COLUMN_ROOMS * sizeof(double));
     if (!room)
     {
         PyErr_NoMemory();
@@ -158,13 +172,18 @@ static PyObject *look_up(PyObject *self, PyObject *args)
         || !take(&of, given, 8, 6))
         return NULL;
     size_t rows = size(&of, 0), row = size(&of, 1), n = size(&of, 4), beyond;
-    if (rows < 2 || row < 2 || rows * row > INT32_MAX || size(&of, 2) != rows * row
-        || size(&of, 3) != rows * row || size(&of, 5) != n || size(&of, 6) != n
+    if (rows < 2 || row < 2 || rows > INT32_MAX / row || !is_product(&of, 2, rows, row)
+        || !is_product(&of, 3, rows, row) || size(&of, 5) != n || size(&of, 6) != n
         || size(&of, 7) != n)
         return wrong(&of);
     struct table t = {values(&of, 2), values(&of, 3), (ptrdiff_t)rows, (ptrdiff_t)row,
                       values(&of, 0)[0], values(&of, 0)[rows - 1],
                       values(&of, 1)[0], values(&of, 1)[row - 1]};
+    /* a table without extent, or of one that no number holds, has no places in it */
+    double az_reach = t.last_az - t.first_az, zd_reach = t.last_zd - t.first_zd;
+    if (!(az_reach > 0 && isfinite((double)rows / az_reach) && isfinite(az_reach) && zd_reach > 0
+          && isfinite((double)row / zd_reach) && isfinite(zd_reach)))
+        return answer(&of, n);
     Py_BEGIN_ALLOW_THREADS
     beyond = chosen->look_up(&t, n, values(&of, 4), values(&of, 5), values(&of, 6), values(&of, 7));
     Py_END_ALLOW_THREADS
@@ -180,7 +199,7 @@ static PyObject *gram(PyObject *self, PyObject *args)
         || !take(&of, given, 5, 3))
         return NULL;
     size_t n = size(&of, 1), k = size(&of, 4);
-    if (size(&of, 0) != n * k || size(&of, 2) != n || size(&of, 3) != k * k)
+    if (!is_product(&of, 0, n, k) || size(&of, 2) != n || !is_product(&of, 3, k, k))
         return wrong(&of);
     Py_BEGIN_ALLOW_THREADS
     chosen->gram(k, n, values(&of, 0), values(&of, 1), values(&of, 2), values(&of, 3),
