@@ -89,7 +89,7 @@ sanitize: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet --no-deps --target $(SANITIZED) $(KERNEL) \
 	  -Csetup-args=-Db_sanitize=address,undefined -Csetup-args=-Db_lundef=false \
 	  -Csetup-args=-Dc_args=-fsanitize=float-cast-overflow
-	LD_PRELOAD=$$($${CC:-cc} -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0 \
+	LD_PRELOAD=$$($${CC:-cc} -print-file-name=libasan.so) ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 \
 	  UBSAN_OPTIONS=halt_on_error=1 PYTHONPATH=$(SANITIZED) PYPORT_KERNEL=required \
 	  PYPORT_KERNEL_ROUNDS=$(ROUNDS) $(BIN)/python -m pytest -q -p no:cacheprovider tests/pointing tests/steering/test_lookup.py
 

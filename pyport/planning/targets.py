@@ -85,16 +85,17 @@ def to_icrs(site: Site, az: Array, el: Array, time_s: Array) -> tuple[Array, Arr
 
 def _place(site: Site, time_s: Array) -> tuple[Array | float, ...]:
     """Return what ERFA asks of time and place, UT1 and pole as if they were UTC and zero."""
-    _refuse_without_longitude(site)
+    longitude = _longitude(site)
     days = np.asarray(time_s) / 86400.0
     weather = 0.0, 0.0, 0.0, 1.0
     moment = 2440587.5, days, 0.0
-    return *moment, site.longitude, site.latitude, site.height_m, 0.0, 0.0, *weather
+    return *moment, longitude, site.latitude, site.height_m, 0.0, 0.0, *weather
 
 
-def _refuse_without_longitude(site: Site) -> None:
+def _longitude(site: Site) -> float:
     if site.longitude is None:
         raise BadInput("no longitude_deg, expected one for targets at a time: --set longitude_deg=")
+    return site.longitude
 
 
 def sunrise(site: Site, start_s: float) -> float:
@@ -169,7 +170,7 @@ def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets
 
 def _sun(site: Site, time_s: Array) -> tuple[Array, Array]:
     """Return azimuth and elevation of the Sun [rad]."""
-    _refuse_without_longitude(site)
+    _longitude(site)  # refused where there is none
     none = np.zeros(len(time_s))
     return sun(Circumstances(none, none, site, {"time": time_s}))
 

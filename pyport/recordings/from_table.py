@@ -68,7 +68,7 @@ def _keys(header: Header) -> dict[str, str]:
             found["longitude_deg"] = repr(float(place.lon.to_value("deg")))
             found["height_m"] = repr(float(place.height.to_value("m")))
         elif getattr(value, "unit", None) is not None and key.endswith("_deg"):
-            found[key] = repr(float(value.to_value("deg")))  # type: ignore[attr-defined]
+            found[key] = repr(float(value.to_value("deg")))
         else:
             found[str(key)] = str(value)
     nearly.refuse_keys(found, "header ")
