@@ -77,7 +77,8 @@ def measure(recordings: Recordings, subsets: int, seed: int = 0) -> Row:
     report = program.diagnosed(table, _header(recordings), recordings.model)
     refused = [one.why for one in (fit, report) if isinstance(one, program.Refused)]
     if recordings.file is not None and refused:
-        notes.append(f"the file as published is refused: {refused[0]}")
+        said = refused[0].replace(f"{recordings.file.parent}/", "")
+        notes.append(f"the file as published is refused: {said}")
         table = recordings.table
         fit = program.fitted(table, recordings.header, recordings.model)
         report = program.diagnosed(table, recordings.header, recordings.model)
