@@ -43,6 +43,7 @@ class Mutant:
     became: str
     tests: tuple[str, ...]
     reason: str = ""
+    first: str = ""
 
     @property
     def name(self) -> str:
@@ -66,7 +67,7 @@ class Mutant:
 def thresholds() -> Iterator[Mutant]:
     """Yield every threshold doubled and halved."""
     text = (ROOT / "pyport" / "thresholds.py").read_text(encoding="utf-8")
-    reasons = tomllib.loads(LIST.read_text(encoding="utf-8")).get("threshold", {})
+    told = tomllib.loads(LIST.read_text(encoding="utf-8"))
     for node in ast.parse(text).body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             name, value = node.targets[0].id, ast.unparse(node.value)
@@ -74,8 +75,9 @@ def thresholds() -> Iterator[Mutant]:
             half = f"{value} // 2" if re.fullmatch(r"\d+", value) else f"({value}) / 2"
             for became in (f"2 * ({value})", half):
                 label = f"{name} = {became}"
-                reason = reasons.get(label, "")
-                yield Mutant("thresholds", "thresholds.py", was, label, (DECISIONS,), reason)
+                reason = told["reasons"].get(label, "")
+                changed = "thresholds.py", was, label
+                yield Mutant("thresholds", *changed, (DECISIONS,), reason, told["first"][name])
 
 
 def listed() -> Iterator[Mutant]:
@@ -180,9 +182,11 @@ class Loop:
         os._exit(status)
 
     def of(self, items: list[pytest.Item], mutant: Mutant) -> Iterator[pytest.Item]:
-        """Yield the tests of a mutant, in the order of its files."""
-        for test in mutant.tests:
-            yield from (one for one in items if one.nodeid.startswith(test))
+        """Yield the tests of a mutant: what it names first, then in the order of its files."""
+        own = [one for test in mutant.tests for one in items if one.nodeid.startswith(test)]
+        if mutant.first:
+            own.sort(key=lambda one: mutant.first not in one.nodeid)
+        yield from own
 
 
 def _fails(item: pytest.Item) -> bool:
