@@ -2,6 +2,10 @@
 
 from importlib.metadata import version as version_of
 
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+
 project = "pyport"
 author = "the pyport developers"
 project_copyright = "2026, the pyport developers"
@@ -22,7 +26,9 @@ html_copy_source = False
 
 # Headings down to this level can be linked to, as `page.md#heading`.
 myst_heading_anchors = 3
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["deflist", "dollarmath"]
+# Formulae are MathML in the page: nothing is fetched to show them.
+html_math_renderer = "mathml"
 
 # The tutorial is run each time: what it shows is what this version answers. It must not fail.
 nb_execution_mode = "force"
@@ -38,3 +44,19 @@ autodoc_typehints = "none"
 suppress_warnings = ["ref.python"]
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "show-inheritance": False}
+
+
+def _formula(display):
+    """Return what writes a formula into a page, in a line or as a block."""
+
+    def visit(translator, node):
+        text = convert(node.astext(), display=display)
+        translator.body.append(text if display == "inline" else f"<p>{text}</p>")
+        raise nodes.SkipNode
+
+    return visit, None
+
+
+def setup(app: Sphinx):
+    """Register formulae as MathML."""
+    app.add_html_math_renderer("mathml", _formula("inline"), _formula("block"))
