@@ -31,7 +31,8 @@ def gain(case: Case) -> float:
     """
     noise = case.truth["noise"]
     az, el = (case.columns[name] * DEG for name in ("az_deg", "el_deg"))
-    time_s = case.columns["time_utc"].astype("datetime64[ms]").astype(float) / 1000
+    stamps = np.char.rstrip(case.columns["time_utc"].astype(str), "Z")
+    time_s = stamps.astype("datetime64[ms]").astype(float) / 1000
     forms = zip(altaz_columns(az, el), case.signature, ("az", "el"), ("xel", "el"), strict=True)
     white = []
     for columns, form, axis, name in forms:
