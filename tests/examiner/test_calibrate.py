@@ -2,7 +2,8 @@
 
 import pytest
 
-from pyport.examiner.nulls import calibrate, nulls
+from pyport.examiner.acceptance import calibrate
+from pyport.examiner.nulls import nulls
 
 
 def test_a_case_without_a_cause_has_its_three_statistics():

@@ -14,7 +14,7 @@ ALLOWED = {
     "worlds": {"angles", "errors", "files", "progress"},
     "sealed": {"angles", "errors", "files", "progress", "workers"},
     "nights": {"", "errors"},
-    "nulls": set(),
+    "nulls": {"errors"},
     "mounts": {"angles"},
     "ideal": {"angles", "thresholds"},
     "outcomes.py": set(),

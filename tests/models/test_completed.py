@@ -24,6 +24,7 @@ from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
 from pyport.report.completed import completed
+from pyport.report.made import report_of
 from pyport.report.typed import as_json
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
@@ -75,7 +76,7 @@ def test_every_table_prints_the_same_number(old):
     rows = {row.name: row for row in of_diagnosis(found)[1].rows}
     report = {
         row["name"]: row
-        for term in as_json(found)["completed_model"]["term"]
+        for term in as_json(report_of(found))["completed_model"]["term"]
         for row in term["coefficients"]
     }
     assert set(of_model) == set(rows) == set(report) >= {"IA", "refraction"}

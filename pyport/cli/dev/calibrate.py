@@ -40,7 +40,8 @@ def command(
     """
     from pyport.cli.dev.thresholds import put_between
     from pyport.examiner import outcomes
-    from pyport.examiner.nulls import calibrate, noises, nulls
+    from pyport.examiner.acceptance import calibrate
+    from pyport.examiner.nulls import noises, nulls
     from pyport.files import write_whole
 
     wanted = nulls.cases(noises.KINDS, cases, seed, (nulls.NULL,))

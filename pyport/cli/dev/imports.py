@@ -15,7 +15,7 @@ from pyport.cli.manners import in_json, say
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
     ("angles", "errors", "files", "lazy", "progress", "stages", "threads", "toml_text"),
-    ("checkpoint", "thresholds", "workers"),
+    ("arguments", "checkpoint", "thresholds", "workers"),
     ("mounts",),
     ("columns",),
     ("effects", "least_squares"),
