@@ -136,4 +136,6 @@ def _seconds(start: str | None) -> float:
     except ValueError:
         wrong = f"--start: {start!r}, expected ISO 8601 such as 2026-03-01T18:00:00Z"
         raise BadInput(wrong) from None
+    if not 1900 <= moment.year < 2100:
+        raise BadInput(f"--start: {start!r}, expected a date between 1900 and 2100")
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()

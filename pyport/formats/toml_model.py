@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ def read(path: Path) -> ModelFile:
         tree = tomllib.loads(read_text(path), parse_float=Decimal)
     except BadInput:
         raise
-    except (ValueError, RecursionError) as error:
+    except (ValueError, InvalidOperation, RecursionError) as error:
         raise BadInput(f"{error}: expected TOML", path) from None
     vocabulary = str(tree.get("vocabulary"))
     if vocabulary not in WORDS:

@@ -53,6 +53,8 @@ def _one(
     if key in _TIMES:
         return "time", seconds(value)
     if key in LABELS:
+        if has_unit(value):
+            raise BadInput(f"{key} is {value!r:.60}, expected text")
         return key, np.asarray(value).astype(str)
     if key in _PLAIN:
         return key, _numbers(key, value)

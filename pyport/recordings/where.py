@@ -11,6 +11,7 @@ Python's parser reads it; of what that knows nothing else is let through.
 from __future__ import annotations
 
 import ast
+import contextlib
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -123,7 +124,9 @@ class _Reader:
             inner, sign = node.operand, -1 if isinstance(node.op, ast.USub) else 1
         if isinstance(inner, ast.Constant):
             if isinstance(inner.value, int | float) and not isinstance(inner.value, bool):
-                return sign * float(inner.value)
+                with contextlib.suppress(OverflowError):
+                    return sign * float(inner.value)
+                raise self.wrong(node, "a number below 1.8e308")
             if isinstance(inner.value, str) and inner is node:
                 return inner.value
         raise self.wrong(node, "a number or text in quotes")

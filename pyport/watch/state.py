@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import tokenize
 import zipfile
 import zlib
 from dataclasses import asdict, fields
@@ -21,7 +22,7 @@ from pyport.watch.antenna import Antenna, Slot
 from pyport.watch.watch import Event, Seen, Watch
 
 #: What reading an archive raises that is none, or is spoilt.
-_NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, NotImplementedError)
+_NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, NotImplementedError, tokenize.TokenError)
 _TOLD, _KEY = "told", "key"
 _OF_WATCH = ("row", "raised", "happened", "last", "session")
 _OF_NULL = ("tail", "outliers", "readings", "night_dof", "learning", "clock", "labels", "pointing")

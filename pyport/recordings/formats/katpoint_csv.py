@@ -147,6 +147,8 @@ def _antenna(line: Line) -> dict[str, str]:
     meta["telescope"] = fields[0]
     for key, text in zip(("latitude_deg", "longitude_deg"), fields[1:3], strict=True):
         degrees = angle(line, text) / 3600
+        if abs(degrees) > 360:
+            raise line.error(f"{key} is {text!r}, expected at most 360 degrees")
         meta[key] = spelled(exact.plain(degrees.quantize(Decimal("1e-9"))))
     return meta | {"height_m": spelled(line.decimal(fields[3], "the height"))}
 

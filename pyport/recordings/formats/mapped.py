@@ -302,9 +302,9 @@ def propose(table: Sheet) -> dict[str, str]:
     """
     found = _by_names(table.names)
     if found and not {"session", TIME} & set(found):
-        dated = [n for n, cell in enumerate(table.rows[0]) if _DATE.match(cell)]
-        for n in dated[:1]:
-            name = _FORMAT.sub("", table.names[n]).strip()
+        cells = zip(table.names, next(iter(table.rows), ()), strict=False)
+        dated = [name for name, cell in cells if _DATE.match(cell)]
+        for name in (_FORMAT.sub("", one).strip() for one in dated[:1]):
             found["session"] = f"{name}|date"
             if HOUR_OF_DAY in found:
                 found.setdefault(DAY, f"{name}|date")

@@ -1,0 +1,82 @@
+"""Inputs that spoilt files led to, and that once ended in a bare exception: one clear line each."""
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+from astropy import units
+from click.testing import CliRunner
+
+from pyport.cli import pyport
+from pyport.errors import BadInput
+from pyport.formats.models import load
+from pyport.models.conditions import columns_of
+from pyport.recordings import read
+from pyport.recordings.formats.mapped import propose, sheet
+from pyport.watch import state
+
+ROWS = "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,20,1,2\n30,40,2,1\n"
+KATPOINT = (
+    "# antenna = x, -30:429999999999999999999999:39.8, 21:26:38.0, 1086.6\n"
+    "target, azimuth, elevation, delta_azimuth, delta_elevation, keep\nA, 1, 20, 0.1, 0.2, 1\n"
+)
+TERMS = 'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1e9999999999999999999999\n'
+
+
+def test_a_latitude_beyond_the_turn(tmp_path):
+    """In a katpoint file."""
+    (tmp_path / "a.csv").write_text(KATPOINT)
+    with pytest.raises(BadInput, match=r"a\.csv:1: latitude_deg .* at most 360 degrees"):
+        read(tmp_path / "a.csv")
+
+
+def test_an_exponent_that_no_number_has(tmp_path):
+    """In a model with another program's names."""
+    (tmp_path / "a.toml").write_text(TERMS)
+    with pytest.raises(BadInput, match="expected TOML"):
+        load(str(tmp_path / "a.toml"))
+
+
+@pytest.mark.parametrize("rows", ["", "10,20,2003-06-01,4,5\n"])
+def test_rows_wider_than_their_names_and_no_rows(tmp_path, rows):
+    """Nothing is proposed for a cell without a name."""
+    (tmp_path / "a.csv").write_text("az_deg,el_deg\n" + rows)
+
+    assert "session" not in propose(sheet(tmp_path / "a.csv"))
+
+
+def test_a_filter_with_a_number_too_large(tmp_path):
+    """It is no number that a recording could have."""
+    (tmp_path / "a.csv").write_text(ROWS)
+    asked = ["look", str(tmp_path / "a.csv"), "--where", f"el_deg < {10**400}"]
+    said = CliRunner().invoke(pyport, asked)
+
+    assert isinstance(said.exception, BadInput)
+    assert "expected a number below 1.8e308" in str(said.exception)
+
+
+def test_a_label_with_a_unit():
+    """A Quantity is no text."""
+    with pytest.raises(BadInput, match=r"session is .* expected text"):
+        columns_of({"session": np.arange(3) * units.m})
+
+
+def test_targets_of_antiquity(tmp_path):
+    """The ephemeris ends."""
+    (tmp_path / "a.csv").write_text("# latitude_deg: 50\n# longitude_deg: 18\n" + ROWS)
+    asked = ["targets", str(tmp_path / "a.csv"), "--start", "0026-03-01T02:10:00"]
+    said = CliRunner().invoke(pyport, asked)
+
+    assert isinstance(said.exception, BadInput)
+    assert "expected a date between 1900 and 2100" in str(said.exception)
+
+
+def test_a_state_whose_header_ends_early(tmp_path):
+    """It is no state."""
+    path, whole = tmp_path / "watch.state", io.BytesIO()
+    np.save(whole, np.array("k" * 64))
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("key.npy", whole.getvalue().replace(b"}", b"("))
+    with pytest.raises(BadInput, match="no state of a watch"):
+        state.load(None, path)
