@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 from collections.abc import Collection, Mapping
 from datetime import UTC, datetime
@@ -53,9 +54,7 @@ def _one(
     if key in _TIMES:
         return "time", seconds(value)
     if key in LABELS:
-        if has_unit(value):
-            raise BadInput(f"{key} is {value!r:.60}, expected text")
-        return key, np.asarray(value).astype(str)
+        return key, _cells(key, value).astype(str)
     if key in _PLAIN:
         return key, _numbers(key, value)
     name = _SPELLED.get(key, key)
@@ -78,6 +77,14 @@ def _one(
 def has_unit(value: Any) -> bool:  # noqa: ANN401 - whatever is given
     """Tell whether a value is a Quantity, or a column that has a unit."""
     return getattr(value, "unit", None) is not None
+
+
+def _cells(key: str, value: Any) -> NDArray[Any]:  # noqa: ANN401 - whatever is given
+    """Return a text or a time, or arrays of them; a Quantity and what has no shape are neither."""
+    with contextlib.suppress(TypeError, ValueError):
+        if not has_unit(value):
+            return np.asarray(value)
+    raise BadInput(f"{key} is {value!r:.60}, expected one text or time, or an array of them")
 
 
 def _numbers(key: str, value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - whatever is given
@@ -117,7 +124,7 @@ def seconds(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a time of any 
     """
     if hasattr(value, "utc") and hasattr(value, "unix"):
         return np.asarray(value.utc.unix, float)
-    cells = np.asarray(value)
+    cells = _cells("time", value)
     if cells.dtype.kind == "M":
         since = cells.astype("datetime64[us]").astype(float) / 1e6
         return np.where(np.isnat(cells), np.nan, since)

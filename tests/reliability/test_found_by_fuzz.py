@@ -4,9 +4,11 @@ import io
 import zipfile
 
 import numpy as np
+import pyarrow
 import pytest
 from astropy import units
 from click.testing import CliRunner
+from pyarrow import parquet
 
 from pyport.cli import pyport
 from pyport.errors import BadInput
@@ -56,10 +58,25 @@ def test_a_filter_with_a_number_too_large(tmp_path):
     assert "expected a number below 1.8e308" in str(said.exception)
 
 
-def test_a_label_with_a_unit():
-    """A Quantity is no text."""
-    with pytest.raises(BadInput, match=r"session is .* expected text"):
-        columns_of({"session": np.arange(3) * units.m})
+@pytest.mark.parametrize("key", ["session", "time"])
+@pytest.mark.parametrize("value", [np.arange(3) * units.m, [3 * units.m, 4], [[1, 2], [3]]])
+def test_labels_and_times_of_no_shape(key, value):
+    """A Quantity among texts, and rows of unlike lengths."""
+    with pytest.raises(BadInput, match=f"{key} is"):
+        columns_of({key: value})
+
+
+def test_a_dictionary_of_text_that_is_none(tmp_path):
+    """In Parquet, where Arrow looks at bytes only when they are asked for."""
+    path = tmp_path / "a.parquet"
+    night = pyarrow.array(["night one"] * 3).dictionary_encode()
+    columns = {name: [1.0, 2.0, 3.0] for name in ROWS.splitlines()[0].split(",")}
+    parquet.write_table(
+        pyarrow.table({**columns, "session": night}), path, compression="none", use_dictionary=True
+    )
+    path.write_bytes(path.read_bytes().replace(b"night one", b"night\xa6one"))
+    with pytest.raises(BadInput, match="no Parquet table"):
+        read(path)
 
 
 def test_targets_of_antiquity(tmp_path):

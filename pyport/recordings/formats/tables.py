@@ -185,7 +185,10 @@ def _arrow_cells(column: Any) -> NDArray[Any] | TextColumn:  # noqa: ANN401 - py
     if pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind):
         return column.to_numpy()
     if pyarrow.types.is_dictionary(kind) and pyarrow.types.is_string(kind.value_type):
-        return TextColumn(column.cast(pyarrow.string()).fill_null("").combine_chunks())
+        text = column.cast(pyarrow.string()).fill_null("").combine_chunks()
+        # Its cells are read later, where nobody knows the file: what is no UTF-8 is refused here.
+        text.validate(full=True)
+        return TextColumn(text)
     return np.array(["" if cell is None else str(cell) for cell in column.to_pylist()], object)
 
 
