@@ -8,16 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
 from pyport.diagnosis.changes import still_noise
-from pyport.diagnosis.evidence import at_best, shown
+from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.refine import refine
+from pyport.diagnosis.view import shown_beside
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 
@@ -57,30 +56,10 @@ def _anew(
     if temporal(setup, effect):
         covariance = still_noise(setup, covariance)
     white = whiten_model(setup, covariance, (*setup.base, *others))
-    best = _best(setup, covariance, white, others, family)
+    seen = replace(weighed, covariance=covariance, white=white)
+    worth = [at_best(*each)[0] for each in shown_beside(setup, seen, others, family)]
+    best = family[int(np.argmax(worth))]
     if any(each is one.candidate for each in family):
         return setup.expanded([Chosen(best, one.scope)])
-    seen = replace(weighed, covariance=covariance, white=white)
     wider, refined, *_ = refine(setup, seen, others, Chosen(best, one.scope))
     return wider.expanded([refined])
-
-
-def _best(
-    setup: Problem,
-    covariance: Covariance,
-    white: Array,
-    others: Sequence[Chosen],
-    family: Sequence[Candidate],
-) -> Candidate:
-    """Return the member of a family with the most evidence beside the model and other choices."""
-    model = setup.expanded((*setup.base, *others), of=white)
-    places = [each.columns for each in family]
-    own = covariance.whiten(setup.columns[:, np.concatenate(places)])
-    both = np.concatenate([own, white[:, -1:]], axis=1)
-    left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
-    starts = np.cumsum([0, *map(len, places)])
-    worth = [
-        at_best(*shown(left[:, low:up], np.linalg.norm(own[:, low:up], axis=0), left[:, -1]))[0]
-        for low, up in pairwise(starts)
-    ]
-    return family[int(np.argmax(worth))]

@@ -31,6 +31,11 @@ class Candidate:
     #: Whether its columns belong to the moments of these recordings: no other session has them.
     of_time: bool = False
 
+    @property
+    def price(self) -> float:
+        """Return what its choice among its family costs, in twice the log odds."""
+        return 2 * float(np.log(self.choices))
+
 
 @dataclass(frozen=True)
 class Untestable:

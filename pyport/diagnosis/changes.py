@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
-from pyport.diagnosis.evidence import CandidateFit, at_best, shown
+from pyport.diagnosis.evidence import CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
+from pyport.diagnosis.view import shown_beside
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, MOST_CHANGES
@@ -48,21 +49,12 @@ def proposed(
     beside = WhitenedData(still, white, weighed.evidence)
     if not wanted:
         return beside, []
-    of_change = [one.candidate.columns for one in wanted]
-    seen = still.whiten(setup.columns[:, np.concatenate(of_change)])
-    model = setup.expanded((*setup.base, *chosen), of=white)
-    both = np.concatenate([seen, white[:, -1:]], axis=1)
-    left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    seen = shown_beside(setup, beside, chosen, [one.candidate for one in wanted])
     best: dict[str, CandidateFit] = {}
-    start = 0
-    for trial, places in zip(wanted, of_change, strict=True):
-        where = slice(start, start + len(places))
-        start += len(places)
-        power, along = shown(left[:, where], np.linalg.norm(seen[:, where], axis=0), left[:, -1])
+    for trial, (power, along) in zip(wanted, seen, strict=True):
         if trial.scope != "all" or not len(power):
             continue
-        price = 2 * float(np.log(trial.candidate.choices))
-        evidence = at_best(power, along)[0] - price
+        evidence = at_best(power, along)[0] - trial.candidate.price
         gain = float((along**2 / power).sum())
         held = best.get(trial.candidate.effect.id)
         if evidence > CONVINCING and (held is None or evidence > held.evidence):

@@ -106,7 +106,7 @@ def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:
 def _only_adds_to(beside: Projection, one: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival is a simpler effect and more, which the model has already.
 
-    Projection zeros, skew and sag a receiver on a platform is the sine of elevation alone: as a
+    Beside zeros, skew and sag a receiver on a platform is the sine of elevation alone: as a
     second name for that it would widen every class of curves in elevation.
     """
     return (

@@ -67,6 +67,6 @@ def _with_field(
     if not own:
         return None
     winner = replace(own[0], evidence=worth.evidence)
-    price = 2 * float(np.log(candidate.choices))
-    step = Step(winner, new, (*trials, winner), before, beside, family_p_value(trials), price)
+    chance = family_p_value(trials)
+    step = Step(winner, new, (*trials, winner), before, beside, chance, candidate.price)
     return Outcome(wider, after, (*steps, step), weigh(wider, after), p_value, ())

@@ -55,7 +55,7 @@ def refine(
     before, *gains = _gains(setup, weighed, chosen, [old, *found])
     best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
     more = gains[best] / max(before, 1e-300)
-    price = tried[best][1] - 2 * np.log(plain.candidate.choices)
+    price = tried[best][1] - plain.candidate.price
     if more <= 1:
         return setup, plain, 1.0, 0.0
     better, columns = tried[best][0], found[best]

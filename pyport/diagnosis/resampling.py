@@ -54,7 +54,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     others = [one for n, one in enumerate(choices) if n != choice]
     taken = {one.candidate.effect.id for one in others} | set(members)
     competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
-    prices = [2 * np.log(one.candidate.choices) for one in competing]
+    prices = [one.candidate.price for one in competing]
     prices[0] = step.price
     white = scene.weighed.white
     parts = [setup.expanded([one], of=white) for one in competing]

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from pyport.angles import Array, Codes
+from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
+from pyport.diagnosis.evidence import shown
 
 
 @dataclass(frozen=True)
@@ -44,3 +47,17 @@ def plain_view(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) 
     basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
     data = setup.residual[rows] * root
     return View(rows, root, basis, data - basis @ (basis.T @ data))
+
+
+def shown_beside(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], candidates: Sequence[Candidate]
+) -> list[tuple[Array, Array]]:
+    """Return what the data show of each candidate beside the model and what is chosen: `shown`."""
+    model = setup.expanded((*setup.base, *chosen), of=weighed.white)
+    places = [one.columns for one in candidates]
+    own = weighed.covariance.whiten(setup.columns[:, np.concatenate(places)])
+    both = np.concatenate([own, weighed.white[:, -1:]], axis=1)
+    left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    length = np.linalg.norm(own, axis=0)
+    starts = np.cumsum([0, *map(len, places)])
+    return [shown(left[:, low:up], length[low:up], left[:, -1]) for low, up in pairwise(starts)]

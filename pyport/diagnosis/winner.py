@@ -150,9 +150,7 @@ def _lasting(
     found = []
     refined: set[str] = set()
     for trial in _worth(setup, trials, least, banned):
-        one = Winner(
-            trial, setup, Chosen(trial.candidate, trial.scope), _of_family(trial.candidate)
-        )
+        one = Winner(trial, setup, Chosen(trial.candidate, trial.scope), trial.candidate.price)
         if trial.candidate.effect.id not in refined:
             refined.add(trial.candidate.effect.id)
             one = _refined(setup, weighed, chosen, trial)
@@ -174,18 +172,13 @@ def _refined(
         delta_bic=trial.delta_bic + added - price,
         evidence=trial.evidence + added - price,
     )
-    return Winner(better, wider, new, price + _of_family(new.candidate))
+    return Winner(better, wider, new, price + new.candidate.price)
 
 
 def _confirmed(one: Winner, chosen: tuple[Chosen, ...]) -> float:
     """Return the evidence of a winner in the world that it makes, its price paid."""
     others = joined(one.setup, chosen, one.chosen)[:-1]
     return confirmed(one.setup, others, one.chosen, one.price)
-
-
-def _of_family(candidate: Candidate) -> float:
-    """Return what the choice of a member among its family costs, in twice the log odds."""
-    return 2 * float(np.log(candidate.choices))
 
 
 def _worth(

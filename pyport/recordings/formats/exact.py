@@ -207,7 +207,7 @@ def sigmas(table: Table, mount: Mount, path: Path) -> tuple[Numbers | None, Numb
 
 
 def _first(table: Table, mount: Mount, quantity: str, on_sky: str) -> Numbers | None:
-    """Return an angle of the first axis as a coordinate, from one on the sky where that is told."""
+    """Return an angle of the first axis as a coordinate, from one on the sky where there is one."""
     told, sky = in_degrees(table, quantity), in_degrees(table, on_sky)
     second = in_degrees(table, mount.second.column)
     if told is not None or sky is None or second is None:

@@ -61,7 +61,7 @@ class Chunk:
     el: Array
     x: Array
     y: Array
-    time: Array  #: seconds since 1970, shape (n,); zero where no time is told
+    time: Array  #: seconds since 1970, shape (n,); zero where no time is given
     direction: Array  #: of the scan, +1, -1 or 0, shape (n,)
     #: Further columns of numbers by the name they have in the file, shape (n,) each.
     numbers: dict[str, Array]
