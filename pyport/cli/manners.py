@@ -7,7 +7,8 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,14 @@ def resumable(folder: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]
         show_default=True,
         help="Folder of the results so far; an interrupted run continues there.",
     )
+
+
+def counted(outcomes: Iterable[dict[str, Any]], total: int) -> Iterator[dict[str, Any]]:
+    """Yield the outcomes of a long command's cases; on a terminal say how many are there."""
+    for done, one in enumerate(outcomes, 1):
+        yield one
+        if sys.stderr.isatty():
+            click.echo(f"\r{done} of {total} cases", err=True, nl=done == total)
 
 
 def say(text: str | Callable[[], str], told: object, *, as_json: bool) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import click
 
-from pyport.cli.manners import resumable
+from pyport.cli.manners import counted, resumable
 from pyport.errors import BadInput
 
 
@@ -53,12 +52,10 @@ def command(
         raise BadInput(f"{error}, expected numbers separated by commas") from None
     wanted = efficiency.cases(names, loud, sizes, cases, seed)
     found = []
-    for one in outcomes.run(wanted, efficiency.examine, out / "efficiency.jsonl", jobs):
+    some = outcomes.run(wanted, efficiency.examine, out / "efficiency.jsonl", jobs)
+    for one in counted(some, len(wanted)):
         found.append(one)
         if as_json:
             click.echo(json.dumps(one))
-        if sys.stderr.isatty():
-            count = len(found)
-            click.echo(f"\r{count} of {len(wanted)} cases", err=True, nl=count == len(wanted))
     if not as_json:
         click.echo(efficiency.text(found))

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import click
 
-from pyport.cli.manners import resumable
+from pyport.cli.manners import counted, resumable
 from pyport.errors import BadInput
 
 
@@ -42,13 +41,11 @@ def command(
     chosen = _among(named, examine.MOUNTS, "mount"), _among(parts, examine.PARTS, "part")
     wanted = examine.cases(*chosen, cases, seed)
     found = []
-    for one in outcomes.run(wanted, examine.examine, out / "mounts.jsonl", jobs):
+    some = outcomes.run(wanted, examine.examine, out / "mounts.jsonl", jobs)
+    for one in counted(some, len(wanted)):
         found.append(one)
         if as_json:
             click.echo(json.dumps(one))
-        if sys.stderr.isatty():
-            count = len(found)
-            click.echo(f"\r{count} of {len(wanted)} cases", err=True, nl=count == len(wanted))
     if not as_json:
         click.echo(examine.text(found))
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import click
 
-from pyport.cli.manners import as_promised, in_json, resumable
+from pyport.cli.manners import as_promised, counted, in_json, resumable
 
 
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
@@ -27,11 +26,8 @@ def command(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_j
     from pyport.examiner.nights import nights, summary
 
     cases = [*nights.null_cases(nulls, seed), *nights.step_cases(steps, seed)]
-    found = []
-    for done, one in enumerate(summary.outcomes(cases, out / "nights.jsonl", rarity), 1):
-        found.append(one)
-        if sys.stderr.isatty():
-            click.echo(f"\r{done} of {len(cases)} cases", err=True, nl=done == len(cases))
+    some = summary.outcomes(cases, out / "nights.jsonl", rarity)
+    found = list(counted(some, len(cases)))
     if as_json:
         click.echo(json.dumps(found))
         return
