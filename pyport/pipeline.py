@@ -18,7 +18,7 @@ from pyport.models.model import Model
 from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
-from pyport.recordings.options import NOTHING, FileOptions
+from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
 from pyport.report.completed import completed
 from pyport.stages import stage, timed

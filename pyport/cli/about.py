@@ -45,7 +45,7 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
         mount: str | None,
         **others: Any,  # noqa: ANN401 - whatever the command takes
     ) -> Any:  # noqa: ANN401 - whatever the command returns
-        from pyport.recordings.options import FileOptions
+        from pyport.recordings.raw import FileOptions
 
         names, mapping = columns
         if mount is not None:

@@ -12,7 +12,7 @@ from pyport.cli.manners import in_json, models, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
 
 
 @click.command(

@@ -11,7 +11,7 @@ from pyport.cli.about import about_file
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
 
 
 def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's

@@ -12,7 +12,7 @@ from pyport.cli.manners import beside_model
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
 
 
 @click.command(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from pyport.page.picture import Picture
     from pyport.page.story import Story
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
 
     Drawn: TypeAlias = Callable[[], tuple[Picture, Story]]
 

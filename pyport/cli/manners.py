@@ -104,7 +104,7 @@ def models(_: click.Context, __: click.Parameter, typed: str) -> list[Completion
 
 def recordings(_: click.Context, __: click.Parameter, typed: str) -> list[CompletionItem]:
     """Complete the name of recordings shipped with pyport, or of a file."""
-    from pyport.recordings.shipped import NAMES
+    from pyport.recordings.files import NAMES
 
     return _completed(sorted(NAMES), typed)
 

@@ -11,8 +11,7 @@ from pyport.cli.about import about_file
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.recordings.options import FileOptions
-    from pyport.recordings.raw import Raw
+    from pyport.recordings.raw import FileOptions, Raw
 
 
 @click.command(

@@ -10,7 +10,7 @@ import click
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.recordings.scans.averages import Average
+    from pyport.recordings.scans import Average
 
 
 @click.command("offsets", epilog="Example: pyport offsets scans.csv -o offsets.csv")
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 def command(scans: Path, out: Path | None, *, as_json: bool) -> None:
     """Fit the beam in each of SCANS, print the averages to load, write the recordings."""
     from pyport.recordings import resolve, write
-    from pyport.recordings.scans.averages import averages, text
-    from pyport.recordings.scans.measure import measure
+    from pyport.recordings.scans import averages, measure, text
 
     recordings = measure(resolve(scans))
     found = averages(recordings)

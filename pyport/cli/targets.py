@@ -14,7 +14,7 @@ from pyport.cli.manners import recordings as named
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
 
 
 #: The beginning of 2000 [s since 1970], and a year [s].

@@ -14,7 +14,7 @@ from pyport.cli.manners import beside_model, in_json
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from pyport.recordings.options import FileOptions
+    from pyport.recordings.raw import FileOptions
     from pyport.watch.run import Process
     from pyport.watch.watch import Event, Seen
 

@@ -17,9 +17,9 @@ from pyport.formats.convert import table_of
 from pyport.mounts import ALTAZ
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
-from pyport.recordings.nights import with_nights
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import with_nights
 from pyport.recordings.tabulate import Table
 from pyport.recordings.where import parse
 

@@ -14,8 +14,8 @@ from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
 from pyport.models.completed import Value
 from pyport.models.conditions import Columns
-from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import with_nights
 
 #: The sky is compared in steps of so many degrees, down to this elevation.
 STEP_DEG, LOWEST_DEG = 3.0, 5.0

@@ -12,8 +12,7 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.finding import Interval
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.effects import catalogue as effects_of
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 
 
 @dataclass(frozen=True)

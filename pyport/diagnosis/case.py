@@ -24,9 +24,8 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
-from pyport.recordings.nights import with_nights
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
+from pyport.recordings.sky import with_nights
 from pyport.stages import stage
 from pyport.thresholds import ENOUGH_ANTENNAS
 

@@ -15,7 +15,7 @@ from pyport.angles import Array
 from pyport.diagnosis.enough import lacking, measured
 from pyport.diagnosis.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
-from pyport.recordings.nights import NIGHT_GAP_S
+from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.thresholds import CARRIERS, ENOUGH, SAME_STRENGTH, SEEN, SIGNIFICANT, WITH_THE_HOUR
 
 #: A day [s].

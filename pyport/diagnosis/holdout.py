@@ -14,7 +14,7 @@ from pyport.diagnosis.case import Chosen, Problem, WhitenedData
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
-from pyport.recordings.nights import clock
+from pyport.recordings.sky import clock
 from pyport.stages import stage
 from pyport.thresholds import BLOCKS, CLIP, FOLDS, MOST_FOLDS, SEVERAL
 

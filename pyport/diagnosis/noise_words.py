@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
-from pyport.recordings.nights import ORDER, SESSIONS
+from pyport.recordings.sky import ORDER, SESSIONS
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis

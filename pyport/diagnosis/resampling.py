@@ -21,7 +21,7 @@ from pyport.diagnosis.scene import Scene
 from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.least_squares.gram import inverse_of
-from pyport.recordings.nights import clock
+from pyport.recordings.sky import clock
 from pyport.stages import stage
 from pyport.thresholds import ENOUGH_TO_RESAMPLE, OUT_OF_REACH
 

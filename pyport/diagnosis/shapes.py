@@ -18,8 +18,7 @@ from pyport.diagnosis.finding import Interval
 from pyport.effects import fields
 from pyport.effects.base import Effect
 from pyport.effects.fields import Bumps
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import FEWEST
 
 #: Order of the curve that is laid through a column.

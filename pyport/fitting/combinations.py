@@ -19,7 +19,7 @@ from pyport.effects.base import Coefficient
 from pyport.fitting.fit import Fit
 from pyport.fitting.sizes import largest_offset
 from pyport.noise.coefficients import solve
-from pyport.recordings.stacking import term_columns
+from pyport.recordings.schema import term_columns
 
 #: A coefficient of whose column the other columns leave less than this share of the rms is not
 #: known alone: an error of a tenth of the others' curves is an error of itself as a whole.

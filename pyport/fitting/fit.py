@@ -15,9 +15,8 @@ from pyport.noise.coefficients import solve
 from pyport.noise.covariance import Covariance
 from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame
-from pyport.recordings.nights import with_nights
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
+from pyport.recordings.sky import with_nights
 from pyport.threads import one_thread
 
 #: How readings count: by the noise that is estimated with the fit, or all alike.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import Circumstances
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Stack
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
 ON_SKY = (

@@ -18,8 +18,7 @@ from pyport.recordings.files import read_raw
 from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside
-from pyport.recordings.options import NOTHING, FileOptions
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.tabulate import Table
 from pyport.recordings.where import where
 

@@ -16,8 +16,7 @@ from pyport.files import sha256
 from pyport.models.completed import Completed, Value
 from pyport.models.members import frozen
 from pyport.models.model import Model, Term, rt32_values
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 
 Labels = tuple[str, ...]
 #: What a file says beside its terms that a fitted model is written with again.

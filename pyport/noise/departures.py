@@ -21,8 +21,7 @@ from pyport.effects.astrometry import parallactic
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group
+from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
 
 #: Whitened data of less variance than this are fitted exactly: nothing departs.

@@ -19,8 +19,7 @@ from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
 from pyport.noise.drift import Departing, beside, draft, grid_of, likeliest
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import (
     ENOUGH_ANTENNAS,
     ENOUGH_SQUARES,

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR, Array, Codes
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import group
+from pyport.recordings.schema import Recordings, group
 
 #: No telescope makes two pointings within a second, at nearly the same place.
 SAME_S, SAME_PLACE = 1.0, 0.02 * DEG

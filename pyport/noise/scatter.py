@@ -16,8 +16,7 @@ import numpy as np
 from scipy.special import gammaln
 
 from pyport.angles import Array
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group
+from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import ENOUGH_SQUARES, LEAST_GROSS
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.

@@ -17,9 +17,8 @@ import numpy as np
 from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
 from pyport.pointing import kernel
-from pyport.recordings.nights import clock
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group
+from pyport.recordings.schema import Recordings, Stack, group
+from pyport.recordings.sky import clock
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3

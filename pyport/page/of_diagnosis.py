@@ -18,8 +18,7 @@ from pyport.page.markup import chance
 from pyport.page.notes import notes
 from pyport.page.picture import Layer, Picture, Side, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 from pyport.report.completed import completed
 from pyport.report.made import report_of
 from pyport.report.typed import Finding, HeldOut, Report

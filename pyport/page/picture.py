@@ -13,8 +13,7 @@ from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
 from pyport.mounts import ALTAZ
 from pyport.page.linear import Linear
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack
+from pyport.recordings.schema import Recordings, Stack
 
 
 @dataclass(frozen=True)

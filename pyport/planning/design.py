@@ -11,8 +11,7 @@ from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.least_squares import robust
 from pyport.models.model import Model, Term
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, group, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from pyport.errors import BadInput
 from pyport.least_squares import robust
 from pyport.models.model import Model
 from pyport.prediction import picked, shrunk, waves
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, stack, term_columns
 
 Rows = NDArray[np.bool_]
 

@@ -1,4 +1,8 @@
-"""Recordings from a file and into a file; the suffix says which format."""
+"""Recordings from a file and into a file; the suffix says which format.
+
+`printed/` holds the tables as printed, `data/` the recordings made of them by
+`python -m pyport.recordings.shipped`; README.md tells how.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +13,34 @@ from typing import Any
 
 from pyport.errors import BadInput
 from pyport.files import is_file, is_folder
-from pyport.recordings import nearly, shipped
+from pyport.recordings import naming
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
-from pyport.recordings.options import NOTHING, FileOptions
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.tabulate import tabulate
 from pyport.recordings.where import where
 from pyport.workers import Spread
+
+DATA = Path(__file__).parent / "data"
+
+#: Name on the command line -> the sessions in that file.
+NAMES: dict[str, tuple[str, ...]] = {
+    "gmrt-2003-03-31": ("2003-03-31",),
+    "gmrt-2003-05-31": ("2003-05-31",),
+    "gmrt-2003-06-01": ("2003-06-01",),
+    "gmrt-2003-06-02": ("2003-06-02",),
+    "gmrt-2003-06-05": ("2003-06-05",),
+    "gmrt-cyg-a": ("2003-06-01", "2003-06-02", "2003-06-05"),
+}
+
+
+def shipped(name: str) -> Path:
+    """Return the CSV file of a shipped set: `gmrt-2003-06-01`, `2003-06-01`, `cyg-a`, ..."""
+    full = name if name.startswith("gmrt-") else f"gmrt-{name}"
+    if full not in NAMES:
+        raise KeyError(name)
+    return DATA / f"{full}.csv"
 
 
 def resolve(name: str | Path) -> Path:
@@ -31,15 +54,15 @@ def resolve(name: str | Path) -> Path:
     path = Path(name)
     if is_file(path):
         return path
-    if str(name) in shipped.NAMES:
-        return shipped.path(str(name))
+    if str(name) in NAMES:
+        return shipped(str(name))
     if is_folder(path):
         from pyport.recordings.stream import is_data_set
 
         if is_data_set(path):
             return path
         raise BadInput("a folder without Parquet files, expected recordings", path)
-    names = ", ".join(shipped.NAMES)
+    names = ", ".join(NAMES)
     raise BadInput(f"no such file, expected a path or one of {names}", path)
 
 
@@ -108,9 +131,9 @@ def read_raw(path: Path, given: FileOptions = NOTHING) -> Raw:
 
     raw = tables.read(path, given.format, given.columns, given.mapping)
     try:
-        nearly.refuse_keys(given.keys, "--set ")
-        nearly.refuse_keys(raw.meta, "header key ")
-        nearly.refuse_columns(raw.columns)
+        naming.refuse_keys(given.keys, "--set ")
+        naming.refuse_keys(raw.meta, "header key ")
+        naming.refuse_columns(raw.columns)
     except BadInput as error:
         raise raw.error(error.message) from None
     return masked(replace(raw, meta=raw.meta | dict(given.keys)))

@@ -13,11 +13,10 @@ from pyport.angles import RADIANS_PER
 from pyport.arguments import mapping, place, refusal
 from pyport.columns import ANGLES, NUMBER, QUANTITIES, TIME, angle_of
 from pyport.errors import BadInput
-from pyport.recordings import nearly
+from pyport.recordings import naming
 from pyport.recordings.files import nothing_left, read
 from pyport.recordings.interpret import interpret
-from pyport.recordings.options import FileOptions
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import FileOptions, Raw
 from pyport.recordings.schema import Recordings
 
 #: Whatever holds recordings: a name, recordings, or a table with named columns.
@@ -48,7 +47,7 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
 def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
     """Return the cells of a table in memory; `keys` are header keys that it does not have."""
     columns = dict(_column(name, table[name]) for name in _names(table))
-    nearly.refuse_columns(columns)
+    naming.refuse_columns(columns)
     sizes = {len(cells) for cells in columns.values()}
     if len(sizes) > 1:
         lengths = ", ".join(f"{name} {len(cells)}" for name, cells in columns.items())
@@ -71,7 +70,7 @@ def _keys(header: Header) -> dict[str, str]:
             found[key] = repr(float(value.to_value("deg")))
         else:
             found[str(key)] = str(value)
-    nearly.refuse_keys(found, "header ")
+    naming.refuse_keys(found, "header ")
     return found
 
 

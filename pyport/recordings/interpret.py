@@ -27,7 +27,7 @@ from pyport.effects.base import PIER_SIDE, Circumstances, Site
 from pyport.effects.mounts import MOUNT, declared
 from pyport.mounts import ALTAZ, Mount
 from pyport.recordings import mounted, sky
-from pyport.recordings.duplicates import repeated
+from pyport.recordings.masks import repeated
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings, SetAside
 

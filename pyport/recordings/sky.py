@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
 from pyport.angles import Array, wrap
+from pyport.effects import Circumstances
+from pyport.recordings.schema import Recordings
 
 
 def horizon(hour_angle: Array, dec: Array, latitude: float) -> tuple[Array, Array]:
@@ -36,3 +40,141 @@ def hour_angle_at(el: Array, dec: float, latitude: float) -> Array:
     sine = np.sin(el) - np.sin(latitude) * np.sin(dec)
     cosine = sine / (np.cos(latitude) * np.cos(dec))
     return np.arccos(np.where(np.abs(cosine) <= 1, cosine, np.nan))
+
+
+#: An equinox before this year is Besselian where no letter says so (SUN/67, `sla_KBJ`).
+FIRST_JULIAN = 1984.0
+#: The one Besselian equinox that is read: FK4's.
+FK4_YEAR = 1950.0
+
+
+@dataclass(frozen=True)
+class Equinox:
+    """The year of an equinox, Julian or Besselian; places are of the same epoch."""
+
+    year: float
+    besselian: bool
+
+    @property
+    def known(self) -> bool:
+        """Tell whether places of it can be moved: any Julian one, and B1950."""
+        return not self.besselian or abs(self.year - FK4_YEAR) < 1e-3
+
+
+@dataclass(frozen=True)
+class Place:
+    """A mean place [rad] and its proper motions, d(RA)/dt without cos Dec [rad/yr]."""
+
+    ra: float
+    dec: float
+    pm_ra: float
+    pm_dec: float
+
+
+def equinox(word: str) -> Equinox | None:
+    """Return the equinox that a word such as `B1950.0` or `2000` says, None for another word."""
+    letter = word[:1].upper()
+    try:
+        year = float(word[1:] if letter in {"B", "J"} else word)
+    except ValueError:
+        return None
+    if not 1800 < year < 2200:
+        return None
+    return Equinox(year, letter == "B" or (letter != "J" and year < FIRST_JULIAN))
+
+
+def to_j2000(place: Place, of: Equinox) -> Place:
+    """Return a mean place at equinox and epoch J2000, within 0.03 arcsec of the ICRS.
+
+    FK4 places by ERFA's `fk425` (Standish 1982, Aoki et al. 1983: E-terms, precession and the
+    motion of the equinox), those of a Julian equinox by the IAU 2006 precession.
+    """
+    import erfa
+
+    if of.besselian:
+        moved = erfa.fk425(place.ra, place.dec, place.pm_ra, place.pm_dec, 0.0, 0.0)
+        return Place(*map(float, moved[:4]))
+    if abs(of.year - 2000) < 1e-3:
+        return place
+    matrix = erfa.pmat06(*erfa.epj2jd(of.year))
+    there = erfa.s2pv(place.ra, place.dec, 1.0, place.pm_ra, place.pm_dec, 0.0)
+    ra, dec, _, pm_ra, pm_dec, _ = map(float, erfa.pv2s(erfa.trxpv(matrix, there)))
+    years = 2000 - of.year
+    return Place(ra + years * pm_ra, dec + years * pm_dec, pm_ra, pm_dec)
+
+
+#: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
+#: than a summer's day.
+NIGHT_GAP_S = 6 * 3600.0
+#: Rows that turn back in azimuth or elevation less often than this are sorted by place.
+TURNING = 0.5
+#: Header keys under which it is said what stands for what.
+SESSIONS, ORDER = "sessions_from", "order_from"
+
+
+def with_nights(recordings: Recordings) -> Recordings:
+    """Return recordings with sessions and an order, where they have times or rows to tell them by.
+
+    Without a session the nights between gaps in time are sessions. Without times the order of
+    the rows, in the column `order`, stands for them. What was derived stands in `meta`.
+    """
+    at = recordings.at
+    columns, meta = dict(at.columns), dict(recordings.meta)
+    if "time" not in at and not _sorted(recordings):
+        columns["order"] = np.argsort(np.argsort(recordings.line, kind="stable")).astype(float)
+        meta[ORDER] = "the order of the rows, no time being recorded"
+    elif "time" in at and "session" not in at:
+        time = np.asarray(at.column("time"), float)
+        if np.isfinite(time).all() and len(time):
+            nights = _nights(time)
+            if len(np.unique(nights)) > 1:
+                columns["session"] = nights
+                meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
+    return replace(recordings, at=replace(at, columns=columns), meta=meta)
+
+
+def clock(at: Circumstances) -> Array:
+    """Return what tells before from after: the time [s], or the order of the rows, shape (n,).
+
+    NaN where it is not known.
+    """
+    for name in ("time", "order"):
+        if name in at:
+            return np.asarray(at.column(name), float)
+    return np.full(len(at), np.nan)
+
+
+def _sorted(recordings: Recordings) -> bool:
+    """Tell whether the rows stand in the order of their places: a table's order is no time's.
+
+    From one row to the next a random order of azimuths or elevations turns back in two of three
+    cases, the grid of a table in few.
+    """
+    order = np.argsort(recordings.line, kind="stable")
+
+    def turns(values: Array) -> float:
+        steps = np.diff(values[order])
+        steps = np.sign(steps[steps != 0])
+        return float(np.mean(steps[1:] != steps[:-1])) if len(steps) > 1 else 0.0
+
+    return max(turns(recordings.at.az), turns(recordings.at.el)) < TURNING
+
+
+def _nights(time: Array) -> Array:
+    """Return the date on which the night of each row began, its number behind it if it has two."""
+    order = np.argsort(time, kind="stable")
+    night = np.concatenate([[0], np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)])
+    first = time[order][np.unique(night, return_index=True)[1]]
+    dates = [night_of(one) for one in first]
+    names = [
+        date if dates.count(date) == 1 else f"{date}.{dates[:n].count(date) + 1}"
+        for n, date in enumerate(dates)
+    ]
+    found = np.empty(len(time), dtype=f"<U{max(map(len, names))}")
+    found[order] = np.array(names)[night]
+    return found
+
+
+def night_of(time: float) -> str:
+    """Return the date of a moment [s since 1970]."""
+    return str(np.datetime64(int(time), "s").astype("datetime64[D]"))

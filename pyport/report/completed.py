@@ -13,7 +13,7 @@ from pyport.diagnosis.joint import sigmas
 from pyport.effects.fields import UNKNOWN
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term
-from pyport.recordings.stacking import group
+from pyport.recordings.schema import group
 from pyport.report.finding import finding_of
 from pyport.report.typed import as_json
 

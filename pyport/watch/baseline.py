@@ -19,8 +19,8 @@ from pyport.fitting.fit import Fit, fit
 from pyport.models.model import Model, Term
 from pyport.noise.departures import terms_of_sessions, terms_of_sources
 from pyport.noise.scatter import recorded
-from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import with_nights
 from pyport.watch import changes
 from pyport.watch.changes import Change
 

@@ -22,7 +22,7 @@ from pyport.recordings.files import read_raw
 from pyport.recordings.formats import katpoint_csv
 from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings, SetAside
 
 #: Rows that are taken in together: after them the state is kept.

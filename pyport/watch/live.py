@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import DEG, Array
 from pyport.planning.coverage import coverage, separation
 from pyport.planning.suggest import directions
-from pyport.recordings.nights import NIGHT_GAP_S
+from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.watch.alarms import moment
 from pyport.watch.antenna import Antenna
 from pyport.watch.watch import Seen, Watch

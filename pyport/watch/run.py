@@ -12,7 +12,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
-from pyport.recordings.options import NOTHING, FileOptions
+from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
 from pyport.watch.calibrate import FEWEST_IN_NIGHT, FEWEST_NIGHTS

@@ -16,8 +16,8 @@ from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.recordings.from_table import Header, Table, from_table, raw_table
 from pyport.recordings.interpret import interpret
-from pyport.recordings.nights import NIGHT_GAP_S, night_of, with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import NIGHT_GAP_S, night_of, with_nights
 from pyport.threads import one_thread
 from pyport.watch import antenna as one_antenna
 from pyport.watch import steps

@@ -12,7 +12,7 @@ from pyport.diagnosis import guards
 from pyport.diagnosis.guards import comes_back, night_of
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
-from pyport.recordings.nights import NIGHT_GAP_S
+from pyport.recordings.sky import NIGHT_GAP_S
 
 DAY_S = 86400.0
 

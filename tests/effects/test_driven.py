@@ -8,8 +8,7 @@ from pyport.diagnosis.candidates import design
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
 from pyport.effects.driven import MOST_DRIVERS, drivers
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import Recordings, stack
 
 AT = campaign(120)
 RNG = np.random.default_rng(5)

@@ -11,8 +11,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.errors import BadInput
 from pyport.formats.field_system import agreement, ctl, err
 from pyport.formats.field_system.fit import Data, columns, fit
-from pyport.recordings.formats.sections import sections
-from pyport.recordings.formats.xtr import read_xtr
+from pyport.recordings.formats.xtr import read_xtr, sections
 
 CLASSICAL = (1, 3, 4, 5, 6, 7, 8)
 

@@ -14,7 +14,7 @@ from pyport.formats.convert import convert
 from pyport.models.terms import field_system
 from pyport.mounts import KINDS
 from pyport.recordings.formats.xtr import AXES
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 
 PHI = -25.9 * DEG
 #: The axes other than azimuth and elevation, and how their first one leans.

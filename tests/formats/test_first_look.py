@@ -8,7 +8,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.recordings import read
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 
 LMT = FileOptions(
     {"latitude_deg": "19", "longitude_deg": "-97.3"},

@@ -12,7 +12,7 @@ from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.convert import convert, table_of
 from pyport.recordings.formats import registry as tables
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 
 DATS = [
     "AT_point_data_20210609_tw003",

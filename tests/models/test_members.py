@@ -17,7 +17,7 @@ from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import stack
 from pyport.toml_text import spelled
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))

@@ -8,7 +8,7 @@ from pyport.noise.coefficients import solve, tempered
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.estimate import estimate, frame
 from pyport.noise.whitening import Noise, Series, series
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import stack
 from tests.noise.test_estimate import recordings
 
 N = 24

@@ -11,8 +11,7 @@ from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, series
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import Recordings, stack
 
 
 def recordings(n, readings, y, session=None):

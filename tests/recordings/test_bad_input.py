@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.formats import plain_csv
+from pyport.recordings.formats import csv
 
 GOOD = "az_deg,el_deg,d_el_deg\n"
 
@@ -52,7 +52,7 @@ CASES = {
 def test_bad_file(tmp_path, monkeypatch, case, reader):
     """The error names file and line, and says what is wrong, on one line."""
     if reader == "Arrow's":
-        monkeypatch.setattr(plain_csv, "LEAST_BYTES", 1)
+        monkeypatch.setattr(csv, "LEAST_BYTES", 1)
     text, line, words = CASES[case]
     path = tmp_path / f"{case}.csv"
     path.write_text(text)

@@ -6,7 +6,7 @@ from astropy import units as u
 from astropy.coordinates import FK4, FK5, SkyCoord
 from astropy.time import Time
 
-from pyport.recordings.equinoxes import Equinox, Place, equinox, to_j2000
+from pyport.recordings.sky import Equinox, Place, equinox, to_j2000
 
 DATE = Time("2007-07-02")
 

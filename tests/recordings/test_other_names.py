@@ -18,7 +18,7 @@ from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings.formats import mapped
 from pyport.recordings.from_table import from_table
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 
 LOG = """# a log of pointings
 # id      src     AZd(f0) ELd(f0) T.amb   pnt.X pnt.Y

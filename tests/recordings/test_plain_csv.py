@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pyport.errors import BadInput
-from pyport.recordings.formats import csv, plain_csv
-from pyport.recordings.raw import Raw
-from pyport.recordings.text_column import TextColumn
+from pyport.recordings.formats import csv
+from pyport.recordings.raw import Raw, TextColumn
 
 NUMBERS = (
     "1", "-1.5", "+2.5", ".5", "5.", "1e3", "1E-320", "1_000", " 7", "7 ", "", " ", "nan", "NaN",
@@ -94,7 +93,7 @@ def test_same_rows(lines, end, last, head, tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         by_python = answer(lambda: csv.read(path))
-        patch.setattr(plain_csv, "LEAST_BYTES", 1)
+        patch.setattr(csv, "LEAST_BYTES", 1)
         by_arrow = answer(lambda: csv.read(path))
 
     if isinstance(by_python, str) or isinstance(by_arrow, str):
@@ -110,7 +109,7 @@ def test_same_rows(lines, end, last, head, tmp_path_factory):
 
 def test_it_is_arrow_that_reads_a_large_plain_file(tmp_path, monkeypatch):
     """Comments and blank lines between rows do not hinder it, a quote does."""
-    monkeypatch.setattr(plain_csv, "LEAST_BYTES", 20)
+    monkeypatch.setattr(csv, "LEAST_BYTES", 20)
     path = tmp_path / "night.csv"
     path.write_text("a,b\n1,2\n\n# a remark, with a comma\n3,4\n" + "5,6\n" * 5)
     rows = csv.read(path)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.where import DEEPEST, parse, where
 
 TEXT = """# latitude_deg: 53

@@ -22,8 +22,8 @@ from pyport.recordings import masks, read
 from pyport.recordings.antennas import read_survey
 from pyport.recordings.formats import csv
 from pyport.recordings.formats import mapped as columns
-from pyport.recordings.options import NOTHING, FileOptions
-from pyport.recordings.scans.measure import measure
+from pyport.recordings.raw import NOTHING, FileOptions
+from pyport.recordings.scans import measure
 from pyport.recordings.where import where
 from pyport.steering import offsets_at, read_table
 from pyport.steering.lookup import answers

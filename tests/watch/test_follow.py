@@ -6,7 +6,7 @@ from drawn_nights import text, world
 
 from pyport.errors import BadInput
 from pyport.recordings import read, write
-from pyport.recordings.options import NOTHING, FileOptions
+from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.watch import follow
 from pyport.watch.follow import Cursor
 

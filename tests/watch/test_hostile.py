@@ -15,7 +15,7 @@ from drawn_nights import text, world, write
 
 from pyport.errors import BadInput
 from pyport.recordings.from_table import from_table
-from pyport.recordings.options import NOTHING
+from pyport.recordings.raw import NOTHING
 from pyport.watch import Watch, follow, state
 from pyport.watch.live import live
 from pyport.watch.run import Options, Process

@@ -16,7 +16,7 @@ from pyport.prediction.compare import Comparison, compare
 from pyport.prediction.contenders import Night
 from pyport.prediction.rehearsal import rehearse
 from pyport.recordings import read
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings
 
 _SITE = {"longitude_deg": "-70.7477"}

@@ -14,7 +14,7 @@ from pyport.examiner.acceptance import auxtel
 from pyport.examiner.acceptance.drawn import Line
 from pyport.examiner.acceptance.said import diagnosed, said
 from pyport.recordings import read
-from pyport.recordings.options import FileOptions
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings
 
 #: The Large Millimeter Telescope's list has no line of names.

@@ -15,8 +15,7 @@ from pyport.formats.field_system import ctl, err
 from pyport.models.terms import field_system
 from pyport.recordings.formats import csv
 from pyport.recordings.formats.lines import Line
-from pyport.recordings.formats.sections import section, sections
-from pyport.recordings.formats.xtr import read_xtr
+from pyport.recordings.formats.xtr import read_xtr, section, sections
 
 GRID, MODEL = "fs_fln_flt_grid.csv", "mdlpo.ctl"
 _GRID_COLUMNS = ("az_deg", "el_deg", "dx_per_unit", "dy_per_unit")

@@ -17,7 +17,7 @@ from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.models.terms.field_system import NUMBER
 from pyport.recordings.formats.lines import Line, lines_of, padded
-from pyport.recordings.formats.sections import section, sections
+from pyport.recordings.formats.xtr import section, sections
 
 OFF, FITTED, HELD, ALONE, FORGOTTEN = range(5)
 _A_LINE = 5

@@ -202,7 +202,7 @@ def _found(raw: Raw, name: str, *, numbered: bool) -> NDArray[Any]:
 
 def _check(ours: str) -> None:
     """Refuse a name that is nearly one of the contract's."""
-    from pyport.recordings.nearly import meant
+    from pyport.recordings.naming import meant
 
     if angle_of(ours) is None and (right := meant(ours)) is not None:
         raise BadInput(f"--columns {ours}=...: did you mean {right!r}?")

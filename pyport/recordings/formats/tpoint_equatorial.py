@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
-from pyport.recordings.equinoxes import Place, equinox, to_j2000
 from pyport.recordings.formats.lines import Line
-from pyport.recordings.sky import equator, horizon
+from pyport.recordings.sky import Place, equator, equinox, horizon, to_j2000
 
 #: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.
 APPARENT = 14

@@ -7,7 +7,6 @@ points tell all that the rows do. Every row goes into one of them, or is counted
 among the excluded, or as an outlier.
 """
 
-from pyport.recordings.stream.passes import pass_files
-from pyport.recordings.stream.reduce import is_data_set, read_data_set
+from pyport.recordings.stream.reduce import is_data_set, pass_files, read_data_set
 
 __all__ = ["is_data_set", "pass_files", "read_data_set"]

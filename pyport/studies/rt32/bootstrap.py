@@ -6,8 +6,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.errors import BadInput
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import group
+from pyport.recordings.schema import Recordings, group
 from pyport.studies.rt32.fit import Rt32Fit, settle
 
 _DAY_S = 86400.0

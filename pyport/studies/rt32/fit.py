@@ -19,8 +19,7 @@ from pyport.fitting.soundness import doubts
 from pyport.least_squares.gram import inverse_of, inverted
 from pyport.pointing import PARAMETERS, Rt32Model, kernel
 from pyport.pointing.model import linear_columns
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import Stack, stack
+from pyport.recordings.schema import Recordings, Stack, stack
 from pyport.studies.rt32.campaigns import BoxStep
 from pyport.studies.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
 from pyport.threads import one_thread

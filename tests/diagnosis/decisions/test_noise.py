@@ -14,8 +14,7 @@ from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
-from pyport.recordings.schema import Recordings
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import Recordings, stack
 
 
 def normal(n, seed=0):

@@ -16,7 +16,7 @@ from pyport.diagnosis.finding import Evidence, Finding, Where
 from pyport.diagnosis.view import View
 from pyport.effects import CATALOGUE
 from pyport.fitting.two_axes import Difference
-from pyport.recordings.stacking import stack
+from pyport.recordings.schema import stack
 
 
 def viewed(left, basis=None):

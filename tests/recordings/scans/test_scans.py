@@ -12,8 +12,7 @@ from pyport.angles import ARCMIN
 from pyport.cli.offsets import command
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.scans import averages, fit_peak, measure
-from pyport.recordings.scans.measure import offset_along_scan
+from pyport.recordings.scans import averages, fit_peak, measure, offset_along_scan
 
 RATE = 20.0
 BEAM_ARCMIN = 24.0

@@ -15,7 +15,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.stream import cells, middles, passes, pieces, reduce, votes
+from pyport.recordings.stream import cells, pieces, points, reduce
 from pyport.recordings.stream.cells import LEVELS, grown, key_of
 from pyport.recordings.stream.chunk import Chunk
 
@@ -95,7 +95,7 @@ def test_points_are_the_means_of_their_rows(tmp_path, monkeypatch):
     monkeypatch.setattr(cells, "LEVELS", (*LEVELS, (9, 62)))
     monkeypatch.setattr(reduce, "LEVELS", (*LEVELS, (9, 62)))
     monkeypatch.setattr(reduce, "MOST_NUMBERS", 4)
-    monkeypatch.setattr(votes, "REACH", 1e6)
+    monkeypatch.setattr(points, "REACH", 1e6)
 
     found = read(write(tmp_path, columns))
 
@@ -144,7 +144,7 @@ def test_effects_are_averaged_over_what_was_observed(tmp_path, monkeypatch):
 def test_pieces_and_chunks_change_nothing_but_rounding(tmp_path, monkeypatch, size):
     """However the rows are cut, the points are the same but for outliers' borderline votes."""
     root = write(tmp_path, campaign(), groups=250)
-    monkeypatch.setattr(middles, "PARTS", 1)  # rows are dealt to the parts chunk by chunk
+    monkeypatch.setattr(points, "PARTS", 1)  # rows are dealt to the parts chunk by chunk
     whole = read(root)
     monkeypatch.setattr(pieces, "CHUNK_ROWS", size)
     monkeypatch.setattr(pieces, "PIECE_ROWS", 3 * size)
@@ -156,8 +156,7 @@ def test_pieces_and_chunks_change_nothing_but_rounding(tmp_path, monkeypatch, si
 
 def test_memory_is_bounded_by_growing_cells(tmp_path, monkeypatch):
     """More cells than there is room for become fewer and larger ones, and no row is lost."""
-    for module in (passes, reduce):
-        monkeypatch.setattr(module, "MOST_CELLS", 300)
+    monkeypatch.setattr(reduce, "MOST_CELLS", 300)
     found = read(write(tmp_path, campaign()))
 
     assert found.reduction.places <= 300

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pyport.files import write_whole
-from pyport.recordings.shipped import DATA
+from pyport.recordings.files import DATA
 from pyport.studies.gmrt.recovery import build, notes
 
 

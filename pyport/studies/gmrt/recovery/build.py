@@ -9,8 +9,8 @@ import numpy as np
 
 from pyport.angles import DEG, HOUR, Array
 from pyport.recordings import sky
+from pyport.recordings.files import NAMES
 from pyport.recordings.formats import csv
-from pyport.recordings.shipped import NAMES
 from pyport.recordings.tabulate import Table, iso_8601
 from pyport.studies.gmrt import published
 from pyport.studies.gmrt.recovery.cells import cells

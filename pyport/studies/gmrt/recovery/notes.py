@@ -6,8 +6,7 @@ import re
 from collections import Counter
 from pathlib import Path
 
-from pyport.recordings.files import read
-from pyport.recordings.shipped import path
+from pyport.recordings.files import read, shipped
 from pyport.studies.gmrt.recovery import checks
 from pyport.studies.gmrt.sessions import CRAB, CYG_A, SESSIONS
 
@@ -50,7 +49,7 @@ def _counts() -> str:
     used: dict[str, int] = {}
     aside: dict[str, Counter[str]] = {}
     for session in SESSIONS:
-        recordings = read(path(session.date))
+        recordings = read(shipped(session.date))
         used[session.date] = len(recordings)
         aside[session.date] = Counter(_kind(one.reason) for one in recordings.set_aside)
     reasons = sorted({reason for counter in aside.values() for reason in counter})
@@ -67,7 +66,7 @@ def _captions() -> str:
             checks.elevation_misfit_deg(session.table, next(s for s in SESSIONS if s.source is one))
             for one in (CRAB, CYG_A)
         )
-        misfits = checks.caption_misfits(read(path(session.date)))
+        misfits = checks.caption_misfits(read(shipped(session.date)))
         rows.append(
             [
                 f"table_{session.table}.tsv",
@@ -83,7 +82,7 @@ def _captions() -> str:
 
 def _directions() -> str:
     """Return how well the half-differences add up, for the directions taken and for the others."""
-    halves = [checks.half_differences(read(path(session.date)), session) for session in SESSIONS]
+    halves = [checks.half_differences(read(shipped(session.date)), session) for session in SESSIONS]
     choices = {
         "1, 2 and 5 June": halves[2:],
         "31 May, 1, 2 and 5 June": halves[1:],

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.recordings.files import read_raw
-from pyport.recordings.shipped import path
+from pyport.recordings.files import read_raw, shipped
 from pyport.studies.gmrt.recovery.cells import VOUCHED
 from pyport.studies.gmrt.recovery.garble import garbled
 from pyport.studies.gmrt.sessions import ANTENNAS, SESSIONS, Session
@@ -32,7 +31,7 @@ class Recovery:
 
 def recovery(session: Session) -> Recovery:
     """Return what became of a day's table, as the shipped recordings tell it."""
-    raw = read_raw(path(session.date))
+    raw = read_raw(shipped(session.date))
     row, used = raw.numbers("printed_row"), raw.words("set_aside") == ""
     rows, kept = np.unique(row, return_inverse=True)
     offsets = np.bincount(kept[used], minlength=len(rows))

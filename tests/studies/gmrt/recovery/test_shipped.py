@@ -10,7 +10,7 @@ import pytest
 
 from pyport.angles import ARCMIN, DEG
 from pyport.recordings import read
-from pyport.recordings.shipped import DATA, NAMES, path
+from pyport.recordings.files import DATA, NAMES, shipped
 from pyport.studies.gmrt.recovery import build, notes, printed
 from pyport.studies.gmrt.recovery.recovery import recovery
 from pyport.studies.gmrt.sessions import ANTENNAS, SESSIONS, utc_seconds
@@ -21,7 +21,7 @@ JUNE = [session for session in SESSIONS if "2003-06" in session.date]
 
 def rows_of(name):
     """Return the rows of a shipped file by column name, as text."""
-    lines = path(name).read_text().splitlines()
+    lines = shipped(name).read_text().splitlines()
     return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
@@ -99,7 +99,7 @@ def test_june_rows_are_usable():
 
     assert [one.rows for one in found] == [len(printed.day(session.table)) for session in JUNE]
     assert sum(one.usable for one in found) >= 0.9 * sum(one.rows for one in found)
-    assert [one.used for one in found] == [len(read(path(session.date))) for session in JUNE]
+    assert [one.used for one in found] == [len(read(shipped(session.date))) for session in JUNE]
     assert all(one.used < one.vouched < one.cells for one in found)
 
 
@@ -114,10 +114,10 @@ def test_three_days_together():
 
 def test_names_and_dates():
     """A shipped set is found by its name or by its date alone."""
-    assert path("2003-06-01") == path("gmrt-2003-06-01")
-    assert all(path(name).is_file() for name in NAMES)
+    assert shipped("2003-06-01") == shipped("gmrt-2003-06-01")
+    assert all(shipped(name).is_file() for name in NAMES)
     with pytest.raises(KeyError):
-        path("2003-06-03")
+        shipped("2003-06-03")
 
 
 @pytest.mark.parametrize("session", DAYS, ids=lambda session: session.date)
