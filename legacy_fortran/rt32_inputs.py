@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG
-from pyport.parity.batches import joined
 from pyport.parity.description import Batch
+from pyport.parity.functions import joined
 from pyport.parity.inputs import nudged
 from pyport.pointing import PARAMETERS, jump_altitude
 from pyport.steering.grid import RT32_GRID

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from pyport.diagnosis import diagnose as steps
     from pyport.diagnosis.finding import Finding
     from pyport.fitting import fit as fitting
-    from pyport.models.completed import Value
+    from pyport.models.conditions import Value
     from pyport.models.model import Model
     from pyport.page.picture import Picture
     from pyport.page.story import Story
@@ -141,7 +141,7 @@ class Diagnosis(Shown):
     def model(self) -> PointingModel:
         """Return the model completed by everything that was found."""
         from pyport.correction.use import PointingModel
-        from pyport.report.completed import completed
+        from pyport.report.finding import completed
 
         return PointingModel(completed(self.result))
 
@@ -176,7 +176,7 @@ class Fit(Shown):
     @cached_property
     def coefficients(self) -> dict[str, Value]:
         """Return every coefficient by its name: value, sigma, unit, and what it was before."""
-        from pyport.models.words import label
+        from pyport.models.complete import label
 
         return {label(one): one for one in self.model.values}
 
@@ -208,7 +208,7 @@ class Fit(Shown):
     def model(self) -> PointingModel:
         """Return the fitted model, ready to be asked, saved or fitted again."""
         from pyport.correction.use import PointingModel
-        from pyport.fitting.completed import completed
+        from pyport.fitting.fit import completed
 
         return PointingModel(completed(self.result))
 

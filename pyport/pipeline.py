@@ -20,7 +20,7 @@ from pyport.recordings import read, resolve
 from pyport.recordings.antennas import Survey
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
-from pyport.report.completed import completed
+from pyport.report.finding import completed
 from pyport.stages import stage, timed
 from pyport.workers import Spread, workers
 
@@ -140,7 +140,7 @@ def _run_one(
     """Return the summary and the report of one file."""
     from pyport import page
     from pyport.formats.completed import write_model
-    from pyport.report.array_places import write_places
+    from pyport.report.array import write_places
     from pyport.report.figures import write_findings
     from pyport.report.folder import write
     from pyport.report.made import report_of

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from pyport.parity import loading, oracle, stored
-from pyport.parity.batches import joined, part, size
-from pyport.parity.functions import ask_port
+from pyport.parity.functions import ask_port, joined, part, size
 from pyport.parity.run import hold_live
 
 FORTRAN = Path(__file__).parents[1] / "legacy_fortran"

@@ -9,8 +9,7 @@ from typing import NoReturn
 import click
 
 from pyport import __version__
-from pyport.cli.groups import Lazy
-from pyport.cli.manners import STATUSES
+from pyport.cli.manners import STATUSES, Lazy
 from pyport.errors import BadInput
 
 #: Command -> the sentence that `pyport --help` shows without importing it.
@@ -72,6 +71,12 @@ pyport = click.option(
         "pyport.cli",
         COMMANDS,
         FORMER,
+        {
+            "correct": "apply compare convert",
+            "explain": "diagnose plot predict",
+            "files": "completion lookup mask offsets",
+            "observe": "look targets",
+        },
         help="Pointing models of radio telescopes: ported, tabulated, and their gaps explained.",
         epilog=STATUSES,
     )

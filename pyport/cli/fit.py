@@ -101,9 +101,8 @@ def command(
         _write_page(drawn, out)
         return
     from pyport.files import write_whole
-    from pyport.fitting import leftover, table
-    from pyport.fitting.completed import completed
-    from pyport.fitting.fit import fit
+    from pyport.fitting import table
+    from pyport.fitting.fit import completed, fit, write_rows
     from pyport.formats.completed import write_model
     from pyport.formats.models import load
     from pyport.models.terms.editing import edited
@@ -123,7 +122,7 @@ def command(
         click.echo(f"{save}: {saved}\n" * bool(saved), err=True, nl=False)
     if out is not None:
         with write_whole(out / "residuals.csv") as file:
-            leftover.write(done, file)
+            write_rows(done, file)
     _show(table.as_json(done), table.text(done), out, as_json=as_json)
     _write_page(lambda: of_fit(done), out)
     if out is not None:
@@ -152,17 +151,17 @@ def _fit_rt32(
     from pyport.angles import DEG
     from pyport.progress import working
     from pyport.recordings import read
-    from pyport.studies.rt32 import box_step, fit_rt32, table
-    from pyport.studies.rt32.bootstrap import honest_sigmas
-    from pyport.studies.rt32.page import of_rt32
+    from pyport.studies.rt32 import box_step, document, fit_rt32
+    from pyport.studies.rt32.fit import honest_sigmas
+    from pyport.studies.rt32.sky import of_rt32
 
     measured = read(recordings, given)
     box = box_step(measured, choice)
     with working("fitting"):
         done = fit_rt32(measured, exact=exact, method=method, level=level_deg * DEG, box=box)
         honest = honest_sigmas(done)
-    text = f"{table.text(done, honest)}\n\ncorrelations\n{table.correlations(done)}"
-    return table.as_json(done, honest), text, lambda: of_rt32(done, honest)
+    text = f"{document.text(done, honest)}\n\ncorrelations\n{document.correlations(done)}"
+    return document.as_json(done, honest), text, lambda: of_rt32(done, honest)
 
 
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import importlib
 import io
 import json
 import math
@@ -15,6 +16,8 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+#: Where a command's context says that --quiet was given.
+_HUSHED = "pyport.quiet"
 #: Exit statuses, as `pyport --help` tells them.
 STATUSES = (
     "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise); 2 "
@@ -41,15 +44,17 @@ def resumable(folder: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]
 
 def counted(outcomes: Iterable[dict[str, Any]], total: int) -> Iterator[dict[str, Any]]:
     """Yield the outcomes of a long command's cases; on a terminal say how many are there."""
+    shown = sys.stderr.isatty() and _HUSHED not in click.get_current_context().meta
     for done, one in enumerate(outcomes, 1):
         yield one
-        if sys.stderr.isatty():
+        if shown:
             click.echo(f"\r{done} of {total} cases", err=True, nl=done == total)
 
 
 def say(text: str | Callable[[], str], told: object, *, as_json: bool) -> None:
-    """Print an answer: as text, or what `told` holds as JSON."""
+    """Print an answer: as text, or what `told` holds as JSON; either may be a function."""
     if as_json:
+        told = told() if callable(told) else told
         click.echo(json.dumps(plain(told), indent=1, allow_nan=False))
     else:
         click.echo(text if isinstance(text, str) else text())
@@ -92,6 +97,7 @@ def with_quiet(command: click.Command) -> click.Command:
 def _hush(context: click.Context, _: click.Parameter, quiet: bool) -> None:  # noqa: FBT001 - click's
     """Let what the command prints go nowhere."""
     if quiet:
+        context.meta[_HUSHED] = True
         context.with_resource(contextlib.redirect_stdout(io.StringIO()))
 
 
@@ -138,3 +144,68 @@ as_promised = click.option(
     metavar="POINTINGS",
     help="What the watch promises.",
 )
+
+
+class Lazy(click.Group):
+    """A group that imports a command's module only when the command is asked for.
+
+    Parameters
+    ----------
+    name
+        The group's name on the command line.
+    package
+        The package whose modules define a `command` each, or several by their names.
+    sentences
+        Command -> the sentence that `--help` shows without importing it.
+    former
+        Name of a former version -> the words that stand for it now.
+    shared
+        Module -> the commands that it defines by their names.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        package: str,
+        sentences: Mapping[str, str],
+        former: Mapping[str, str] | None = None,
+        shared: Mapping[str, str] | None = None,
+        **attributes: Any,  # noqa: ANN401 - click's
+    ) -> None:
+        settings = {"help_option_names": ["-h", "--help"]}
+        super().__init__(name, context_settings=settings, **attributes)
+        self.package = package
+        self.sentences = dict(sorted(sentences.items()))
+        self.former = former or {}
+        self.shared = {
+            one: module for module, some in (shared or {}).items() for one in some.split()
+        }
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 - click's signature
+        """Return the names of all commands."""
+        return list(self.sentences)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Import the module of a command and return its `command`."""
+        if name in self.former:
+            return self._former(ctx, name)
+        if name not in self.sentences:
+            return None
+        spelled = name.replace("-", "_")
+        module = importlib.import_module(f"{self.package}.{self.shared.get(name, spelled)}")
+        return with_quiet(getattr(module, spelled if name in self.shared else "command"))
+
+    def _former(self, ctx: click.Context, name: str) -> click.Command | None:
+        """Return the command that a former name stands for; its new name goes to standard error."""
+        *groups, last = self.former[name].split()
+        command: click.Command | None = self
+        for word in (*groups, last):
+            command = command.get_command(ctx, word) if isinstance(command, click.Group) else None
+        if not ctx.resilient_parsing:
+            click.echo(f"pyport: `pyport {name}` is `pyport {self.former[name]}` now", err=True)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """List the commands, importing none."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self.sentences.items()))

@@ -141,7 +141,7 @@ def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
 @in_json
 def matrix(config: Path | None, points: int, *, as_json: bool) -> None:
     """Compare builds with other flags and compilers with the reference."""
-    from pyport.parity import matrix as builds
+    from pyport.parity import coverage as builds
 
     description = _described(config)
     if not description.matrix:

@@ -192,7 +192,7 @@ def _checked(refraction: str, reading: str, told: dict[str, object]) -> list[str
 
 def _refractions(told: dict[str, object]) -> list[str]:
     """Return how far each formula stays from the refraction that the published digits tell."""
-    from pyport.steering.recover import candidates
+    from pyport.steering.check import candidates
 
     lines = ["formula             iterated   farthest off   rms off [mdeg]   cells that agree"]
     found = []
@@ -226,8 +226,8 @@ def _difference(
 ) -> list[str]:
     """Return where `table` differs from another, a file or a model, and draw it."""
     from pyport import steering
-    from pyport.steering.compare import describe
-    from pyport.steering.compare import picture as draw
+    from pyport.steering.grid import describe
+    from pyport.steering.grid import picture as draw
 
     if Path(against).is_file() and not against.endswith(".toml"):
         old = steering.read_table(against)

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
-from pyport.models.completed import Value
-from pyport.models.conditions import Columns
+from pyport.models.conditions import Columns, Value
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import with_nights
 

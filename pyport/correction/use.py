@@ -17,9 +17,8 @@ from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
 from pyport.errors import BadInput
-from pyport.models import words
-from pyport.models.completed import Value
-from pyport.models.conditions import Columns
+from pyport.models import complete
+from pyport.models.conditions import Columns, Value
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ, Mount
 
@@ -198,7 +197,7 @@ class PointingModel:
         """Return the coefficients as a table."""
         completed = self.model.completed
         told = [f"{self.name}: {', '.join(one.effect.id for one in self.model.terms)}"]
-        more = words.lines(completed, self.model.terms) if completed else []
+        more = complete.lines(completed, self.model.terms) if completed else []
         return "\n".join([*told, *more])
 
     @cached_property

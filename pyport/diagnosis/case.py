@@ -17,7 +17,7 @@ from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
 from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part
-from pyport.least_squares.refit import Refit
+from pyport.least_squares.robust import Refit
 from pyport.models.model import Model, Term
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance

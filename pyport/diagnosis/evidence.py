@@ -11,8 +11,7 @@ import numpy as np
 from pyport.angles import Array, Codes
 from pyport.diagnosis.blocks import Blocks
 from pyport.diagnosis.candidates import Candidate
-from pyport.least_squares.gram import Gram, Part, index, inverse_of
-from pyport.least_squares.slabs import Slab, slabs, without
+from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
 from pyport.stages import stage
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData
-from pyport.fitting import sizes
+from pyport.fitting import soundness
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
 from pyport.least_squares.gram import Solution
 from pyport.noise.coefficients import solve
@@ -94,7 +94,7 @@ def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
 
 def largest_offset(setup: Problem) -> float:
     """Return the largest offset that was measured [rad]: no effect is said to be larger."""
-    return sizes.largest_offset(setup.stack, setup.recordings.at)
+    return soundness.largest_offset(setup.stack, setup.recordings.at)
 
 
 def contribution(setup: Problem, joint: Joint, choice: int) -> Array:

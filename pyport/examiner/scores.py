@@ -1,10 +1,122 @@
-"""Counting: shares with Wilson's intervals, and what they say of a target."""
+"""Counting: shares with Wilson's intervals, and what they say of a target.
+
+Offsets are encoder minus true, across (times cos E) and along elevation; azimuth A from north
+through east, radians. Himwich, Mark IV Field System documentation, Pointing Model (1993); Lal,
+Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), section 4 (hour angle).
+"""
 
 from __future__ import annotations
 
+import dataclasses
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.examiner import program
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+
+Array = NDArray[np.float64]
+
+#: Coefficients of the classical model of an alt-azimuth mount, in the order of its columns.
+ALTAZ = (
+    *("azimuth_zero", "elevation_zero", "collimation", "skew"),
+    *("tilt_north", "tilt_east", "sag_cosine"),
+)
+#: Coefficients of a wave in hour angle along elevation.
+HOUR_ANGLE = ("elevation_zero", "hour_angle_cosine", "hour_angle_sine")
+
+
+def lean(az: Array, el: Array, toward: float = 0.0) -> tuple[Array, Array]:
+    """Return what an azimuth axis that leans by one toward an azimuth does."""
+    return np.sin(el) * np.sin(az - toward), np.cos(az - toward)
+
+
+def both(across: Array | float, along: Array | float, n: int) -> Array:
+    """Return offsets of both axes side by side, shape (n, 2)."""
+    return np.stack([np.broadcast_to(one, n) for one in (across, along)], axis=1)
+
+
+def altaz(az: Array, el: Array) -> Array:
+    """Return the columns of the classical model, shape (n, 2, 7)."""
+    columns: list[tuple[Array | float, Array | float]] = [
+        (np.cos(el), 0.0),
+        (0.0, 1.0),
+        (1.0, 0.0),
+        (np.sin(el), 0.0),
+        lean(az, el),
+        lean(az, el, np.pi / 2),
+        (0.0, np.cos(el)),
+    ]
+    return np.stack([both(*one, len(el)) for one in columns], axis=2)
+
+
+def hour_angle(angle: Array) -> Array:
+    """Return the columns of a wave in hour angle [rad], shape (n, 2, 3)."""
+    columns = [(0.0, np.ones(len(angle))), (0.0, np.cos(angle)), (0.0, np.sin(angle))]
+    return np.stack([both(*one, len(angle)) for one in columns], axis=2)
+
+
+Case = TypeVar("Case", bound="DataclassInstance")
+Outcome = dict[str, Any]
+
+
+def run(
+    wanted: Sequence[Case], examine: Callable[[Case], Outcome], file: Path, jobs: int = 1
+) -> Iterator[Outcome]:
+    """Yield what comes out of every case: what the file has of this program, then the others.
+
+    Cases are frozen dataclasses of numbers and texts, whose fields are part of the outcome.
+    Every outcome is appended to the file as soon as it is there; a run that was killed goes on.
+    """
+    kept = read(file, type(wanted[0])) if wanted else {}
+    rest = []
+    for case in wanted:
+        if (outcome := kept.get(case)) is None:
+            rest.append(case)
+        else:
+            yield outcome
+    file.parent.mkdir(parents=True, exist_ok=True)
+    for outcome in _outcomes(rest, examine, jobs):
+        with file.open("a", encoding="utf-8") as lines:
+            lines.write(json.dumps(outcome) + "\n")
+        yield outcome
+
+
+def _outcomes(
+    rest: Sequence[Case], examine: Callable[[Case], Outcome], jobs: int
+) -> Iterator[Outcome]:
+    if jobs == 1:
+        yield from map(examine, rest)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        for done in as_completed([pool.submit(examine, case) for case in rest]):
+            yield done.result()
+
+
+def read(file: Path, kind: type[Case]) -> dict[Case, Outcome]:
+    """Return the outcomes that a file has of the present program; a line cut short is none."""
+    found: dict[Case, Outcome] = {}
+    if not file.is_file():
+        return found
+    for line in file.read_text(encoding="utf-8").splitlines():
+        try:
+            outcome = json.loads(line)
+        except ValueError:
+            continue
+        if outcome.get("program") == program.version():
+            names = [field.name for field in dataclasses.fields(kind)]
+            found[kind(*(outcome[name] for name in names))] = outcome
+    return found
+
 
 #: Standard deviations that hold 95 % of a normal distribution.
 _Z95 = 1.959963984540054

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
 from pyport.fitting.fit import Fit
-from pyport.fitting.sizes import largest_offset
+from pyport.fitting.soundness import largest_offset
 from pyport.noise.coefficients import solve
 from pyport.recordings.schema import term_columns
 

@@ -1,12 +1,66 @@
-"""Whether a fit's numbers can be trusted: what every fit of this program says of itself."""
+"""Whether a fit's numbers can be trusted: what every fit of this program says of itself.
+
+Per axis it is the root of the mean square of what is left in that axis. On the sky it is the root
+of the mean of x^2 + y^2 over pointings that measured both axes, the square root of two larger
+where both axes scatter alike. Excluded outliers do not count. Both divide by the number of offsets
+or pointings: nothing is taken off for the fitted terms, as TPOINT's sky rms has it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.effects.base import Circumstances
+from pyport.effects.degeneracies import BY_ELEVATION
+from pyport.fitting.fit import Coefficients, Fit
+from pyport.fitting.two_axes import UNLIKELY
+from pyport.recordings.schema import Stack
+
+PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
+ON_SKY = (
+    "root of the mean of x^2 + y^2 over pointings with both axes, outliers excluded, not reduced "
+    "for fitted terms (as TPOINT's sky rms)"
+)
+
+
+def largest_offset(data: Stack, at: Circumstances) -> float:
+    """Return the largest offset of either axis as it reads the telescope [rad].
+
+    Of the first axis that is x over the cosine of the second: x / cos E.
+    """
+    cosine = np.cos(at.axes.el) * at.side
+    reading = np.where(data.is_y, 1.0, np.maximum(cosine[data.row], 1e-3))
+    return float((np.abs(data.value) / reading).max(initial=0.0))
+
+
+def axis_rms(
+    data: Stack, residual: Array, used: NDArray[np.bool_], *, is_y: bool
+) -> tuple[float, int] | None:
+    """Return the rms of one axis [rad] and over how many offsets; None where there are none."""
+    rows = used & (data.is_y == is_y)
+    if not rows.any():
+        return None
+    return float(np.sqrt(np.mean(residual[rows] ** 2))), int(rows.sum())
+
+
+def sky_rms(data: Stack, residual: Array, used: NDArray[np.bool_]) -> tuple[float, int] | None:
+    """Return the rms on the sky [rad] and over how many pointings; None where none has both axes.
+
+    `data`: the m measured numbers.
+    `residual`, `used`: what is left of each [rad], and whether it is no outlier, shape (m,).
+    """
+    across = np.flatnonzero(used & ~data.is_y)
+    along = np.flatnonzero(used & data.is_y)
+    both, x, y = np.intersect1d(data.row[across], data.row[along], return_indices=True)
+    if len(both) == 0:
+        return None
+    squares = residual[across[x]] ** 2 + residual[along[y]] ** 2
+    return float(np.sqrt(squares.mean())), len(both)
+
 
 #: Belsley, Kuh & Welsch 1980, Regression Diagnostics: moderate to strong dependencies above 30.
 ILL_POSED = 30.0
@@ -61,3 +115,75 @@ def positive(covariance: Array) -> bool:
         return True
     eigenvalues = np.linalg.eigvalsh(covariance[np.ix_(there, there)] / np.outer(sigma, sigma))
     return bool(eigenvalues[0] > -ROUNDING * eigenvalues[-1])
+
+
+#: A coefficient within so many sigmas of zero might as well be zero.
+WEAK = 2.0
+#: Coefficients that correlate by more than this stand for each other.
+TIED = 0.95
+#: So many correlated pairs are told.
+MOST_PAIRS = 6
+
+
+def named(fit: Fit) -> list[tuple[str, Coefficients, int]]:
+    """Return name, owner and place of every fitted coefficient, in the covariance's order."""
+    return [
+        (coefficient.name + (f"[{' '.join(one.labels)}]" if any(one.labels) else ""), one, n)
+        for one in fit.coefficients
+        for n, coefficient in enumerate(one.term.effect.coefficients)
+    ]
+
+
+def correlation(fit: Fit) -> Array:
+    """Return the correlations of the fitted coefficients, shape (P, P), 0 where one is unknown."""
+    sigma = np.sqrt(np.maximum(np.diag(fit.covariance), 0))
+    scale = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=sigma > 0)
+    return np.clip(fit.covariance * np.outer(scale, scale), -1, 1)
+
+
+def warnings(fit: Fit) -> Iterator[str]:
+    """Yield a sentence for everything that a user should know before trusting the numbers."""
+    everything = named(fit)
+    unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
+    if unknown:
+        yield f"not determined: {', '.join(unknown)}; drop or fix all but one of what they share"
+    weak = [
+        name
+        for name, one, n in everything
+        if np.isfinite(one.value[n]) and abs(one.value[n]) < WEAK * one.sigma[n]
+    ]
+    if weak:
+        yield f"within {WEAK:g} sigmas of zero: {', '.join(weak)}; try --drop"
+    yield from _tied(fit, everything)
+    across, along = fit.recordings.at.mount.names
+    for term, apart in fit.two_axes:
+        if apart.p_value < UNLIKELY / len(fit.two_axes):
+            name = term.effect.id.replace("_", " ")
+            yield (
+                f"the {name} seen in {across} and that seen in {along} differ by "
+                f"{apart.sigmas:.1f} sigmas: no {name} does that; pyport diagnose tells where"
+            )
+    known = np.array([np.isfinite(one.value[n]) for _, one, n in everything], bool)
+    yield from doubts(
+        condition=fit.condition,
+        covariance=fit.covariance[np.ix_(known, known)],
+        numbers=int(fit.noise.used.sum()),
+        rank=int(known.sum()),
+    )
+
+
+def _tied(fit: Fit, everything: list[tuple[str, Coefficients, int]]) -> Iterator[str]:
+    """Yield the strongest correlations, and what would loosen those that are known to tie."""
+    matrix = correlation(fit)
+    rows, columns = np.nonzero(np.tril(np.abs(matrix) > TIED, -1))
+    order = np.argsort(-np.abs(matrix[rows, columns]), kind="stable")
+    met: set[str] = set()
+    for place in order[:MOST_PAIRS]:
+        row, column = rows[place], columns[place]
+        pair = everything[column], everything[row]
+        yield f"{pair[0][0]} and {pair[1][0]} correlate by {matrix[row, column]:+.3f}"
+        ids = {one.term.effect.id for _, one, _ in pair}
+        met |= {remedy for family, remedy in BY_ELEVATION.items() if ids <= family}
+    if len(order) > MOST_PAIRS:
+        yield f"{len(order) - MOST_PAIRS} more pairs correlate by more than {TIED}"
+    yield from sorted(met)

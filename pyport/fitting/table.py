@@ -8,13 +8,12 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
-from pyport.fitting import advice, leftover
+from pyport.fitting import soundness
 from pyport.fitting.combinations import Combination, of_fit
-from pyport.fitting.completed import completed
-from pyport.fitting.fit import Fit
-from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, largest_offset, sky_rms
-from pyport.models import toml, words
-from pyport.models.completed import Completed, Value
+from pyport.fitting.fit import LABELS, Fit, by_label, completed, leftover_text
+from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, largest_offset, sky_rms
+from pyport.models import complete, toml
+from pyport.models.conditions import Completed, Value
 
 #: Combinations that the terminal shows.
 MOST_COMBINATIONS = 3
@@ -28,7 +27,7 @@ def text(fit: Fit) -> str:
     fitted = [one for one in values if one.sigma is not None]
     lines = [_line(one, largest if place in shared else None) for place, one in enumerate(fitted)]
     lines += [
-        f"{words.label(one):34s} {one.value:12.4f} {one.unit}, fixed"
+        f"{complete.label(one):34s} {one.value:12.4f} {one.unit}, fixed"
         for one in values
         if one.sigma is None
     ]
@@ -43,11 +42,11 @@ def text(fit: Fit) -> str:
     if sky is not None:
         lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
     lines.append(f"condition number {fit.condition:.3g}")
-    lines += [f"warning: {sentence}" for sentence in advice.warnings(fit)]
+    lines += [f"warning: {sentence}" for sentence in soundness.warnings(fit)]
     lines += _combined(together)
-    lines += leftover.text(fit)
-    if words.has_before(values):
-        lines += ["", *words.lines(Completed({}, tuple(values), np.zeros((0, 0))))]
+    lines += leftover_text(fit)
+    if complete.has_before(values):
+        lines += ["", *complete.lines(Completed({}, tuple(values), np.zeros((0, 0))))]
     return "\n".join(lines)
 
 
@@ -67,7 +66,7 @@ def _combined(together: tuple[Combination, ...]) -> list[str]:
 
 def _line(one: Value, largest: float | None = None) -> str:
     """Return a coefficient's line; one known in combination only, below `largest` [arcsec]."""
-    name, value, sigma = words.label(one), one.value, one.sigma or 0.0
+    name, value, sigma = complete.label(one), one.value, one.sigma or 0.0
     if not one.determined:
         return f"{name:34s} not determined by these recordings"
     times = f"{abs(value) / sigma:7.1f} sigmas" if sigma > 0 else ""
@@ -108,14 +107,14 @@ def as_json(fit: Fit) -> dict[str, object]:
             for one in values[len(labels_of) :]
         ],
         "correlation": {
-            "names": [name for name, _, _ in advice.named(fit)],
-            "matrix": np.round(advice.correlation(fit), 6).tolist(),
+            "names": [name for name, _, _ in soundness.named(fit)],
+            "matrix": np.round(soundness.correlation(fit), 6).tolist(),
         },
         "condition_number": _number(fit.condition),
         "rms": _rms(fit),
         "combinations": [one.as_json() for one in of_fit(fit)],
-        "warnings": list(advice.warnings(fit)),
-        "residuals": {label: leftover.by_label(fit, label) for label in leftover.LABELS},
+        "warnings": list(soundness.warnings(fit)),
+        "residuals": {label: by_label(fit, label) for label in LABELS},
         "completed_model": _model(fit),
     }
 

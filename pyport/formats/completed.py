@@ -24,12 +24,11 @@ from pyport.formats.model_file import (
     rounded,
     translated,
 )
-from pyport.formats.rest import Rest, rest_of, sky
-from pyport.formats.waves import Waves, sums, waves
+from pyport.formats.rest import Rest, Waves, rest_of, sky, sums, waves
 from pyport.models import toml
 from pyport.models.model import Model
-from pyport.models.terms.alike import shape_of
 from pyport.models.terms.field_system import GRAVITY
+from pyport.models.terms.shapes import shape_of
 from pyport.models.terms.words import SCALES
 from pyport.mounts import ALTAZ
 

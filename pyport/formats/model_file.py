@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
-from pyport.models.terms import field_system, formula, ska_mid, tpoint, tpoint_polar
+from pyport.models.terms import editing, field_system, ska_mid, tpoint, tpoint_polar
 from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
 from pyport.mounts import BY_MODEL
@@ -80,7 +80,7 @@ class ModelFile:
         Raises `BadInput`: the vocabulary has no such term.
         """
         if entry.formula:
-            return formula.word(entry.name, entry.formula)
+            return editing.formula_word(entry.name, entry.formula)
         if self.vocabulary.startswith("field-system") and self.phi_deg != Decimal(90):
             word = field_system.word(entry.name, float(self.phi_deg))
         else:

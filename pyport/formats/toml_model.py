@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import WORDS, Entry, ModelFile
-from pyport.models.terms import formula
+from pyport.models.terms import editing
 from pyport.models.terms.words import SCALES
 from pyport.recordings.formats.csv import read_text
 
@@ -60,7 +60,7 @@ def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
         raise BadInput(f"{wrong}; say what it does: formula = 'x = sin 3A sin E'", path)
     if meant:
         try:
-            formula.word(name, meant)
+            editing.formula_word(name, meant)
         except BadInput as error:
             raise BadInput(error.message, path) from None
     units = [unit for unit, suffix in _SUFFIX.items() if f"value{suffix}" in row]

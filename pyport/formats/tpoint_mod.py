@@ -14,7 +14,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.models.terms import formula, tpoint, tpoint_polar
+from pyport.models.terms import editing, tpoint, tpoint_polar
 from pyport.recordings.formats.lines import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
@@ -78,7 +78,7 @@ def _meant(lines: list[Line]) -> dict[str, str]:
         if match is None:
             continue
         try:
-            formula.word(*match.groups())
+            editing.formula_word(*match.groups())
         except BadInput as error:
             raise line.error(error.message) from None
         found[match[1]] = match[2]

@@ -7,7 +7,83 @@ from typing import NamedTuple
 import numpy as np
 
 from pyport.angles import Array
-from pyport.least_squares.refit import Refit
+from pyport.least_squares.gram import cholesky
+
+#: Columns whose squared lengths differ by less than this share are equally different: the first
+#: of them is picked, so that no rounding of one machine or another chooses.
+TIE = 1e-6
+
+
+def most_different(columns: Array, room: int, least: float) -> Array:
+    """Return orthonormal directions, each of the column least like those before it.
+
+    Gram and Schmidt with pivoting. The columns' products tell which to pick, so
+    that they are read once and not once for each pick.
+
+    `columns`: columns of about unit length, shape (n, k).
+    `room`: no more directions than this.
+    `least`: what must be left of a column's length for it to count as different.
+    Returns shape (n, at most room).
+    """
+    room = min(room, *columns.shape)
+    left = (columns**2).sum(axis=0)
+    products = columns.T @ columns
+    factor = np.zeros((room, columns.shape[1]))
+    picks: list[int] = []
+    for n in range(room):
+        pick = int(np.argmax(left >= (1 - TIE) * left.max()))
+        if left[pick] < least**2:
+            break
+        factor[n] = products[pick] - factor[:n, pick] @ factor[:n]
+        factor[n] /= np.sqrt(left[pick])
+        left = left - factor[n] ** 2
+        picks.append(pick)
+    return np.linalg.qr(columns[:, picks])[0]
+
+
+class Refit:
+    """A design and data, ready to be fitted with one set of weights after another.
+
+    Parameters
+    ----------
+    columns, value
+        The design (m, k) and the data (m,).
+    """
+
+    def __init__(self, columns: Array, value: Array):
+        self.columns = columns
+        self.value = value
+        self.products = columns.T @ columns
+        self.rank = columns.shape[1]
+        if not _told_apart(self.products):
+            self.rank = int(np.linalg.matrix_rank(columns)) if columns.size else 0
+
+    def residual(self, weight: Array) -> Array:
+        """Return what the weighted least-squares fit leaves of the data, shape (m,)."""
+        columns, value = self.columns, self.value
+        products = self._weighted(weight)
+        if not _told_apart(products):
+            root = np.sqrt(weight)
+            solution = np.linalg.lstsq(columns * root[:, None], value * root, rcond=1e-9)[0]
+        else:
+            solution = np.linalg.solve(products, columns.T @ (weight * value))
+        return np.asarray(value - columns @ solution)
+
+    def _weighted(self, weight: Array) -> Array:
+        """Return the products under weights; most are one, and only the others are gone through."""
+        other = np.flatnonzero(weight != 1)
+        if 2 * len(other) < len(weight):
+            few = self.columns[other]
+            return np.asarray(self.products - (few * (1 - weight[other])[:, None]).T @ few)
+        root = self.columns * np.sqrt(weight)[:, None]
+        return np.asarray(root.T @ root)
+
+
+def _told_apart(products: Array) -> bool:
+    """Tell whether products alone distinguish the columns."""
+    length = np.sqrt(np.diag(products))
+    return bool(np.all(length > 0)) and cholesky(products / np.outer(length, length)) is not None
+
 
 #: A normal sample's median absolute deviation is this share of its sigma.
 _MAD = 0.6744897501960817

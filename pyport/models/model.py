@@ -23,7 +23,7 @@ from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 if TYPE_CHECKING:
-    from pyport.models.completed import Completed
+    from pyport.models.conditions import Completed
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
 PER_ANTENNA = ("antenna",)

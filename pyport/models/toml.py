@@ -13,7 +13,7 @@ from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects import Site, known
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.models.completed import Completed, Value
+from pyport.models.conditions import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
 from pyport.mounts import ALTAZ, KINDS

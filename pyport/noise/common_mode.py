@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.least_squares.pivoting import most_different
+from pyport.least_squares.robust import most_different
 from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST, PER_SHAPE
 
 #: A curve that keeps less of its length beside others is none of its own.

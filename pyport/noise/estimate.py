@@ -13,8 +13,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.least_squares import robust
-from pyport.least_squares.pivoting import most_different
-from pyport.least_squares.refit import Refit
+from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
 from pyport.noise.drift import Departing, beside, draft, grid_of, likeliest

@@ -3,8 +3,128 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from html import escape
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.words import number
+from pyport.effects.fields import UNKNOWN
+from pyport.errors import BadInput
+from pyport.models import toml
+from pyport.models.complete import label
+from pyport.models.model import Model, Term
+from pyport.recordings.schema import Recordings
+from pyport.report.typed import Finding
+from pyport.toml_text import spelled
+
+#: Parameters shown on a finding's card; the table has them all.
+MOST_PARAMETERS = 4
+
+
+def notes(finding: Finding) -> list[tuple[str, str]]:
+    """Return what else there is to say of a finding: where, what else it could be, what next."""
+    where = finding.where
+    found = [
+        (f"{one.column.replace('_', ' ')}", f"from {one.low:.4g} to {one.high:.4g}")
+        for one in where.region
+    ]
+    found += [(name, " ".join(values)) for name, values in where.subset.items()]
+    if where.since:
+        found.append(("since", where.since))
+    if finding.looks_like:
+        found.append(("looks like", finding.looks_like))
+    if len(finding.class_) > 1:
+        found.append(("could as well be", ", ".join(finding.class_[1:]).replace("_", " ")))
+    if len(finding.parameters) <= MOST_PARAMETERS:
+        found += [(p.name.replace("_", " "), number(p)) for p in finding.parameters]
+    if finding.evidence.runner_up not in (None, finding.effect):
+        gain = finding.evidence.runner_up_delta_bic
+        text = str(finding.evidence.runner_up).replace("_", " ")
+        found.append(("next best", text if gain is None else f"{text}, gain in BIC {gain:,.0f}"))
+    found += [("" if n else "checked", one) for n, one in enumerate(finding.checks)]
+    if finding.stability is not None:
+        found.append(("resampled", finding.stability.words))
+    if finding.decide_by:
+        found.append(("next", finding.decide_by))
+    return found
+
+
+#: More coefficients than these are no table to switch them in, and too long for a page.
+MOST_COEFFICIENTS = 40
+#: A model's file of more characters than this would be most of the page.
+LARGEST_FILE = 150_000
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A completed model's coefficients and what one unit of each adds to n recordings."""
+
+    #: `names`, `labels`: the coefficient, and the same with the antenna or session that it holds
+    #: for.
+    names: tuple[str, ...]
+    labels: tuple[str, ...]
+    #: `units`, `values`: as the model's file has them.
+    units: tuple[str, ...]
+    values: tuple[float, ...]
+    free: tuple[bool, ...]  #: whether it was fitted
+    #: `x`, `y`: offsets of one unit [rad], shape (P, n) each.
+    x: Array
+    y: Array
+
+
+def linear(model: Model, recordings: Recordings) -> Linear | None:
+    """Return what can be fitted again of a completed model, None for nothing or for too much."""
+    if model.completed is None or not model.completed.values:
+        return None
+    columns = list(_columns(model, recordings))
+    kept = [
+        (one, x, y)
+        for one, (x, y) in zip(model.completed.values, columns, strict=True)
+        if one.effect != UNKNOWN
+    ]
+    if not 0 < len(kept) <= MOST_COEFFICIENTS:
+        return None
+    values = [one for one, _, _ in kept]
+    return Linear(
+        tuple(one.name for one in values),
+        tuple(map(label, values)),
+        tuple(one.unit for one in values),
+        tuple(one.value for one in values),
+        tuple(one.sigma is not None for one in values),
+        np.stack([x for _, x, _ in kept]),
+        np.stack([y for _, _, y in kept]),
+    )
+
+
+def as_file(model: Model) -> str | None:
+    """Return the text of the model's file, None where none can hold it or it is too long."""
+    try:
+        text = spelled(toml.tree(model))
+    except BadInput:
+        return None
+    return text if len(text) <= LARGEST_FILE else None
+
+
+def _columns(model: Model, recordings: Recordings) -> Iterator[tuple[Array, Array]]:
+    """Yield what one unit of each coefficient adds, in the order of a completed model's values."""
+    for term in model.terms:
+        x, y = term.effect.columns(recordings.at)
+        for labels in term.by or {(): ()}:
+            there = _rows(term, labels, recordings)
+            for n, coefficient in enumerate(term.effect.coefficients):
+                yield x[:, n] * there * coefficient.scale, y[:, n] * there * coefficient.scale
+
+
+def _rows(term: Term, labels: tuple[str, ...], recordings: Recordings) -> Array:
+    """Return 1 for the recordings that a set of labels is of, shape (n,)."""
+    there = np.ones(len(recordings), bool)
+    for name, value in zip(term.per, labels, strict=False):
+        there &= recordings.label(name).astype(str) == value
+    return there.astype(float)
+
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Elements that hold nothing and are not closed.

@@ -11,15 +11,12 @@ from pyport.effects.fields import UNKNOWN
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
-from pyport.page.against import columns
-from pyport.page.layers import layers, visible
-from pyport.page.linear import Linear, as_file, linear
-from pyport.page.markup import chance
-from pyport.page.notes import notes
-from pyport.page.picture import Layer, Picture, Side, sides
+from pyport.page.markup import Linear, as_file, chance, linear, notes
+from pyport.page.payload import layers, visible
+from pyport.page.picture import Layer, Picture, Side, columns, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
 from pyport.recordings.schema import Recordings, Stack
-from pyport.report.completed import completed
+from pyport.report.finding import completed
 from pyport.report.made import report_of
 from pyport.report.typed import Finding, HeldOut, Report
 

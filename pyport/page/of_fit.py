@@ -7,13 +7,12 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.fitting import advice
+from pyport.fitting import soundness
 from pyport.fitting.combinations import of_fit as combined
-from pyport.fitting.completed import completed
-from pyport.fitting.fit import Fit
+from pyport.fitting.fit import Fit, completed
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
-from pyport.page.linear import as_file, linear
+from pyport.page.markup import as_file, linear
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Bar, Story, rows_of, sky_rms
@@ -56,7 +55,7 @@ def _story(fit: Fit, picture: Picture, whole: Model) -> Story:
     recordings = fit.recordings
     names, matrix = _correlation(fit)
     together = combined(fit)[:MOST_COMBINATIONS]
-    warnings = tuple(f"{one}." for one in advice.warnings(fit))
+    warnings = tuple(f"{one}." for one in soundness.warnings(fit))
     warnings += tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in together)
     sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
     said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
@@ -105,11 +104,11 @@ def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
         first.setdefault(one.term.effect.id, one.labels)
     kept = [
         (place, one.term.effect.coefficients[n].name)
-        for place, (_, one, n) in enumerate(advice.named(fit))
+        for place, (_, one, n) in enumerate(soundness.named(fit))
         if one.labels == first[one.term.effect.id] and math.isfinite(one.value[n])
     ][:MOST_NAMES]
     places = [place for place, _ in kept]
-    return [name for _, name in kept], advice.correlation(fit)[np.ix_(places, places)].tolist()
+    return [name for _, name in kept], soundness.correlation(fit)[np.ix_(places, places)].tolist()
 
 
 def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pyport.effects.fields import UNKNOWN
+from pyport.models.complete import has_before
 from pyport.models.model import Model
-from pyport.models.words import has_before
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pyport.models.words import CHANGE, ENTER, IN_FILE
+from pyport.models.complete import CHANGE, ENTER, IN_FILE
 from pyport.page.markup import Markup, chance, table, tag
 from pyport.page.picture import Picture, Side
 from pyport.page.sections import CUT, section

@@ -5,14 +5,12 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from pyport.parity.compare import EXACT_BELOW, Comparison, one_text
+from pyport.parity.compare import EXACT_BELOW, UNLIKE, Comparison, one_text
 from pyport.parity.description import PROMISE_TEXT, Description, Port
 from pyport.parity.functions import resolve
-from pyport.parity.ledger import deviations
-from pyport.parity.promise import bound, tolerance
+from pyport.parity.promise import bound, deviations, tolerance
 from pyport.parity.report import markdown_table, oracle_text, ulp, verdict
 from pyport.parity.run import Parity
-from pyport.parity.ulp import UNLIKE
 
 MATRIX = """\
 What compilers make of the text: each build against the reference. A cell is the number of answers

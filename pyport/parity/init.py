@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.parity.source import included, pieces, uses
-from pyport.parity.tables import UNKNOWN
+from pyport.parity.source import UNKNOWN, included, pieces, uses
 
 HEAD = """\
 # A first description of {files} for `pyport parity`; docs/parity-kit.md explains the keys.

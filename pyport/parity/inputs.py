@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.parity.batches import inputs_of, joined, size
+from pyport.parity.compare import neighbour
 from pyport.parity.description import Batch, Description, Group, Routine, Variable
-from pyport.parity.functions import resolve
-from pyport.parity.ulp import neighbour
+from pyport.parity.functions import inputs_of, joined, resolve, size
 
 #: Random points are drawn in this many to one beside a threshold.
 FAR_TO_NEAR = 4

@@ -15,12 +15,12 @@ from pyport.parity.description import (
     Build,
     Description,
     Group,
+    Kind,
     Port,
     Routine,
     Variable,
 )
-from pyport.parity.kinds import Kind
-from pyport.parity.tables import NUMBERS, Lines, Table
+from pyport.parity.source import NUMBERS, Lines, Table
 
 #: What gfortran needs to take an old text, and to complain where it would cut a line.
 LANGUAGE = ("-std=legacy", "-Wline-truncation", "-Werror=line-truncation")

@@ -25,10 +25,9 @@ import numpy as np
 from pyport.errors import BadInput
 from pyport.parity import build as building
 from pyport.parity import inputs, oracle, stored
-from pyport.parity.batches import part, size
 from pyport.parity.compare import Pair
 from pyport.parity.description import Batch, Description, Group, Port, Routine
-from pyport.parity.functions import Function, ask_port, resolve
+from pyport.parity.functions import Function, ask_port, part, resolve, size
 from pyport.parity.mutations import Mutant, fortran_mutants, mutants
 from pyport.progress import track
 

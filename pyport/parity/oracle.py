@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from pyport.errors import BadInput
 from pyport.parity import build as building
 from pyport.parity import driver
-from pyport.parity.batches import filled, part, size, spelled
 from pyport.parity.description import Batch, Build, Description, Routine
+from pyport.parity.functions import filled, part, size, spelled
 from pyport.workers import end_with_parent
 
 #: A process that has loaded so many copies of a library makes room for a new one.

@@ -100,7 +100,7 @@ class ParityItem(pytest.Item):
 
     def _anywhere(self, *, live: bool) -> str:
         from pyport.parity.run import asker
-        from pyport.parity.search import search
+        from pyport.parity.shrink import search
 
         description, routine, port, _ = self.case
         pytest.importorskip("hypothesis")

@@ -6,12 +6,11 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from pyport.parity.compare import Comparison
+from pyport.parity.compare import UNLIKE, Comparison
 from pyport.parity.description import PROMISE_TEXT, Port
 from pyport.parity.loading import load
 from pyport.parity.promise import bound, tolerance
 from pyport.parity.run import Parity, run
-from pyport.parity.ulp import UNLIKE
 
 #: Distances from here on are shown as powers of ten: two models, no longer two roundings.
 LONG = 10**12

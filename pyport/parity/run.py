@@ -12,10 +12,9 @@ from typing import Any
 from pyport.checkpoint import Checkpoint, State, cache_folder
 from pyport.errors import BadInput
 from pyport.parity import inputs, oracle, stored
-from pyport.parity.batches import part, size
 from pyport.parity.compare import Comparison, Pair
 from pyport.parity.description import Batch, Description, Group, Port, Routine
-from pyport.parity.functions import Answers, ask_port
+from pyport.parity.functions import Answers, ask_port, part, size
 from pyport.parity.loading import load
 from pyport.parity.promise import Asker, Held, hold, kept, spread
 from pyport.parity.shrink import Fails, Minimal, failing, minimal

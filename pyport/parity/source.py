@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
+import math
 import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
+
+from pyport.errors import BadInput
 
 
 def _text(path: Path) -> list[str]:
@@ -80,3 +85,101 @@ def uses(statements: list[str], name: str) -> tuple[bool, bool, bool]:
         elif not written:
             read = True
     return read, written, passed
+
+
+#: Marks what `pyport parity init` could not find out.
+UNKNOWN = "?"
+
+_HEADER = re.compile(r"\s*\[+\s*([\w.\-\"]+)\s*\]+")
+_KEY = re.compile(r"\s*\"?([\w\-]+)\"?\s*=")
+NUMBERS = (int, float)
+
+
+class Lines:
+    """Where each table of a file begins, and its keys; tables of one name in their order."""
+
+    def __init__(self, text: str):
+        self.tables: dict[str, list[dict[str, int]]] = {"": [{"": 1}]}
+        keys = self.tables[""][0]
+        for number, line in enumerate(text.splitlines(), start=1):
+            if header := _HEADER.match(line):
+                keys = {"": number}
+                self.tables.setdefault(header[1], []).append(keys)
+            elif key := _KEY.match(line):
+                keys.setdefault(key[1], number)
+
+
+class Table:
+    """One table of the file, whose keys are taken one by one."""
+
+    def __init__(self, path: Path, lines: Lines, name: str, number: int, content: dict[str, Any]):
+        self.path, self.lines, self.name, self.content = path, lines, name, dict(content)
+        tables = lines.tables.get(name, [])
+        self.keys = tables[number] if number < len(tables) else {}
+
+    def wrong(self, text: str, key: str = "") -> BadInput:
+        """Return the error at a key."""
+        place = f"[{self.name}]: " if self.name else ""
+        return BadInput(place + text, self.path, self.keys.get(key, self.keys.get("", 1)))
+
+    def take(self, key: str, kind: type | tuple[type, ...], default: Any = ...) -> Any:  # noqa: ANN401
+        """Return and remove a value of the right type."""
+        if key not in self.content:
+            if default is ...:
+                raise self.wrong(f"`{key}` is missing")
+            return default
+        value = self.content.pop(key)
+        if isinstance(value, str) and value.strip() == UNKNOWN:
+            raise self.wrong(f"`{key}` is still {UNKNOWN!r}: fill in what init could not tell", key)
+        right = isinstance(value, kind) and not (isinstance(value, bool) and kind is not bool)
+        if not right:
+            names = " or ".join(
+                one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,))
+            )
+            raise self.wrong(f"`{key}` = {value!r}: expected {names}", key)
+        return value
+
+    def words(self, key: str, default: tuple[str, ...] | None = ()) -> tuple[str, ...]:
+        """Return and remove a list of texts."""
+        value = self.take(key, list, ... if default is None else list(default))
+        if not all(isinstance(one, str) for one in value):
+            raise self.wrong(f"`{key}` = {value!r}: expected a list of texts", key)
+        return tuple(value)
+
+    def pair(self, key: str) -> tuple[float, float] | None:
+        """Return and remove two numbers, the lower one first."""
+        value = self.take(key, list, None)
+        if value is None:
+            return None
+        good = len(value) == 2 and all(_number(one) for one in value) and value[0] <= value[1]
+        if not good:
+            raise self.wrong(f"`{key}` = {value!r}: expected [LOW, HIGH], two numbers", key)
+        return float(value[0]), float(value[1])
+
+    def paths(self, key: str) -> tuple[Path, ...]:
+        """Return and remove names of files, from the folder of the description."""
+        return tuple(self.path.parent / one for one in self.words(key))
+
+    def callable(self, key: str, text: str) -> str:
+        """Return a ``module:function``."""
+        if not re.fullmatch(r"[\w.]+:\w+", text):
+            raise self.wrong(f"`{key}` = {text!r}: expected 'module:function'", key)
+        return text
+
+    def tables(self, key: str) -> list[dict[str, Any]]:
+        """Return and remove a list of tables."""
+        value = self.take(key, list, [])
+        if not all(isinstance(one, dict) for one in value):
+            raise self.wrong(f"`{key}`: expected tables, [[{key}]]", key)
+        return value
+
+    def done(self, known: str) -> None:
+        """Refuse the keys that are left; name the one that was meant."""
+        for key in self.content:
+            near = difflib.get_close_matches(key, known.split(), 1)
+            meant = f"did you mean `{near[0]}`?" if near else f"expected one of {known}"
+            raise self.wrong(f"`{key}` is not known: {meant}", key)
+
+
+def _number(value: object) -> bool:
+    return isinstance(value, NUMBERS) and not isinstance(value, bool) and not math.isnan(value)

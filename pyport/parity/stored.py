@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.parity import build, inputs
-from pyport.parity.batches import size, spell, unspell
 from pyport.parity.description import Batch, Description, Group, Port, Routine, Variable
+from pyport.parity.functions import size, spell, unspell
 from pyport.parity.oracle import Oracle
 from pyport.parity.promise import Spread, spread
 

@@ -11,8 +11,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.candidates import Untestable
 from pyport.least_squares.gram import inverted
 from pyport.models.model import Model
-from pyport.planning.coverage import Coverage, coverage
-from pyport.planning.design import Design, design
+from pyport.planning.design import Coverage, Design, coverage, design
 from pyport.planning.separate import Separation, separate
 from pyport.planning.suggest import (
     Direction,

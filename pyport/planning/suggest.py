@@ -10,8 +10,7 @@ import numpy as np
 from pyport.angles import DEG, HOUR, Array
 from pyport.effects.base import Circumstances, Effect, MissingColumn
 from pyport.mounts import ALTAZ
-from pyport.planning.coverage import cells, separation
-from pyport.planning.design import Design
+from pyport.planning.design import Design, cells, separation
 from pyport.planning.separate import Pair
 from pyport.recordings import sky
 from pyport.recordings.schema import Recordings

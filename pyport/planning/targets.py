@@ -177,7 +177,7 @@ def _sun(site: Site, time_s: Array) -> tuple[Array, Array]:
 
 def _from_sun(site: Site, time_s: float, az: Array, el: Array) -> Array:
     """Return how far directions are from the Sun [rad]."""
-    from pyport.planning.coverage import separation
+    from pyport.planning.design import separation
 
     sun_az, sun_el = _sun(site, np.array([time_s]))
     return separation(float(sun_az[0]), float(sun_el[0]), az, el)

@@ -11,7 +11,7 @@ from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
-from pyport.prediction.left_out import left_out, on_another, on_the_sky, schemes
+from pyport.prediction.rehearsal import left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 

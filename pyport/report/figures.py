@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
-from pyport.report.pictures import write
+from pyport.report import pictures
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +33,9 @@ MOST_BARS = 40
 def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     """Draw every finding into `folder`/finding-N-EFFECT.png and return the paths."""
     return [
-        write(draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png", SCREEN_DPI)
+        pictures.write(
+            draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png", SCREEN_DPI
+        )
         for n, finding in enumerate(diagnosis.findings, 1)
         if finding.curve is not None
     ]

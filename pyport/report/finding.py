@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from pyport.angles import ARCSEC
+from collections.abc import Iterator
+
+import numpy as np
+
+from pyport.angles import ARCSEC, Array
 from pyport.diagnosis import finding as found
 from pyport.diagnosis import stability
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.diagnose import Diagnosis
+from pyport.diagnosis.joint import sigmas
+from pyport.effects.fields import UNKNOWN
 from pyport.fitting import combinations
-from pyport.report.typed import Combination, Finding, HeldOut, Known, Place, Stability
+from pyport.models.complete import Left, Solved, complete
+from pyport.models.model import Model, Term
+from pyport.recordings.schema import group
+from pyport.report.typed import Combination, Finding, HeldOut, Known, Place, Stability, as_json
 
 
 def finding_of(one: found.Finding) -> Finding:
@@ -61,3 +72,87 @@ def combination_of(one: combinations.Combination) -> Combination:
     """Return a combination of coefficients as the report spells it."""
     told = one.as_json()
     return Combination(**told | {"known": tuple(Known(**each) for each in told["known"])})
+
+
+def completed(diagnosis: Diagnosis) -> Model:
+    """Return the model that leaves what the diagnosis leaves; see `pyport.models`."""
+    setup, fit = diagnosis.setup, diagnosis.after
+    plain = np.sqrt(np.maximum(np.diag(fit.solution.covariance), 0.0))
+    sigma = sigmas(fit, len(setup.residual))
+    for choice, chosen in enumerate(fit.choices):
+        where = fit.slice(choice)
+        sigma[where] = np.hypot(sigma[where], chosen.spread)
+    # The same correlations, with errors widened as those that are told of each coefficient.
+    wider = np.divide(sigma, plain, out=np.zeros_like(sigma), where=plain > 0)
+    covariance = fit.solution.covariance * np.outer(wider, wider)
+    solved = [
+        one
+        for choice, term in enumerate(_terms(diagnosis))
+        for one in _solved(diagnosis, choice, term, sigma, base=choice < len(setup.base))
+    ]
+    return complete(
+        setup.model,
+        setup.recordings,
+        solved,
+        covariance,
+        by="diagnose",
+        left=Left(diagnosis.left(fit), diagnosis.weighed.used, setup.stack),
+        findings=[as_json(finding_of(one)) for one in diagnosis.findings],
+    )
+
+
+def _terms(diagnosis: Diagnosis) -> list[Term]:
+    """Return the term of every choice: the model's, then one for each that was found."""
+    setup = diagnosis.setup
+    fitted = [chosen.candidate.effect for chosen in setup.base]
+    own = [term for term in setup.model.terms if any(term.effect is one for one in fitted)]
+    found = diagnosis.after.choices[len(own) :]
+    return [
+        *own,
+        *(_found(one, _number(diagnosis, len(own) + n)) for n, one in enumerate(found)),
+    ]
+
+
+def _found(chosen: Chosen, number: int | None) -> Term:
+    """Return what was found as a term of a model; what has no name is not fitted again."""
+    per = tuple(label for label in ("antenna", "session") if label in chosen.scope)
+    effect = chosen.candidate.effect
+    return Term(effect, per, fixed=effect.id == UNKNOWN, finding=number)
+
+
+def _number(diagnosis: Diagnosis, choice: int) -> int | None:
+    """Return the number, from 1, of the first finding that was read from a choice."""
+    for n, finding in enumerate(diagnosis.findings, 1):
+        if finding.choice == choice:
+            return n
+    return None
+
+
+def _solved(
+    diagnosis: Diagnosis, choice: int, term: Term, sigma: Array, *, base: bool
+) -> Iterator[Solved]:
+    """Yield what was solved for a term, for each set of its labels."""
+    setup, fit = diagnosis.setup, diagnosis.after
+    chosen = fit.choices[choice]
+    start = int(fit.starts[choice])
+    k, width = len(term.effect.coefficients), len(chosen.candidate.columns)
+    rest = [label for label in term.per if label not in ("antenna", "session")] if base else []
+    others = group(setup.recordings, rest)[1]
+    groups = setup.blocks.groups(chosen.scope)
+    for number, block in enumerate(np.unique(groups, return_index=True)[1]):
+        told = {"antenna": setup.blocks.antenna[block], "session": setup.blocks.session[block]}
+        for n, other in enumerate(others):
+            told |= dict(zip(rest, other, strict=True))
+            which = [
+                (place, of)
+                for place, of in enumerate(chosen.candidate.coefficients)
+                if place // k == n or not base
+            ]
+            change, errors = np.zeros(k), np.zeros(k)
+            places, known = [-1] * k, [False] * k
+            for place, of in which:
+                at = start + number * width + place
+                change[of], errors[of] = fit.solution.values[at], sigma[at]
+                places[of], known[of] = at, bool(fit.solution.known[at])
+            labels = tuple(str(told[label]) for label in term.per)
+            yield Solved(term, labels, change, errors, places, known)

@@ -16,15 +16,14 @@ from pyport.diagnosis.soundness import nothing, warnings
 from pyport.diagnosis.two_axes import Disagreement
 from pyport.errors import BadInput
 from pyport.files import sha256
-from pyport.fitting.sizes import ON_SKY, PER_AXIS, axis_rms, sky_rms
+from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.least_squares.gram import inverted
+from pyport.models import complete as corrections
 from pyport.models import toml
-from pyport.models import words as corrections
 from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.report.array import as_json as array_json
-from pyport.report.completed import completed
-from pyport.report.finding import combination_of, finding_of, held_out_of
+from pyport.report.finding import combination_of, completed, finding_of, held_out_of
 from pyport.report.typed import (
     SCHEMA,
     Antenna,

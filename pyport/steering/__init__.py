@@ -3,8 +3,7 @@
 from pyport.steering.ascii import read_ascii, write_ascii
 from pyport.steering.binary import map_binary, read_binary, write_binary
 from pyport.steering.check import BlockCheck, check
-from pyport.steering.compare import Difference, compare
-from pyport.steering.grid import RT32_GRID, Grid, Table
+from pyport.steering.grid import RT32_GRID, Difference, Grid, Table, compare
 from pyport.steering.lookup import offsets_at, read_table
 from pyport.steering.tabulate import DEFAULT_REFRACTION, READINGS, tabulate
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.planning.coverage import coverage, separation
+from pyport.planning.design import coverage, separation
 from pyport.planning.suggest import directions
 from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.watch.alarms import moment

@@ -9,7 +9,7 @@ import sys
 import pytest
 from click.testing import CliRunner
 
-from pyport.cli.lookup import command as lookup
+from pyport.cli.files import lookup
 from pyport.cli.table import command as table
 from pyport.pointing import kernel
 from pyport.recordings.files import read

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pyport.cli.dev.thresholds import markdown, put_between, read, shipped
+from pyport.cli.dev.listed import markdown, put_between, read, shipped
 from pyport.errors import BadInput
 
 ROOT = Path(__file__).parent.parent.parent

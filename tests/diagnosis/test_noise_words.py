@@ -14,7 +14,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.noise_words import by_elevation, sentences
 from pyport.diagnosis.settle import Dropped
 from pyport.fitting.fit import fit
-from pyport.fitting.sizes import axis_rms, sky_rms
+from pyport.fitting.soundness import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
 from pyport.recordings.schema import Stack

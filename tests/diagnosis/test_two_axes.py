@@ -5,7 +5,7 @@ from diagnosis.made import recordings
 
 from pyport.diagnosis import two_axes_words
 from pyport.diagnosis.diagnose import diagnose
-from pyport.fitting import advice
+from pyport.fitting import soundness
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.report.made import report_of
@@ -49,14 +49,14 @@ def test_a_tilt_of_the_mount_is_passed_over():
 
     assert told(report_of(found))["two_axes"] == []
     assert "differ by" not in in_words(report_of(found))
-    assert not any("differ by" in one for one in advice.warnings(fit(data, load("altaz"))))
+    assert not any("differ by" in one for one in soundness.warnings(fit(data, load("altaz"))))
 
 
 def test_a_fit_warns_of_axes_that_disagree():
     """The fit says so too."""
     data = recordings(200, 4, noise_arcsec=2.0, x=_eccentric)
 
-    assert any("no tilt does that" in one for one in advice.warnings(fit(data, load("altaz"))))
+    assert any("no tilt does that" in one for one in soundness.warnings(fit(data, load("altaz"))))
 
 
 def test_one_axis_alone_is_compared_with_nothing():

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from pyport.cli.dev.effects import command
+from pyport.cli.dev.listed import effects as command
 from pyport.effects import CATALOGUE, describe
 from pyport.errors import BadInput
 

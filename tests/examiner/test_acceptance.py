@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pyport.examiner.acceptance import drawn, jump, real
+from pyport.examiner.acceptance import drawn, real
 from pyport.examiner.acceptance.drawn import Line
-from pyport.examiner.sealed.intervals import Rate
+from pyport.examiner.sealed.files import Rate
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 
@@ -49,15 +49,15 @@ def test_an_uncatalogued_cause_counts_only_when_what_it_follows_is_told():
 def test_the_distance_of_an_edge_is_the_median_over_its_length():
     """The true edge is off by nothing, one lifted by three degrees by three."""
     az = np.arange(-60.0, 400.0, 10.0)
-    el = np.degrees(jump.rt32_edge_on_the_cable(np.radians(az - 180)))
+    el = np.degrees(drawn.rt32_edge_on_the_cable(np.radians(az - 180)))
 
     def found(lifted):
         curve = [{"az_deg": a, "el_deg": e + lifted} for a, e in zip(az, el, strict=True)]
         return {"where": {"curve": curve}}
 
-    assert jump._edge_off_deg(found(0)) == pytest.approx(0, abs=1e-9)
-    assert jump._edge_off_deg(found(3)) == pytest.approx(3)
-    assert jump._edge_off_deg({"where": {"curve": None}}) is None
+    assert drawn._edge_off_deg(found(0)) == pytest.approx(0, abs=1e-9)
+    assert drawn._edge_off_deg(found(3)) == pytest.approx(3)
+    assert drawn._edge_off_deg({"where": {"curve": None}}) is None
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not there")

@@ -5,7 +5,7 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.examiner.mounts import examine, worlds
-from pyport.examiner.mounts.steel import FRAME, Flaws, axes_of, offsets
+from pyport.examiner.mounts.twins import FRAME, Flaws, axes_of, offsets
 from pyport.examiner.mounts.worlds import EMPTY, ONE, TWO, UNKNOWN, Case
 from pyport.examiner.worlds.mount import Mount
 

@@ -9,7 +9,7 @@ import pytest
 import pyport.examiner
 from pyport.effects import CATALOGUE
 from pyport.effects.celestial import hour_angle
-from pyport.examiner import outcomes, program, scores, terms
+from pyport.examiner import program, scores
 from pyport.examiner.nulls import causes, noises, nulls, nulls_table, schedule
 from pyport.recordings.from_table import from_table
 
@@ -91,7 +91,7 @@ def test_terms_and_causes_have_the_formulae_of_the_program():
         size = [values[c.name] * c.scale for c in one.coefficients]
         return np.degrees(np.stack([x @ size for x in one.columns(circumstances)], 1)) * 3600
 
-    for n, name in enumerate(terms.ALTAZ):
+    for n, name in enumerate(scores.ALTAZ):
         effect = "tilt" if name.startswith("tilt") else name
         other = {"tilt_north": 0.0, "tilt_east": 0.0} if effect == "tilt" else {}
         np.testing.assert_allclose(
@@ -113,7 +113,7 @@ def test_least_squares_of_white_cases_cover_the_hidden_model():
     for number in range(60):
         world = nulls.draw(nulls.Case("white", number, nulls.NULL, 5))
         table = world.table
-        columns = terms.altaz(np.radians(table["az_deg"]), np.radians(table["el_deg"]))
+        columns = scores.altaz(np.radians(table["az_deg"]), np.radians(table["el_deg"]))
         columns = columns.reshape(-1, 7)
         data = np.stack([table["d_xel_arcsec"], table["d_el_arcsec"]], axis=1).ravel()
         inverse = np.linalg.inv(columns.T @ columns)
@@ -341,17 +341,17 @@ def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
     """What is there is not done again, a line cut short is; of another program nothing counts."""
     file = tmp_path / "nulls.jsonl"
     wanted = nulls.cases(["white"], 2, 1, [nulls.NULL])
-    first = list(outcomes.run(wanted, nulls.examine, file))
+    first = list(scores.run(wanted, nulls.examine, file))
     file.write_text(file.read_text()[:-20])
     done = []
     real = nulls.examine
     monkeypatch.setattr(nulls, "examine", lambda case: done.append(case) or real(case))
-    again = list(outcomes.run(wanted, nulls.examine, file))
+    again = list(scores.run(wanted, nulls.examine, file))
 
     assert [one.number for one in done] == [1]
     assert [one["z"] for one in again] == [json.loads(json.dumps(one["z"])) for one in first]
     monkeypatch.setattr(program, "version", lambda: "another")
-    assert outcomes.read(file, nulls.Case) == {}
+    assert scores.read(file, nulls.Case) == {}
 
 
 def test_the_table_says_which_targets_are_missed():

@@ -10,8 +10,8 @@ import pytest
 
 import pyport
 from pyport import recordings
-from pyport.examiner import terms
-from pyport.examiner.real import huber, measures, published, readers, run, sets, table
+from pyport.examiner import scores
+from pyport.examiner.real import huber, measures, published, readers, sets, table
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 RNG = np.random.default_rng(0)
@@ -22,7 +22,7 @@ def drawn(n=120, nights=6, sigma=3.0, outliers=0.0, seed=0):
     rng = np.random.default_rng(seed)
     az, el = rng.uniform(0, 2 * np.pi, n), rng.uniform(0.3, 1.4, n)
     truth = 10.0 * np.arange(1, 8)
-    offset = terms.altaz(az, el) @ truth + sigma * rng.standard_normal((n, 2))
+    offset = scores.altaz(az, el) @ truth + sigma * rng.standard_normal((n, 2))
     offset[rng.uniform(size=(n, 2)) < outliers] += 40 * sigma
     night = np.array([f"n{k * nights // n}" for k in range(n)])
     columns = {
@@ -69,7 +69,7 @@ def test_huber_is_least_squares_without_outliers_and_robust_with():
     """Close to the truth either way; plain least squares is not."""
     clean, spoilt = drawn(2000), drawn(2000, outliers=0.05)
     truth = 10.0 * np.arange(1, 8)
-    flat = terms.altaz(spoilt.az, spoilt.el).reshape(-1, 7)
+    flat = scores.altaz(spoilt.az, spoilt.el).reshape(-1, 7)
     plain = np.linalg.lstsq(flat, spoilt.offsets().ravel(), rcond=None)[0]
 
     assert huber.fit(clean)[""] == pytest.approx(truth, abs=2)
@@ -282,16 +282,16 @@ def test_the_table_of_facts_is_whole():
 
 def test_sets_are_chosen_by_how_they_begin():
     """Whatever its case; a name that no set begins with is refused."""
-    assert {one["name"] for one in run.chosen(["gmrt 2003-06"])} == {
+    assert {one["name"] for one in table.chosen(["gmrt 2003-06"])} == {
         *("GMRT 2003-06-01", "GMRT 2003-06-02", "GMRT 2003-06-05")
     }
     with pytest.raises(KeyError):
-        run.chosen(["nowhere"])
+        table.chosen(["nowhere"])
 
 
 def test_a_shipped_day_is_read_with_its_antennas():
     """Rows, sites and hour angles of the GMRT; what was excluded is not there."""
-    (entry,) = run.chosen(["GMRT 2003-06-01"])
+    (entry,) = table.chosen(["GMRT 2003-06-01"])
     some = sets.read(entry, None)
 
     assert isinstance(some, sets.Recordings)
@@ -302,7 +302,7 @@ def test_a_shipped_day_is_read_with_its_antennas():
 
 def test_a_public_set_without_its_folder_is_said_to_be_absent(tmp_path):
     """The file's name is told."""
-    (entry,) = run.chosen(["JCMT"])
+    (entry,) = table.chosen(["JCMT"])
 
     assert "harp" in str(sets.read(entry, tmp_path))
 
@@ -322,7 +322,7 @@ def test_a_public_set_without_its_folder_is_said_to_be_absent(tmp_path):
 )
 def test_every_format_is_read(name, rows, nights):
     """As many rows as there are; offsets of seconds and minutes of arc."""
-    (entry,) = run.chosen([name])
+    (entry,) = table.chosen([name])
     some = sets.read(entry, DATA)
 
     assert isinstance(some, sets.Recordings)
@@ -334,7 +334,7 @@ def test_every_format_is_read(name, rows, nights):
 @pytest.mark.skipif(not DATA.is_dir(), reason="the folder of public recordings is not there")
 def test_two_readers_of_equatorial_records_agree():
     """The examiner's and the program's, each with its refraction: 1 arcsec at 20 deg."""
-    (entry,) = run.chosen(["JCMT"])
+    (entry,) = table.chosen(["JCMT"])
     some = sets.read(entry, DATA)
     ours = recordings.read(DATA / "jcmt/harp20070702.dat")
 
@@ -348,7 +348,7 @@ def test_a_set_is_measured_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
     some = replace(drawn(150, 5), facts=({"kind": "lacks", "says": "none", "effects": ["clock"]},))
     monkeypatch.setattr(sets, "read", lambda *_: some)
     monkeypatch.setattr(measures, "FINDING_SPLITS", 1)
-    (row,) = run.rows([{"name": "drawn"}], None, 2, tmp_path / "real.jsonl")
+    (row,) = table.rows([{"name": "drawn"}], None, 2, tmp_path / "real.jsonl")
 
     assert row.in_fit == pytest.approx(1, abs=0.3)
     assert row.scheme == "nights"
@@ -356,7 +356,7 @@ def test_a_set_is_measured_and_goes_on_where_it_stopped(tmp_path, monkeypatch):
     assert row.few == 2
     assert row.checks[0].passed
     monkeypatch.setattr(sets, "read", lambda *_: pytest.fail("done again"))
-    (again,) = run.rows([{"name": "drawn"}], None, 2, tmp_path / "real.jsonl")
+    (again,) = table.rows([{"name": "drawn"}], None, 2, tmp_path / "real.jsonl")
     assert again == row
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from click.testing import CliRunner
 from samples import sample
 
-from pyport.cli.convert import command
-from pyport.cli.dev.field_system import command as field_system
+from pyport.cli.correct import convert
+from pyport.cli.dev.recorded import field_system
 from pyport.formats.convert import FORMATS
 
 PAGE = Path(__file__).parents[2] / "docs" / "formats.md"
@@ -18,7 +18,7 @@ def test_the_table_of_signs_is_what_the_command_prints():
     _, _, rest = PAGE.read_text(encoding="utf-8").partition("<!-- signs -->\n")
     shown, _, _ = rest.partition("<!-- /signs -->")
 
-    printed = CliRunner().invoke(command, ["--signs"])
+    printed = CliRunner().invoke(convert, ["--signs"])
 
     assert printed.exit_code == 0
     assert shown == printed.output
@@ -26,7 +26,7 @@ def test_the_table_of_signs_is_what_the_command_prints():
 
 def test_the_help_names_every_format():
     """What --from and --to take."""
-    printed = CliRunner().invoke(command, ["--help"]).output
+    printed = CliRunner().invoke(convert, ["--help"]).output
     # a line of help may end within a name, behind its hyphen
     shown = re.sub(r"-\n *", "-", printed).split("--to: ")[1].split(".")[0]
 
@@ -35,7 +35,7 @@ def test_the_help_names_every_format():
 
 def test_an_unknown_format_is_refused_with_the_known_ones():
     """A mistyped name is answered with what there is."""
-    done = CliRunner().invoke(command, ["a.csv", "b.csv", "--to", "tpiont"])
+    done = CliRunner().invoke(convert, ["a.csv", "b.csv", "--to", "tpiont"])
 
     assert done.exit_code == 2
     assert "tpoint-dat" in done.output
@@ -46,8 +46,8 @@ def test_signs_conversions_and_agreement_are_printed(tmp_path):
     (tmp_path / "a.mod").write_text("mine\nT 1 1 0 0\n  IA  +36.0\n  HSCE3  1.0\nEND\n")
     target = str(tmp_path / "a.ctl")
 
-    refused = CliRunner().invoke(command, [str(tmp_path / "a.mod"), target])
-    done = CliRunner().invoke(command, [str(tmp_path / "a.mod"), target, "--leave-out"])
+    refused = CliRunner().invoke(convert, [str(tmp_path / "a.mod"), target])
+    done = CliRunner().invoke(convert, [str(tmp_path / "a.mod"), target, "--leave-out"])
 
     assert "no counterpart of HSCE3" in str(refused.exception)
     assert "1 terms as fs-ctl" in done.output

@@ -12,9 +12,8 @@ from pyport.cli.fit import command
 from pyport.diagnosis.case import prepare
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
-from pyport.fitting import advice
-from pyport.fitting.completed import completed
-from pyport.fitting.fit import fit
+from pyport.fitting import soundness
+from pyport.fitting.fit import completed, fit
 from pyport.formats import models
 from pyport.formats.completed import write_model
 from pyport.formats.models import load
@@ -188,8 +187,8 @@ def test_warnings_name_what_is_weak_tied_or_open(night):
     whole = read(night)
     low = whole.take(whole.at.el < 0.4)
 
-    assert any("zero: skew" in one for one in advice.warnings(fit(whole, load("altaz"))))
-    tied = list(advice.warnings(fit(low, load("altaz"))))
+    assert any("zero: skew" in one for one in soundness.warnings(fit(whole, load("altaz"))))
+    tied = list(soundness.warnings(fit(low, load("altaz"))))
     assert any(
         re.match(r"azimuth_zero and collimation correlate by -(0\.99|1\.0)", t) for t in tied
     )
@@ -197,7 +196,7 @@ def test_warnings_name_what_is_weak_tied_or_open(night):
     assert any("condition number" in one for one in tied)
     open_ = fit(whole, edited(load("none"), add=["P8"])).model
     both = fit(whole, type(open_)("both", (*open_.terms, *named("TF"))))
-    assert any(one.startswith("not determined: P8, TF") for one in advice.warnings(both))
+    assert any(one.startswith("not determined: P8, TF") for one in soundness.warnings(both))
 
 
 def test_the_command_does_all_of_it(night, tmp_path):

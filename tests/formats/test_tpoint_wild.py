@@ -11,7 +11,7 @@ from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.model_file import Entry, ModelFile, translated
-from pyport.models.terms import formula, tpoint
+from pyport.models.terms import editing, tpoint
 from pyport.models.terms.editing import named
 from pyport.recordings import read
 
@@ -178,7 +178,7 @@ def test_a_user_says_what_a_term_does_in_one_line(tmp_path):
     for path in (again, toml):
         models.format_of(path).write(file, path)
         assert models.read(path).entries == file.entries
-    added = formula.word("HVSA3", "x = sin 3A sin E")
+    added = editing.formula_word("HVSA3", "x = sin 3A sin E")
     (term,) = named("HVSA3: x = sin 3A sin E")
     np.testing.assert_allclose(term.effect.columns(AT)[0][:, 0], added.columns(AT)[0])
     moved = translated(file, "tpoint")
@@ -196,7 +196,7 @@ def test_a_user_says_what_a_term_does_in_one_line(tmp_path):
 )
 def test_formulae(text, across, along):
     """Products of waves and powers, on either axis."""
-    x, y = formula.word("MINE", text).columns(AT)
+    x, y = editing.formula_word("MINE", text).columns(AT)
 
     np.testing.assert_allclose(x, across + 0 * x, atol=1e-12)
     np.testing.assert_allclose(y, along + 0 * y, atol=1e-12)
@@ -206,7 +206,7 @@ def test_formulae(text, across, along):
 def test_what_is_no_formula_is_one_line(text):
     """With an example."""
     with pytest.raises(BadInput, match=r"MINE is .*expected such as 'x = sin 3A sin E'"):
-        formula.word("MINE", text)
+        editing.formula_word("MINE", text)
 
 
 def test_a_polynomial_is_none_of_another_programs():

@@ -8,8 +8,7 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.effects.fields import field
 from pyport.formats.model_file import WORDS
-from pyport.formats.rest import sky
-from pyport.formats.waves import MOST_LOST, sums, waves
+from pyport.formats.rest import MOST_LOST, sky, sums, waves
 from pyport.models.members import effect_of
 from pyport.models.model import Term
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.pivoting import most_different
+from pyport.least_squares.robust import most_different
 
 
 def made(seed, rows=30, columns=8, rank=5):

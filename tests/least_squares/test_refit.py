@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.refit import Refit
+from pyport.least_squares.robust import Refit
 
 
 def from_scratch(columns, value, weight):

@@ -4,8 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.gram import Gram
-from pyport.least_squares.slabs import slabs
+from pyport.least_squares.gram import Gram, slabs
 
 
 @given(st.integers(0, 2**32 - 1))

@@ -13,7 +13,7 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import CATALOGUE
-from pyport.fitting.completed import completed as completed_fit
+from pyport.fitting.fit import completed as completed_fit
 from pyport.fitting.fit import fit
 from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
@@ -23,7 +23,7 @@ from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
 from pyport.pointing import printed
-from pyport.report.completed import completed
+from pyport.report.finding import completed
 from pyport.report.made import report_of
 from pyport.report.typed import as_json
 

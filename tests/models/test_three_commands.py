@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models import toml
 from pyport.recordings import read, write
-from pyport.report.completed import completed
+from pyport.report.finding import completed
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
 OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])

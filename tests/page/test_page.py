@@ -17,11 +17,11 @@ from pyport import page
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.page import payload as pack
-from pyport.page.against import _azimuth, columns
 from pyport.page.markup import tag
 from pyport.page.payload import MOST_DRAWN, MOST_STRETCHES, stretches
+from pyport.page.picture import _azimuth, columns
 from pyport.studies.rt32 import fit_rt32
-from pyport.studies.rt32.page import of_rt32
+from pyport.studies.rt32.sky import of_rt32
 
 
 class Balanced(HTMLParser):

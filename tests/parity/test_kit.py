@@ -24,8 +24,7 @@ from pyport.parity.loading import load
 from pyport.parity.mutants import modules_of, mutated
 from pyport.parity.promise import hold, kept
 from pyport.parity.run import asker, run
-from pyport.parity.search import search
-from pyport.parity.shrink import failing, minimal
+from pyport.parity.shrink import failing, minimal, search
 
 PROGRAM = Path(__file__).parent / "program"
 

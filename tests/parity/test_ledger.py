@@ -7,11 +7,10 @@ import rt32
 from mpmath import isnan, mpf
 from rt32_inputs import points
 
-from pyport.parity import ledger
-from pyport.parity.batches import hexadecimal
-from pyport.parity.functions import ask_port
+from pyport.parity import promise
+from pyport.parity.functions import ask_port, hexadecimal
 
-LEDGER = {entry.id: entry for entry in ledger.deviations(rt32.DESCRIPTION)}
+LEDGER = {entry.id: entry for entry in promise.deviations(rt32.DESCRIPTION)}
 #: Entries whose region sets a part of the sky aside.
 REGIONS = {entry.id: entry.outputs for entry in LEDGER.values() if entry.region}
 
@@ -26,7 +25,7 @@ def example(entry):
     """Return an entry's input as one point, and its routine and output."""
     routine = rt32.DESCRIPTION.routine(entry.routine)
     output = next(one for one in routine.outputs if one.label == entry.output)
-    return routine, output, ledger.example(rt32.DESCRIPTION, entry)
+    return routine, output, promise.example(rt32.DESCRIPTION, entry)
 
 
 def answer(port, entry):
@@ -39,7 +38,7 @@ def regions(at):
     """Return where each region is at work, by its name and output."""
     found = {}
     for routine, answers in ((r, legacy_of(r, at)) for r in rt32.ROUTINES):
-        masks = ledger.explained(rt32.DESCRIPTION, routine, at, answers)
+        masks = promise.explained(rt32.DESCRIPTION, routine, at, answers)
         labels = {one.key: one.label for one in routine.outputs}
         found |= {
             (name, f"{routine.name} {labels[key]}"): mask
@@ -104,7 +103,7 @@ def test_regions_hold_the_examples_of_their_entries():
     assert len(REGIONS) == 7
     for name, outputs in REGIONS.items():
         routine, output, at = example(LEDGER[name])
-        masks = ledger.explained(rt32.DESCRIPTION, routine, at, legacy_of(routine, at))
+        masks = promise.explained(rt32.DESCRIPTION, routine, at, legacy_of(routine, at))
 
         assert f"{routine.name} {output.label}" in outputs
         assert masks[name][output.key][0], name

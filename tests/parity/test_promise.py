@@ -7,11 +7,10 @@ from hypothesis import example, given, settings
 from rt32_inputs import points, random, table
 from strategies import at_the_rim, directions, parameters
 
-from pyport.parity import ledger, promise
-from pyport.parity.compare import Pair
+from pyport.parity import promise
+from pyport.parity.compare import UNLIKE, Pair
 from pyport.parity.functions import ask_port
 from pyport.parity.run import hold_live
-from pyport.parity.ulp import UNLIKE
 
 PORT = rt32.VECTORISED
 MODEL, MODELA, HJUMP = rt32.ROUTINES
@@ -101,7 +100,7 @@ def test_altitudes_without_the_turn_are_closer(routine):
 def test_plunge_is_off_by_no_more_than_its_cause(oracle):
     """In plunge ModelA's altitude leaves the port by no more than the turn's error explains."""
     at = random(30_000, 8)
-    regions = ledger.explained(rt32.DESCRIPTION, MODELA, at, oracle.ask(MODELA, at))
+    regions = promise.explained(rt32.DESCRIPTION, MODELA, at, oracle.ask(MODELA, at))
     turned, curve = (regions[name]["dalt"] for name in ("turn-in-single", "curve-in-single"))
     at = rt32.part(at, turned & ~curve)
     port = ask_port(rt32.DESCRIPTION, PORT, MODELA, at)["dalt"]

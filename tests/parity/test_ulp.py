@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from strategies import any_real4
 
-from pyport.parity.ulp import UNLIKE, ulps
+from pyport.parity.compare import UNLIKE, ulps
 
 SMALLEST = float(np.finfo(np.float32).smallest_subnormal)
 LARGEST = float(np.finfo(np.float32).max)

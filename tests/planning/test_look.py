@@ -15,11 +15,10 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
 from pages import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.cli.look import command
+from pyport.cli.observe import look as command
 from pyport.formats.models import load
 from pyport.planning import look
-from pyport.planning.coverage import cells, coverage, separation
-from pyport.planning.design import design
+from pyport.planning.design import cells, coverage, design, separation
 from pyport.planning.separate import classes, separate
 from pyport.planning.suggest import directions, suggest
 from pyport.planning.summary import as_json, text

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
 from pages import recordings
 
 from pyport import page, plots
-from pyport.cli.plot import command
+from pyport.cli.explain import plot
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.plots.style import AFTER, BEFORE, nice
@@ -102,8 +102,8 @@ def test_the_command_writes_what_it_is_asked_for(tmp_path):
     """Two panels in two formats are four files, listed as JSON; a wrong name is refused."""
     words = ["gmrt-2003-06-02", "--model", "gmrt-paper", "--of", "fit", "--out", str(tmp_path)]
     asked = ["--panel", "sky", "--panel", "against-el", "--format", "png", "--format", "svg"]
-    done = CliRunner().invoke(command, [*words, *asked, "--json"])
-    wrong = CliRunner().invoke(command, [*words, "--panel", "nothing"])
+    done = CliRunner().invoke(plot, [*words, *asked, "--json"])
+    wrong = CliRunner().invoke(plot, [*words, "--panel", "nothing"])
 
     assert {Path(one).name for one in json.loads(done.output)} == {
         "sky.png",

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pyport.angles import ARCSEC, DEG
-from pyport.cli.predict import command
+from pyport.cli.explain import predict
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Term
-from pyport.prediction import left_out, picked, rehearsal, shrunk, waves, words
+from pyport.prediction import contenders, rehearsal, shrunk, words
 from pyport.prediction.compare import compare
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
@@ -43,21 +43,21 @@ def _night(n, seed, bent_arcsec=0.0, noise_arcsec=3.0, **columns):
 @pytest.fixture(autouse=True)
 def _one_deal(monkeypatch):
     """Deal pointings once: what is tested here does not hang on how often."""
-    monkeypatch.setattr(left_out, "DEALS", 1)
+    monkeypatch.setattr(rehearsal, "DEALS", 1)
 
 
 def _unseen(contender, night):
     """Return the rms [arcsec] on pointings left out."""
-    scheme = next(iter(left_out.schemes(night, 0)))
-    left = left_out.left_out(contender, scheme)
+    scheme = next(iter(rehearsal.schemes(night, 0)))
+    left = rehearsal.left_out(contender, scheme)
     everything = np.ones(len(left), bool)
-    return left_out.on_the_sky(left, night.stack.is_y, everything) / ARCSEC
+    return rehearsal.on_the_sky(left, night.stack.is_y, everything) / ARCSEC
 
 
 @given(st.floats(-3, 1))
 def test_a_spectrum_adds_up_to_one_and_slopes_as_it_says(log_length):
     """However long the waves are, their variances add up to one."""
-    for family in waves.FAMILIES:
+    for family in shrunk.FAMILIES:
         lengths = np.full(len(family.length), log_length)
         log, slope = family.spectrum(lengths)
         step = 1e-6 * np.eye(len(lengths))
@@ -109,7 +109,7 @@ def test_a_curve_carries_over_to_another_night_with_other_zero_points():
     night, other = Night.of(first), Night.of(second)
     everything = np.ones(200, bool)
     own, model = (
-        left_out.on_the_sky(left_out.on_another(one, night, other), other.stack.is_y, everything)
+        rehearsal.on_the_sky(rehearsal.on_another(one, night, other), other.stack.is_y, everything)
         for one in (OwnChoice(night, ALTAZ), Refitted(night, ALTAZ))
     )
 
@@ -142,8 +142,8 @@ def test_picking_takes_the_term_that_is_there():
     recordings = _night(60, 8, noise_arcsec=0.1)
     recordings = replace(recordings, y=recordings.y + 20 * ARCSEC * np.sin(2 * recordings.at.az))
     night = Night.of(recordings)
-    terms = picked.columns(recordings.at, night.stack.row, night.stack.is_y)
-    first = picked.pick(night.columns(ALTAZ), terms, night.value(ALTAZ), 1)
+    terms = contenders.listed_columns(recordings.at, night.stack.row, night.stack.is_y)
+    first = contenders.pick(night.columns(ALTAZ), terms, night.value(ALTAZ), 1)
     expected = np.sin(2 * recordings.at.az)[night.stack.row] * night.stack.is_y
 
     assert terms[:, first[0]] == pytest.approx(expected)
@@ -198,7 +198,7 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
     terms = "azimuth_zero elevation_zero collimation skew tilt sag_cosine sag_sine azimuth_track"
     model.write_text("".join(f'[[term]]\neffect = "{one}"\n' for one in terms.split()))
     arguments = [str(file), "--against", str(model), "--grid", str(tmp_path / "grid.csv")]
-    done = CliRunner().invoke(command, [*arguments, "--out", str(tmp_path / "out"), "--json"])
+    done = CliRunner().invoke(predict, [*arguments, "--out", str(tmp_path / "out"), "--json"])
     told = json.loads(done.output)
     grid = read(tmp_path / "grid.csv")
 

@@ -5,7 +5,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.cli.mask import command
+from pyport.cli.files import mask
 from pyport.errors import BadInput
 from pyport.recordings import masks, read
 from pyport.recordings.formats import registry as tables
@@ -25,7 +25,7 @@ def file(tmp_path):
 
 def run(*arguments):
     """Run `pyport mask` and return what it prints."""
-    done = CliRunner().invoke(command, [str(one) for one in arguments], catch_exceptions=False)
+    done = CliRunner().invoke(mask, [str(one) for one in arguments], catch_exceptions=False)
     assert done.exit_code == 0
     return done.output
 

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.angles import ARCSEC, DEG
-from pyport.cli.dev.reduction import command
+from pyport.cli.dev.recorded import reduction as command
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.examiner.sealed.files import write_recordings

@@ -12,7 +12,7 @@ import time
 import pytest
 from click.testing import CliRunner
 
-from pyport.cli.dev.verify import command
+from pyport.cli.dev.recorded import verify as command
 from pyport.errors import BadInput
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec

@@ -16,8 +16,9 @@ from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import Circumstances, Site
 from pyport.errors import BadInput
-from pyport.fitting import advice, leftover, table
+from pyport.fitting import soundness, table
 from pyport.fitting.fit import fit
+from pyport.fitting.fit import write_rows as write_residuals
 from pyport.fitting.soundness import doubts, positive
 from pyport.formats.models import load
 from pyport.page import of_diagnosis
@@ -28,7 +29,7 @@ from pyport.report.made import report_of
 from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 from pyport.studies.rt32 import METHODS, fit_rt32
-from pyport.studies.rt32 import table as rt32_table
+from pyport.studies.rt32 import document as rt32_table
 
 #: As programs write what is no number, standing alone.
 NO_NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?(nan|inf|infinity)(?![A-Za-z_])", re.IGNORECASE)
@@ -105,11 +106,11 @@ def test_no_nan_in_a_fit(night, model):
     except BadInput:
         return
     rows = io.StringIO()
-    leftover.write(done, rows)
+    write_residuals(done, rows)
     for text in (table.text(done), rows.getvalue(), written(table.as_json(done))):
         assert not NO_NUMBER.search(text), text
     open_ones = [one for one in done.coefficients if not np.isfinite(one.value).all()]
-    said = [one for one in advice.warnings(done) if one.startswith("not determined")]
+    said = [one for one in soundness.warnings(done) if one.startswith("not determined")]
     assert bool(said) == bool(open_ones)
 
 

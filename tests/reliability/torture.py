@@ -40,7 +40,7 @@ from pathlib import Path
 from victims import Victim, prepare, specs, victims
 
 from pyport import cli
-from pyport.examiner.sealed import draft, seal
+from pyport.examiner.sealed import protocol, seal
 
 #: With a fixed date in binary tables, two runs of one command write the same bytes.
 ALWAYS = {"SOURCE_DATE_EPOCH": "0", "OPENBLAS_NUM_THREADS": "1"}
@@ -217,7 +217,7 @@ def torture(victim: Victim, kills: int, folder: Path) -> Count:
 def torture_trials(kills: int, folder: Path, seed: str) -> Count:
     """Kill the solving of a sealed set so often, and compare with one that ran in peace."""
     quiet, loud = folder / "trials" / "quiet" / "set", folder / "trials" / "loud" / "set"
-    with unittest.mock.patch.object(draft, "secrets", Drawn(seed)):
+    with unittest.mock.patch.object(protocol, "secrets", Drawn(seed)):
         seal.seal(quiet, "set", specs())
     shutil.copytree(quiet.parent, loud.parent)
     took_s = finish(("dev", "trials", "run", str(quiet)))

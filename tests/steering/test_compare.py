@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pyport.errors import BadInput
-from pyport.steering import Grid, Table, compare, tabulate
-from pyport.steering.compare import describe, picture
+from pyport.steering import Grid, Table, tabulate
+from pyport.steering.grid import compare, describe, picture
 
 GRID = Grid(np.arange(0.0, 40, 10), np.arange(10.0, 60, 10))
 

@@ -9,7 +9,7 @@ from steering.feasible import feasible
 from pyport.pointing import PARAMETERS, printed, recovered
 from pyport.pointing.exact import tilted
 from pyport.pointing.parameters import PRINTED_ROUNDING
-from pyport.steering.recover import candidates, refraction_bounds
+from pyport.steering.check import candidates, refraction_bounds
 
 pytestmark = pytest.mark.slow
 

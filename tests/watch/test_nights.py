@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pyport.examiner.nights import nights, replays, summary
+from pyport.examiner.nights import nights, replays
 from pyport.examiner.nights.nights import Case, Step
 from pyport.examiner.real import sets
 
@@ -60,12 +60,12 @@ def test_outcomes_are_kept_and_summed_up(tmp_path):
     """A run that is called again goes on; the tables count what there is."""
     cases = [*nights.null_cases(5, 1), *nights.step_cases(2, 1)]
     file = tmp_path / "nights.jsonl"
-    found = list(summary.outcomes(cases, file, 10_000.0))
-    assert list(summary.outcomes(cases, file, 10_000.0)) == found
+    found = list(replays.outcomes(cases, file, 10_000.0))
+    assert list(replays.outcomes(cases, file, 10_000.0)) == found
     assert len(file.read_text().splitlines()) == len(cases)
     nulls = [one for one in found if not one["step"]]
-    assert "5 nights; 0.0 false alarms are promised at most" in summary.of_nulls(nulls, 1e4)
-    assert "2/2" in summary.of_steps([one for one in found if one["step"]])
+    assert "5 nights; 0.0 false alarms are promised at most" in replays.of_nulls(nulls, 1e4)
+    assert "2/2" in replays.of_steps([one for one in found if one["step"]])
 
 
 @pytest.mark.parametrize(

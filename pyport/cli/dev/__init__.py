@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pyport.cli.groups import Lazy
+from pyport.cli.manners import Lazy
 
 command = Lazy(
     "dev",
@@ -24,6 +24,11 @@ command = Lazy(
         "thresholds": "List the numbers that decide what a diagnosis says, and why each is so.",
         "trials": "Put causes into simulated recordings; check whether a diagnosis finds them.",
         "verify": "Check that all files of a diagnosis are of one run.",
+    },
+    shared={
+        "simulated": "calibrate efficiency mounts nights nulls",
+        "recorded": "acceptance field-system real reduction replays verify",
+        "listed": "effects keys thresholds",
     },
     help="Check the program: its catalogue, its promises, its answers to simulated recordings.",
 )

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import os
 import tempfile
+import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from pyport.angles import ARCMIN, DEG
+from pyport.diagnosis.arrays.unseen import medians
 from pyport.examiner.ideal import observer
-from pyport.examiner.sealed.intervals import Rate
+from pyport.examiner.sealed.files import Rate, write_recordings
 from pyport.examiner.sealed.judge import Verdict, judge, place, read_table
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.worlds.campaign import NOISES
 from pyport.examiner.worlds.faults import UNCATALOGUED
-from pyport.examiner.worlds.kinds import HIDEABLE
+from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
+from pyport.examiner.worlds.kinds import HIDEABLE, make_case
 from pyport.progress import track
+from pyport.recordings.antennas import Survey
+from pyport.studies.gmrt.array import GAINED, evidence
 
 #: Cases without anything hidden, and of each uncatalogued cause.
 NULLS, OF_UNCATALOGUED = 200, 8
@@ -154,3 +162,96 @@ def _missed(verdicts: Iterable[Verdict]) -> Iterator[Line]:
             why = f"p = {one.p_value:.2g}" if one.p_value is not None else "no p-value"
             said = f"{one.said} ({why})"
             yield Line(f"  {one.spec['effect']}, seed {one.case}", said, "shown", None)
+
+
+def array_lines(survey: Survey | None) -> Iterator[Line]:
+    """Yield the figures of the GMRT's recordings; without a survey no place is compared."""
+    found = evidence(survey)
+    array = found.array
+    tags = [
+        f"{one.name} {one.tag[0]:+.2f} +- {one.tag[1]:.2f} s" for one in array.sessions if one.tag
+    ]
+    yield Line("GMRT, time tags of scans, for all antennas", ", ".join(tags), "shown", None)
+    for check in found.checks:
+        yield Line(f"GMRT, {check.what}", f"{check.value:.3f}", check.wanted, check.passed)
+    if array.unseen is not None:
+        median = medians(array.unseen.of(GAINED))
+        told = f"{median.fitted_before / ARCMIN:.2f}' to {median.fitted_after / ARCMIN:.2f}'"
+        factor = median.fitted_before / median.fitted_after
+        what = f"GMRT, {GAINED}: rms of the median antenna in the fit falls by"
+        yield Line(what, f"{factor:.3f} ({told})", "shown", None)
+        weak = [one for one in array.unseen.days if one.why]
+        told = f"{len(weak)} of {len(array.unseen.days)}; `pyport study gmrt-array` has the reasons"
+        yield Line("GMRT, antenna-days that gain less than twice", told, "shown", None)
+    for name, crab in found.crab.items():
+        if not crab.days:
+            yield Line(f"{name}, the Crab, from Cyg A", "no antenna", "shown", None)
+            continue
+        median = medians(crab.days)
+        numbers = np.array([median.before, median.after, median.fitted_before]) / ARCMIN
+        told = "{:.2f}' to {:.2f}'; the model fitted to that very day {:.2f}'".format(*numbers)
+        yield Line(f"{name}, the Crab, from Cyg A: rms of the median antenna", told, "shown", None)
+
+
+#: The published model without its last parameter.
+TERMS = (
+    *("azimuth_zero", "elevation_zero", "collimation", "skew", "tilt", "sag_cosine"),
+    *("sag_sine", "azimuth_harmonics", "elevation_harmonics"),
+)
+CAMPAIGNS = 3
+#: The published p12, which the campaigns are made with.
+SIZE_ARCSEC = -73.4
+#: Where the edge must be, how far off the size may be, how long it may take.
+NEAR_DEG, SIGMAS, SECONDS = 2.0, 2.0, 5.0
+
+
+def jump_lines(seed: int) -> Iterator[Line]:
+    """Yield the figures of some campaigns; `seed` is that of the first."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        model = folder / "without-p12.toml"
+        model.write_text("".join(f'[[term]]\neffect = "{one}"\n' for one in TERMS), "utf-8")
+        for n in range(CAMPAIGNS):
+            yield from _campaign(seed + n, folder, str(model))
+
+
+def _campaign(seed: int, folder: Path, model: str) -> Iterator[Line]:
+    made = make_case("rt32-campaign", seed)
+    path = folder / f"campaign-{seed}.csv"
+    write_recordings(made, path)
+    started = time.perf_counter()
+    report = reported(made, path, model)
+    took = time.perf_counter() - started
+    head = f"RT32 campaign {seed}"
+    jumps = [one for one in report["findings"] if one["effect"] == "subreflector_jump"]
+    named = bool(jumps) and jumps[0]["verdict"] == "named"
+    yield Line(f"{head}: jump named", "yes" if named else "no", "yes", named)
+    if jumps:
+        edge = _edge_off_deg(jumps[0])
+        size = jumps[0]["parameters"][0]
+        off = abs(size["value"] - SIZE_ARCSEC) / size["sigma"]
+        near = edge is not None and edge <= NEAR_DEG
+        told = "no curve" if edge is None else f"{edge:.2f} deg"
+        yield Line(f"{head}: its edge is off by", told, f"at most {NEAR_DEG:g} deg", near)
+        told = f"{size['value']:.1f} +- {size['sigma']:.1f} arcsec, {off:.1f} sigma off"
+        yield Line(f"{head}: its size", told, f"within {SIGMAS:g} sigma", off <= SIGMAS)
+    others = [one["effect"] for one in report["findings"] if one not in jumps]
+    yield Line(f"{head}: found besides", ", ".join(others) or "nothing", "shown", None)
+    rows = report["input"]["rows"]
+    yield Line(
+        f"{head}: {rows} rows diagnosed in",
+        f"{took:.1f} s",
+        f"{SECONDS:g} s",
+        took < SECONDS,
+    )
+
+
+def _edge_off_deg(jump: dict[str, Any]) -> float | None:
+    """Return the median distance in elevation between the curve that was found and the true one."""
+    curve = jump["where"]["curve"]
+    if not curve:
+        return None
+    # The cable's azimuth counts from south, the report's from north.
+    az_south = np.radians([point["az_deg"] - 180 for point in curve])
+    el = np.array([point["el_deg"] for point in curve])
+    return float(np.median(np.abs(el - rt32_edge_on_the_cable(az_south) / DEG)))

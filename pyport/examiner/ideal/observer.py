@@ -16,7 +16,7 @@ from scipy.stats import norm
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.projection import altaz_columns
+from pyport.examiner.worlds.mount import altaz_columns
 from pyport.thresholds import FAMILY_ERROR
 
 #: An encoder's step is this share of sigma in `worlds.campaign.usual_noise`; its rounding adds.

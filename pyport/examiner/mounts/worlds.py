@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
-from pyport.examiner.mounts.steel import Flaws, axes_of
-from pyport.examiner.mounts.twins import Session, alike
+from pyport.examiner.mounts.twins import Flaws, Session, alike, axes_of
 from pyport.examiner.nulls import noises, schedule
 from pyport.examiner.worlds.mount import Mount, Wave
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.examiner import terms
+from pyport.examiner import scores
 from pyport.examiner.nulls import causes, noises, nulls, schedule
 from pyport.examiner.nulls.schedule import Array
 
@@ -66,18 +66,18 @@ def _both_zeros(n: int) -> Array:
 
 def _tilt(at: schedule.Pointings) -> Array:
     north, east = (
-        terms.both(*terms.lean(at.az, at.el, toward), len(at)) for toward in (0.0, math.pi / 2)
+        scores.both(*scores.lean(at.az, at.el, toward), len(at)) for toward in (0.0, math.pi / 2)
     )
     return np.stack([north, east], axis=2)
 
 
 def _sag(at: schedule.Pointings) -> Array:
-    return terms.both(0.0, np.cos(at.el), len(at))[:, :, None]
+    return scores.both(0.0, np.cos(at.el), len(at))[:, :, None]
 
 
 #: The steps: the ids that a watch may call each by, and its columns, (n, 2, k).
 STEPS = {
-    "elevation zero": ("elevation_zero", lambda at: terms.altaz(at.az, at.el)[:, :, 1:2]),
+    "elevation zero": ("elevation_zero", lambda at: scores.altaz(at.az, at.el)[:, :, 1:2]),
     "both zeros": ("epoch_offset", lambda at: _both_zeros(len(at))),
     "tilt": ("tilt", _tilt),
     "sag": ("sag_cosine", _sag),
@@ -106,7 +106,7 @@ def draw(case: Case) -> World:
     sky = kind.skies[case.number // len(POINTINGS) % len(kind.skies)]
     at = schedule.draw(rng, rows, NIGHTS, sky)
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
-    truth = causes.TERM_ARCSEC * rng.standard_normal(len(terms.ALTAZ))
+    truth = causes.TERM_ARCSEC * rng.standard_normal(len(scores.ALTAZ))
     drawn = kind.draw(rng, at)
     offset = causes.columns(at) @ truth + sigma * drawn.value
     watched = at.night >= NIGHTS // 2

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.examiner import terms
+from pyport.examiner import scores
 from pyport.examiner.nulls.schedule import Array, Pointings
 
 #: Coefficients of the hidden model are normal with this sigma. [arcsec]
@@ -23,11 +23,11 @@ CONSTANTS = ("collimation", "elevation_zero")
 
 def columns(at: Pointings) -> Array:
     """Return the hidden model's columns, shape (n, 2, 7)."""
-    return terms.altaz(at.az, at.el)
+    return scores.altaz(at.az, at.el)
 
 
 def _both(at: Pointings, across: Array | float, along: Array | float) -> Array:
-    return terms.both(across, along, len(at))
+    return scores.both(across, along, len(at))
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _tilt_change(
     toward = rng.uniform(0, 2 * np.pi)
     after = (at.night >= begins)[:, None] & (begins > 0)
     truth = {"tilt_north": float(np.cos(toward)), "tilt_east": float(np.sin(toward))}
-    return after * _both(at, *terms.lean(at.az, at.el, toward)), truth, begins
+    return after * _both(at, *scores.lean(at.az, at.el, toward)), truth, begins
 
 
 def _temperature(
@@ -110,7 +110,7 @@ def draw(rng: np.random.Generator, at: Pointings, first: int, visible_arcsec: fl
     The rms is over the axes that it acts on. `first` says which cause is meant; where the model
     would take in nearly all of that one, or the nights are too few, the next one is drawn.
     """
-    base = columns(at).reshape(-1, len(terms.ALTAZ))
+    base = columns(at).reshape(-1, len(scores.ALTAZ))
     order = [*list(CAUSES.items())[first % len(CAUSES) :], *list(CAUSES.items())]
     for effect, shape in order:
         offset, truth, begins = shape(rng, at)

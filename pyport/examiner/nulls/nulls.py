@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from pyport.errors import BadInput
-from pyport.examiner import program, terms
+from pyport.examiner import program, scores
 from pyport.examiner.nulls import causes, noises, schedule
 from pyport.examiner.nulls.schedule import Array
 
@@ -78,7 +78,7 @@ def draw(case: Case) -> World:
     rng = np.random.default_rng([case.seed, zlib.crc32(case.kind.encode()), case.number, part])
     at = schedule.draw(rng, case.rows, case.sessions, case.sky)
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
-    truth = causes.TERM_ARCSEC * rng.standard_normal(len(terms.ALTAZ))
+    truth = causes.TERM_ARCSEC * rng.standard_normal(len(scores.ALTAZ))
     drawn = kind.draw(rng, at)
     offset = causes.columns(at) @ truth + sigma * drawn.value
     cause = None
@@ -100,7 +100,7 @@ def draw(case: Case) -> World:
             "longitude_deg": math.degrees(at.longitude),
             "height_m": 500.0,
         },
-        dict(zip(terms.ALTAZ, truth.tolist(), strict=True)),
+        dict(zip(scores.ALTAZ, truth.tolist(), strict=True)),
         causes.CONSTANTS if moved else (),
         cause,
         sigma,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.examiner.real.sets import Recordings
-from pyport.examiner.terms import Array
+from pyport.examiner.scores import Array
 
 #: Huber's constant: 95 % efficient where noise is normal (Huber 1981, Robust Statistics, ch. 7).
 K = 1.345

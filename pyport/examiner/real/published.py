@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from pyport.examiner import program, terms
+from pyport.examiner import program, scores
 from pyport.examiner.real.sets import Recordings
-from pyport.examiner.terms import Array
+from pyport.examiner.scores import Array
 
 Fact = dict[str, Any]
 Report = dict[str, Any]
@@ -221,7 +221,7 @@ def _sky_rms(recordings: Recordings, _: Report, __: Report, fact: Fact) -> Outco
     for one in fit["parameters"]:
         name, sign = fact["terms"][one["name"]]
         if name in _MORE:
-            column = terms.both(*_MORE[name](recordings), len(recordings))
+            column = scores.both(*_MORE[name](recordings), len(recordings))
         else:
             column = base[name]
         left = left - sign * (one["value"] or 0.0) * column

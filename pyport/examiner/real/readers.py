@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.examiner.terms import Array
+from pyport.examiner.scores import Array
 
 #: Columns as text, and what holds for all rows.
 Read: TypeAlias = tuple[dict[str, NDArray[Any]], dict[str, float | str]]

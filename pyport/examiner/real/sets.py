@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.examiner import program, terms
+from pyport.examiner import program, scores
 from pyport.examiner.real.readers import READERS, Read, numbers, recordings
-from pyport.examiner.terms import Array
+from pyport.examiner.scores import Array
 
 #: Recordings further apart than this are of different nights, where none says which. [h]
 NIGHT_H = 6.0
@@ -75,13 +75,13 @@ class Recordings:
     @property
     def names(self) -> tuple[str, ...]:
         """Return the coefficients of the model."""
-        return terms.ALTAZ if self.hour_angle is None else terms.HOUR_ANGLE
+        return scores.ALTAZ if self.hour_angle is None else scores.HOUR_ANGLE
 
     def columns(self) -> Array:
         """Return the columns of the model, shape (n, 2, k)."""
         if self.hour_angle is None:
-            return terms.altaz(self.az, self.el)
-        return terms.hour_angle(self.hour_angle)
+            return scores.altaz(self.az, self.el)
+        return scores.hour_angle(self.hour_angle)
 
     def offsets(self) -> Array:
         """Return the offsets [arcsec], shape (n, 2)."""

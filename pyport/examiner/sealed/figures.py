@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyport.examiner.sealed import score
-from pyport.examiner.sealed.intervals import Rate, count
+from pyport.examiner.sealed.files import Rate, count
 from pyport.examiner.sealed.judge import Verdict
 from pyport.files import write_whole
 

@@ -1,9 +1,21 @@
-"""Cases on disk: recordings as the contract has them, the truth as canonical JSON, apart."""
+"""Cases on disk: recordings as the contract has them, the truth as canonical JSON, apart.
+
+python -m pyport.examiner.sealed.files FORBIDDEN MODULE [ARGUMENT...]
+
+Python's audit hooks see every file that the process opens and every folder
+that it lists, and cannot be taken away again.
+"""
 
 from __future__ import annotations
 
 import csv
+import hashlib
 import json
+import os
+import runpy
+import sys
+from dataclasses import dataclass
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +23,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.examiner.worlds.case import Case
-from pyport.files import write_whole
+from pyport.files import tree, write_whole
+
+#: The program on trial, and the part of it that examines.
+PACKAGE = Path(__file__).parents[2]
+EXAMINER = Path(__file__).parents[1]
+
+
+def commitment(nonce: str, text: str) -> str:
+    """Return SHA-256(nonce || text) as hexadecimal, the nonce given as hexadecimal too.
+
+    The nonce, 256 random bits, keeps anyone from guessing a truth and checking the guess.
+    """
+    return hashlib.sha256(bytes.fromhex(nonce) + text.encode("utf-8")).hexdigest()
+
+
+def solver() -> str:
+    """Return the tree hash of the program without its examiner."""
+    return tree(PACKAGE, without=EXAMINER)
+
+
+def examiner() -> str:
+    """Return the tree hash of the examiner, the scoring script in it."""
+    return tree(EXAMINER)
+
 
 #: Decimals of columns: offsets to a third of a milliarcsecond, places to four of them.
 _DECIMALS = {
@@ -54,3 +89,70 @@ def _texts(name: str, values: NDArray[Any]) -> list[str]:
         return [str(value) for value in values]
     decimals = _DECIMALS.get(name, _OTHER_DECIMALS)
     return ["" if np.isnan(value) else f"{value:.{decimals}f}" for value in values]
+
+
+_LOOKING = frozenset({"open", "os.listdir", "os.scandir", "glob.glob"})
+
+
+def forbid(place: Path) -> None:
+    """Let this process open nothing in a folder from now on.
+
+    Raises `PermissionError`: from then on, where something in the folder is asked for.
+    """
+    forbidden = str(place.resolve())
+
+    def look(event: str, arguments: tuple[Any, ...]) -> None:
+        if event not in _LOOKING or not isinstance(arguments[0], str | bytes | os.PathLike):
+            return
+        wanted = os.path.realpath(os.fsdecode(arguments[0]))
+        if wanted == forbidden or wanted.startswith(forbidden + os.sep):
+            raise PermissionError(f"{wanted}: the truth is sealed")
+
+    sys.addaudithook(look)
+
+
+if __name__ == "__main__":
+    _, shut, module, *rest = sys.argv
+    forbid(Path(shut))
+    sys.argv = [module, *rest]
+    runpy.run_module(module, run_name="__main__", alter_sys=True)
+
+
+#: Standard deviations that hold 95 % of a normal distribution.
+_Z95 = 1.959963984540054
+
+
+@dataclass(frozen=True)
+class Rate:
+    """`hits` out of `of`, with Wilson's 95 % interval."""
+
+    hits: int
+    of: int
+
+    @property
+    def value(self) -> float:
+        """Return the rate; NaN where nothing was counted."""
+        return self.hits / self.of if self.of else float("nan")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Return Wilson's 95 % interval (Wilson 1927, JASA 22, 209); all of it for nothing."""
+        if not self.of:
+            return 0.0, 1.0
+        spread = _Z95**2 / self.of
+        centre = (self.value + spread / 2) / (1 + spread)
+        half = sqrt(self.value * (1 - self.value) * spread + spread**2 / 4) / (1 + spread)
+        return max(0.0, centre - half), min(1.0, max(centre + half, self.value))
+
+    def __str__(self) -> str:
+        """Return "93.3 % (56 of 60; 84.1 to 97.4)"."""
+        if not self.of:
+            return "none"
+        low, high = self.interval
+        counted = f"{self.hits} of {self.of}; {100 * low:.1f} to {100 * high:.1f}"
+        return f"{100 * self.value:.1f} % ({counted})"
+
+
+def count(outcomes: list[bool]) -> Rate:
+    """Return the rate of what came true."""
+    return Rate(sum(outcomes), len(outcomes))

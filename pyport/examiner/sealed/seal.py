@@ -20,10 +20,9 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import hashes
-from pyport.examiner.sealed.draft import draft
+from pyport.examiner.sealed import files
 from pyport.examiner.sealed.files import canonical, write_recordings
-from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
+from pyport.examiner.sealed.protocol import THRESHOLDS, Spec, draft
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.files import sha256, write_whole
 from pyport.progress import track
@@ -135,7 +134,7 @@ def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
     return {
         "case": case,
         "recordings_sha256": sha256(folder.recordings(case)),
-        "truth_commitment": hashes.commitment(drawn["nonce"], text),
+        "truth_commitment": files.commitment(drawn["nonce"], text),
         "arguments": json.loads(text)["truth"]["arguments"],
     }
 
@@ -180,7 +179,7 @@ def check_truths(place: Path, sealed: dict[str, Any]) -> dict[str, dict[str, Any
         try:
             text = path.read_bytes().decode("utf-8")
             nonce = (place / f"{one['case']}.nonce").read_text(encoding="utf-8").strip()
-            same = hashes.commitment(nonce, text) == one["truth_commitment"]
+            same = files.commitment(nonce, text) == one["truth_commitment"]
         except (OSError, ValueError):
             same = False
         if not same:
@@ -197,7 +196,7 @@ def check_untouched(root: Path, solver: str | None = None) -> None:
         path = folder.recordings(one["case"])
         if not path.exists() or sha256(path) != one["recordings_sha256"]:
             raise BadInput("these recordings are not the ones that were sealed", path)
-    for who, now in (("solver", solver or hashes.solver()), ("examiner", hashes.examiner())):
+    for who, now in (("solver", solver or files.solver()), ("examiner", files.examiner())):
         then = sealed[f"{who}_sha256"]
         if then != now:
             raise BadInput(

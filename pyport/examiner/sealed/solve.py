@@ -95,7 +95,7 @@ def _sit(task: Task, recordings: Path, out: Path) -> str | None:
         *(
             sys.executable,
             "-m",
-            "pyport.examiner.sealed.cell",
+            "pyport.examiner.sealed.files",
             str(task.folder.vault.resolve()),
             module,
         ),

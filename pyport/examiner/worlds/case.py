@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.examiner.worlds import noise as noises
+from pyport.examiner.worlds import campaign as noises
+from pyport.examiner.worlds.campaign import Noise
 from pyport.examiner.worlds.earth import wander
 from pyport.examiner.worlds.faults import Fault
 from pyport.examiner.worlds.faults.uncatalogued import UNKNOWN_COLUMN
-from pyport.examiner.worlds.noise import Noise
-from pyport.examiner.worlds.projection import Base
+from pyport.examiner.worlds.mount import Base
 from pyport.examiner.worlds.schedule import Plan
 from pyport.examiner.worlds.world import Observation, World, assumed_site, observe, unwrapped
 

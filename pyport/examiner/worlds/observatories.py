@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCMIN, ARCSEC, DEG
-from pyport.examiner.worlds.campaign import unix, usual_mount, usual_noise
+from pyport.examiner.worlds.campaign import Noise, unix, usual_mount, usual_noise
 from pyport.examiner.worlds.case import Case, Hidden, Streams, finish, hide
 from pyport.examiner.worlds.earth import EARTH_RADIUS_M, SITES, Site
 from pyport.examiner.worlds.faults import Fault
-from pyport.examiner.worlds.faults.base import on_mount
 from pyport.examiner.worlds.faults.heavens import left_out
 from pyport.examiner.worlds.faults.mount import rt32_edge
+from pyport.examiner.worlds.faults.surroundings import on_mount
 from pyport.examiner.worlds.mount import Mount, Wave
-from pyport.examiner.worlds.noise import Noise
 from pyport.examiner.worlds.schedule import (
     Plan,
     Session,

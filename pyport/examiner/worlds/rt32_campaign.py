@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.examiner.worlds.campaign import unix
+from pyport.examiner.worlds.campaign import Noise, unix
 from pyport.examiner.worlds.case import Case, Streams, finish, hide
 from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
 from pyport.examiner.worlds.mount import Wave
-from pyport.examiner.worlds.noise import Noise
 from pyport.examiner.worlds.observatories import (
     RT32_ALTITUDE_ROWS,
     RT32_AZIMUTH_ROWS,

@@ -13,8 +13,7 @@ from pyport.angles import DEG, Array
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.field_system import ctl
-from pyport.formats.field_system.fit import Data, Fit, columns, fit
-from pyport.formats.field_system.statistics import statistics
+from pyport.formats.field_system.fit import Data, Fit, columns, fit, statistics
 from pyport.formats.model_file import Entry, ModelFile, rounded, translated
 from pyport.recordings.formats.xtr import ANTENNA
 from pyport.recordings.interpret import interpret

@@ -20,7 +20,7 @@ from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.recordings.antennas import Survey
 from pyport.report import array as as_data
-from pyport.report.array_places import write_places
+from pyport.report.array import write_places
 
 MODEL = "gmrt-paper"
 #: All days of Cyg A, and each by itself.

@@ -10,10 +10,9 @@ import numpy as np
 from pyport.angles import ARCMIN, HOUR, Array
 from pyport.effects import MissingColumn
 from pyport.fitting.fit import Fit
-from pyport.studies.gmrt.curves import Cosine, Curve, condition, curve
-from pyport.studies.gmrt.hours import Hours, continued, hours
+from pyport.studies.gmrt.curves import Cosine, Curve, Track, condition, curve, tracks
+from pyport.studies.gmrt.figures import Hours, continued, hours
 from pyport.studies.gmrt.published import Wave, table_18
-from pyport.studies.gmrt.tracks import Track, tracks
 
 #: A coefficient agrees with the published one within this many combined sigmas.
 SIGMAS = 3.0

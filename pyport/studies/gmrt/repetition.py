@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCMIN, HOUR, Array
-from pyport.studies.gmrt.curves import Curve
-from pyport.studies.gmrt.tracks import Track, line
+from pyport.studies.gmrt.curves import Curve, Track, line
 
 #: The paper's own list: section 5 (b).
 NAMED = ("C12", "C13", "E03", "S03", "W02")

@@ -19,9 +19,8 @@ from pyport.fitting.soundness import doubts
 from pyport.least_squares.gram import inverse_of, inverted
 from pyport.pointing import PARAMETERS, Rt32Model, kernel
 from pyport.pointing.model import linear_columns
-from pyport.recordings.schema import Recordings, Stack, stack
-from pyport.studies.rt32.campaigns import BoxStep
-from pyport.studies.rt32.losses import LEVEL, METHODS, Tune, Tuned, variance
+from pyport.recordings.schema import Recordings, Stack, group, stack
+from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tune, Tuned, variance
 from pyport.threads import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
@@ -245,3 +244,46 @@ def _halves(columns: Array, is_y: NDArray[np.bool_]) -> list[tuple[slice, Codes,
         which = np.flatnonzero(columns[rows].any(axis=0))
         found.append((rows, which, np.ascontiguousarray(columns[rows][:, which].T)))
     return found
+
+
+_DAY_S = 86400.0
+
+
+def bootstrap(fit: Rt32Fit, draws: int = 300, seed: int = 0) -> Array:
+    """Return the parameters of `draws` campaigns made of sessions of this one, shape (draws, P).
+
+    Errors that last as long as a session make formal sigmas too small; sessions,
+    drawn with replacement, are as independent as anything that was measured. The
+    model is taken as linear about the fit, the scale of the loss is held, votes
+    are weighed anew.
+
+    Raises `BadInput`: there are fewer than two sessions.
+    """
+    session = sessions(fit.recordings)[fit.stack.row]
+    count = int(session.max()) + 1
+    if count < 2:
+        raise BadInput("one session: expected two or more to draw from", fit.recordings.file)
+    rng = np.random.default_rng(seed)
+    drawn = np.empty((draws, len(fit.values)))
+    for k in range(draws):
+        times = np.bincount(rng.integers(count, size=count), minlength=count)[session]
+        change, _, _, _ = settle(
+            fit.columns, fit.residual, fit.stack.is_y, lambda _: fit.tuned, times * fit.prior
+        )
+        drawn[k] = fit.values + change
+    return drawn
+
+
+def honest_sigmas(fit: Rt32Fit) -> Array:
+    """Return how far drawn parameters scatter [rad], shape (P,); NaN with one session only."""
+    if sessions(fit.recordings).max() == 0:
+        return np.full(len(fit.values), np.nan)
+    return bootstrap(fit).std(axis=0, ddof=1)
+
+
+def sessions(recordings: Recordings) -> Codes:
+    """Return the number of each recording's session, or of its day; all are one without times."""
+    if "session" in recordings.at or "time" not in recordings.at:
+        return group(recordings, ("session",))[0]
+    day = np.floor(recordings.at.numbers("time") / _DAY_S)
+    return np.unique(day, return_inverse=True)[1]

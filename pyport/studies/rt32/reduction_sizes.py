@@ -200,6 +200,15 @@ def text() -> str:
     return "\n".join(lines)
 
 
+def as_json() -> dict[str, object]:
+    """Return the sizes of each step, the campaigns' orientations and what astropy says."""
+    return {
+        "sizes_arcsec": sizes(),
+        "orientations": orientations(),
+        "against_astropy_arcsec": against_astropy(),
+    }
+
+
 def _orientation(one: Orientation) -> list[str]:
     metres = one.pole[1] * _METRES_PER_ARCSEC
     turn = max(map(abs, one.ut1_utc_s)) * ARCSEC_PER_SECOND

@@ -7,7 +7,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.examiner.ideal import efficiency, observer
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.projection import altaz_columns
+from pyport.examiner.worlds.mount import altaz_columns
 
 
 def drawn(n=80, form=None, **noise):

@@ -10,14 +10,13 @@ from click.testing import CliRunner
 from pyport.cli.dev.trials import command
 from pyport.examiner.sealed import examine as examining
 from pyport.examiner.sealed import judge as judging
-from pyport.examiner.sealed import page, seal, skill
+from pyport.examiner.sealed import page, seal
 from pyport.examiner.sealed.examine import examine
-from pyport.examiner.sealed.files import write_recordings
-from pyport.examiner.sealed.intervals import Rate
+from pyport.examiner.sealed.files import Rate, write_recordings
 from pyport.examiner.sealed.judge import judge
 from pyport.examiner.sealed.published import read_json
 from pyport.examiner.worlds.kinds import make_case
-from pyport.examiner.worlds.projection import altaz_columns
+from pyport.examiner.worlds.mount import altaz_columns
 
 
 def finding(effect, *members, verdict="named", **more):
@@ -165,7 +164,7 @@ def test_skill_is_what_was_gained_of_what_could_be(tmp_path, share, expected):
     write_recordings(case, recordings)
     _predict(case, share, rows)
 
-    gained, gainable = skill.skill(case, recordings, rows)
+    gained, gainable = examining.skill(case, recordings, rows)
 
     assert gained / gainable == pytest.approx(expected, abs=0.03)
 

@@ -11,7 +11,7 @@ from pyport.effects import CATALOGUE
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.faults import SWALLOWED
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
-from pyport.examiner.worlds.projection import altaz_columns
+from pyport.examiner.worlds.mount import altaz_columns
 from pyport.recordings import read
 
 #: Causes whose place has to be searched for first: no member of the family is the very one.

@@ -7,7 +7,7 @@ from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.examiner.worlds.faults import CATALOGUED, SWALLOWED, UNCATALOGUED
 from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, TWINS, make_case
-from pyport.examiner.worlds.projection import Base
+from pyport.examiner.worlds.mount import Base
 
 ROWS = 240
 

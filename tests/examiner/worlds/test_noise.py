@@ -4,9 +4,15 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCSEC
-from pyport.examiner.worlds.campaign import campaign, gappy_campaign, usual_noise
+from pyport.examiner.worlds.campaign import (
+    Noise,
+    campaign,
+    draw,
+    gappy_campaign,
+    rounded,
+    usual_noise,
+)
 from pyport.examiner.worlds.earth import wander
-from pyport.examiner.worlds.noise import Noise, draw, rounded
 
 ROWS = 8000
 

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.angles import ARCMIN
-from pyport.cli.offsets import command
+from pyport.cli.files import offsets
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings.scans import averages, fit_peak, measure, offset_along_scan
@@ -134,7 +134,7 @@ def test_second_round_is_near_zero(tmp_path):
     truths = [("W01", "el", 1, 9.0, 1.0), ("W01", "el", 2, 0.1, 1.0), ("W02", "el", 2, 5.0, 1.0)]
     path = write_scans(tmp_path / "scans.csv", truths, np.random.default_rng(6))
 
-    done = CliRunner().invoke(command, [str(path)])
+    done = CliRunner().invoke(offsets, [str(path)])
 
     assert done.exit_code == 0
     lines = done.output.splitlines()
@@ -152,8 +152,8 @@ def test_written_recordings(tmp_path):
         tmp_path / "good.csv", [("W01", "el", 1, 3.0, 0.0)], np.random.default_rng(8)
     )
 
-    nothing = CliRunner().invoke(command, [str(path), "-o", str(tmp_path / "none.csv")])
-    done = CliRunner().invoke(command, [str(good), "-o", str(tmp_path / "offsets.csv")])
+    nothing = CliRunner().invoke(offsets, [str(path), "-o", str(tmp_path / "none.csv")])
+    done = CliRunner().invoke(offsets, [str(good), "-o", str(tmp_path / "offsets.csv")])
 
     assert nothing.exit_code == done.exit_code == 0
     assert nothing.output.count("excluded: no peak") == 8

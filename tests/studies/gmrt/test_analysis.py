@@ -11,13 +11,12 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.angles import ARCMIN, DEG, HOUR
-from pyport.cli.study.gmrt import command
+from pyport.cli.study import gmrt
 from pyport.recordings import read, sky
-from pyport.studies.gmrt import places
-from pyport.studies.gmrt.curves import curve, curves
+from pyport.studies.gmrt import summary
+from pyport.studies.gmrt.curves import Track, curve, curves, tracks
 from pyport.studies.gmrt.refits import printed_sigma_factors
 from pyport.studies.gmrt.repetition import NAMED, jumps_at_transit, mirrors, repeatability
-from pyport.studies.gmrt.tracks import Track, tracks
 
 LATITUDE, DEC = 19.1 * DEG, 40.74 * DEG
 
@@ -79,8 +78,8 @@ def test_place_and_curve_by_spherical_trigonometry(north, on):
     shifted = hour_angle + on * ARCMIN, np.full(41, DEC), LATITUDE + north * ARCMIN
     seen = np.cos(computed) * (sky.horizon(*shifted)[1] - computed)
 
-    true = places.wave_of_place(north * ARCMIN, on * ARCMIN, DEC, LATITUDE)(hour_angle)
-    printed = places.wave_as_printed(north * ARCMIN, on * ARCMIN, DEC, LATITUDE)(hour_angle)
+    true = summary.wave_of_place(north * ARCMIN, on * ARCMIN, DEC, LATITUDE)(hour_angle)
+    printed = summary.wave_as_printed(north * ARCMIN, on * ARCMIN, DEC, LATITUDE)(hour_angle)
 
     assert np.abs(seen - true).max() < 0.03 * ARCMIN
     assert np.abs(seen - printed).max() > 1 * ARCMIN
@@ -88,11 +87,11 @@ def test_place_and_curve_by_spherical_trigonometry(north, on):
 
 def test_place_from_the_curve():
     """The odd part gives the displacement in hour angle, a and b cos d each the one in latitude."""
-    wave = places.wave_of_place(2 * ARCMIN, 5 * ARCMIN, DEC, LATITUDE)
+    wave = summary.wave_of_place(2 * ARCMIN, 5 * ARCMIN, DEC, LATITUDE)
     sine = -wave.b * np.sin(wave.d)
 
-    on, _ = places.further_on((sine, 0.0), DEC, LATITUDE)
-    norths = places.further_north_twice(wave.a, wave.b * np.cos(wave.d), DEC, LATITUDE)
+    on, _ = summary.further_on((sine, 0.0), DEC, LATITUDE)
+    norths = summary.further_north_twice(wave.a, wave.b * np.cos(wave.d), DEC, LATITUDE)
 
     assert on / ARCMIN == pytest.approx(5)
     assert np.array(norths) / ARCMIN == pytest.approx([2, 2])
@@ -101,7 +100,7 @@ def test_place_from_the_curve():
 def test_a_cut_day_bends_the_coefficients():
     """The a of a displaced antenna depends on the hours fitted: by arcminutes at the arms' ends."""
     cut, whole = (
-        places.wave_fitted_to_place(0, 7 * ARCMIN, DEC, LATITUDE, hours)
+        summary.wave_fitted_to_place(0, 7 * ARCMIN, DEC, LATITUDE, hours)
         for hours in ((-3.75, 1.72), (-3.75, 3.75))
     )
 
@@ -184,7 +183,7 @@ def test_displacements_against_the_survey(june):
         longitude = {row["name"]: float(row["dlon_deg"]) for row in csv.DictReader(file)}
     found = [one for one in curves(june, times_cos_el=True) if one.track.session == "2003-06-02"]
 
-    on = [places.further_on(one.odd, DEC, LATITUDE)[0] for one in found]
+    on = [summary.further_on(one.odd, DEC, LATITUDE)[0] for one in found]
     surveyed = [longitude[one.track.antenna] * DEG for one in found]
 
     assert np.corrcoef(on, surveyed)[0, 1] > 0.9
@@ -193,7 +192,7 @@ def test_displacements_against_the_survey(june):
 @pytest.mark.slow
 def test_command(tmp_path):
     """`pyport study gmrt` prints every part and draws the paper's four figures."""
-    done = CliRunner().invoke(command, ["--out", str(tmp_path)])
+    done = CliRunner().invoke(gmrt, ["--out", str(tmp_path)])
 
     assert done.exit_code == 0
     for part in ("Recovery", "Curves", "Places", "Repeatability", "Mirror images", "Transit"):

@@ -8,10 +8,9 @@ import pytest
 from pyport.angles import ARCMIN, DEG, HOUR
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.recordings import sky
-from pyport.studies.gmrt.curves import columns
-from pyport.studies.gmrt.hours import continued, hours, until
+from pyport.studies.gmrt.curves import Track, columns
+from pyport.studies.gmrt.figures import continued, hours, until
 from pyport.studies.gmrt.published import Wave
-from pyport.studies.gmrt.tracks import Track
 
 DEC, LATITUDE = 40.7 * DEG, 19.1 * DEG
 LEFT = np.arange(-3.75, 1.5, 0.25) * HOUR

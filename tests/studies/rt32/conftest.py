@@ -7,7 +7,7 @@ from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.rt32_campaign import rt32_campaign
 from pyport.recordings import read
 from pyport.studies.rt32 import METHODS, box_step, fit_rt32
-from pyport.studies.rt32.bootstrap import honest_sigmas
+from pyport.studies.rt32.fit import honest_sigmas
 
 
 @pytest.fixture(scope="session")

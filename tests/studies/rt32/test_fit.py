@@ -12,7 +12,7 @@ from pyport.errors import BadInput
 from pyport.pointing import Rt32Model, printed, printed_sigmas
 from pyport.recordings.schema import Recordings
 from pyport.studies.rt32 import LEVEL, METHODS, BoxStep, box_step, fit_rt32
-from pyport.studies.rt32.bootstrap import bootstrap, honest_sigmas, sessions
+from pyport.studies.rt32.fit import bootstrap, honest_sigmas, sessions
 
 
 def without_noise(seed=0, n=600, **more):

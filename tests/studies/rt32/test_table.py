@@ -8,9 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.cli.fit import command as fit_command
-from pyport.cli.study.rt32 import command as rt32_command
-from pyport.studies.rt32 import METHODS, box_step, fit_rt32, table
-from pyport.studies.rt32.bootstrap import honest_sigmas
+from pyport.cli.study import rt32 as rt32_command
+from pyport.studies.rt32 import METHODS, box_step, fit_rt32
+from pyport.studies.rt32 import document as table
+from pyport.studies.rt32.fit import honest_sigmas
 
 
 def test_table_says_what_the_published_one_says(document, honest):

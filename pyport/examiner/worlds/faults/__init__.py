@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pyport.examiner.worlds.faults import heavens, mount, moving, surroundings, times, uncatalogued
-from pyport.examiner.worlds.faults.base import Draw, Fault
+from pyport.examiner.worlds.faults import heavens, mount, surroundings, uncatalogued
+from pyport.examiner.worlds.faults.surroundings import Draw, Fault
 
 #: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`).
 CATALOGUED: dict[str, Draw] = {
     **mount.FAULTS,
     **heavens.FAULTS,
-    **moving.FAULTS,
+    **surroundings.MOVING,
     **surroundings.FAULTS,
-    **times.FAULTS,
+    **surroundings.TIMES,
 }
 
 #: Causes that no catalogue names.

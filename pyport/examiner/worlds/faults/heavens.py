@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.examiner.worlds.earth import orientation
-from pyport.examiner.worlds.faults.base import Draw, Fault
+from pyport.examiner.worlds.faults.surroundings import Draw, Fault
 from pyport.examiner.worlds.schedule import with_planet
 from pyport.examiner.worlds.world import World
 

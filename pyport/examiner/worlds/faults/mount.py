@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
-from pyport.examiner.worlds.faults.base import Draw, Fault, on_mount, phase
+from pyport.examiner.worlds.faults.surroundings import Draw, Fault, on_mount, phase
 from pyport.examiner.worlds.mount import Wave
 from pyport.examiner.worlds.world import World, believed
 

@@ -2,11 +2,102 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
 import numpy as np
 
-from pyport.angles import DEG
-from pyport.examiner.worlds.faults.base import Draw, Fault, on_mount, phase
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.examiner.worlds.world import World
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One hidden cause, its shape drawn, its size still open."""
+
+    effect: str  #: its name in the catalogue of effects, or "unknown" where it is in none
+    apply: Callable[[World, float], World]  #: (world, size) -> the world with it
+    unit: str = "arcsec"  #: what a size of 1 is
+    pilot: float = 30.0  #: a size at which its offsets are of the order of half a minute of arc
+    #: True where nature gives the size (1), so that the noise has to be scaled instead.
+    fixed: bool = False
+    #: Names that no recordings of this plan can distinguish from it, besides its own.
+    same: tuple[str, ...] = ()
+    #: Names that may rightly be spoken as well, because they are part of it.
+    beside: tuple[str, ...] = ()
+    #: Where it shows, as a report would say it: axes, subset, region, curve, since.
+    where: dict[str, Any] = field(default_factory=dict)
+    facts: dict[str, Any] = field(default_factory=dict)  #: what was drawn
+    #: Coefficients as the catalogue names them, for each unit of size.
+    parameters: dict[str, float] = field(default_factory=dict)
+
+
+Draw = Callable[[World, np.random.Generator], Fault]
+
+
+def on_mount(effect: str, axes: tuple[str, ...], parts: dict[str, Any], **more: Any) -> Fault:  # noqa: ANN401 - the rest of a Fault
+    """Return a fault that adds `parts` (per arcsecond of size) to fields of the mount."""
+
+    def apply(world: World, size: float) -> World:
+        return world.with_mount(**{name: size * ARCSEC * value for name, value in parts.items()})
+
+    where = {"axes": list(axes), **more.pop("where", {})}
+    return Fault(effect, apply, where=where, **more)
+
+
+def phase(rng: np.random.Generator) -> tuple[float, float, float]:
+    """Return a random angle [rad], its sine and its cosine."""
+    angle = rng.uniform(0, 2 * np.pi)
+    return angle, float(np.sin(angle)), float(np.cos(angle))
+
+
+def scan_direction(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001 - world unused
+    """Draw play that makes forward and reverse scans differ, in both axes."""
+    az, el = rng.uniform(0.4, 1.0, 2) * rng.choice([-1, 1], 2)
+
+    def apply(world: World, size: float) -> World:
+        return world.with_drive(hysteresis_az=size * ARCSEC * az, hysteresis_el=size * ARCSEC * el)
+
+    return Fault("scan_direction", apply, where={"axes": ["xel", "el"]})
+
+
+def scan_timing(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
+    """Draw time tags that are late, in every scan alike."""
+    return Fault(
+        "scan_timing",
+        lambda world, size: world.with_drive(tag_s=size),
+        unit="s",
+        pilot=1.0,
+        where={"axes": ["xel", "el"]},
+        parameters={"time_tag": 1.0},
+    )
+
+
+def _drive(effect: str, part: str, axis: str, unit: str, pilot: float) -> Draw:
+    scale = ARCSEC if unit == "arcsec" else 1.0
+
+    def draw(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
+        return Fault(
+            effect,
+            lambda world, size: world.with_drive(**{part: size * scale}),
+            unit=unit,
+            pilot=pilot,
+            where={"axes": [axis]},
+        )
+
+    return draw
+
+
+MOVING: dict[str, Draw] = {
+    "scan_direction": scan_direction,
+    "scan_timing": scan_timing,
+    "backlash_azimuth": _drive("backlash_azimuth", "slack_az", "xel", "arcsec", 30.0),
+    "backlash_elevation": _drive("backlash_elevation", "slack_el", "el", "arcsec", 30.0),
+    "servo_lag_azimuth": _drive("servo_lag_azimuth", "lag_az_s", "xel", "s", 2.0),
+    "servo_lag_elevation": _drive("servo_lag_elevation", "lag_el_s", "el", "s", 2.0),
+}
 
 
 def thermal_tilt(world: World, rng: np.random.Generator) -> Fault:
@@ -65,4 +156,62 @@ FAULTS: dict[str, Draw] = {
     "temperature": temperature,
     "receiver_offset": receiver_offset,
     "beam_squint": beam_squint,
+}
+
+
+_DAY_S = 86400.0
+
+
+def _since(world: World, rng: np.random.Generator) -> tuple[Array, str]:
+    """Draw a moment between two sessions; return after (1) or before (0), and its ISO time."""
+    plan = world.plan
+    first = np.unique(plan.labels["session"], return_index=True)[1]
+    middle = np.sort(first[1:])
+    row = int(rng.choice(middle[(middle > len(plan) / 6) & (middle < 5 * len(plan) / 6)]))
+    moment = (plan.time_s[row - 1] + plan.time_s[row]) / 2
+    text = datetime.fromtimestamp(round(moment), UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return np.where(plan.time_s >= moment, 1.0, 0.0), text
+
+
+def epoch_offset(world: World, rng: np.random.Generator) -> Fault:
+    """Draw a day on which the zeros moved."""
+    after, text = _since(world, rng)
+    _, sin, cos = phase(rng)
+    return on_mount(
+        "epoch_offset",
+        ("xel", "el"),
+        {"beam_left": sin * after, "elevation_zero": cos * after},
+        where={"since": text},
+    )
+
+
+def epoch_tilt(world: World, rng: np.random.Generator) -> Fault:
+    """Draw a day on which the lean of the azimuth axis changed."""
+    after, text = _since(world, rng)
+    _, sin, cos = phase(rng)
+    parts = {"tilt_east": sin * after, "tilt_north": cos * after}
+    return on_mount("epoch_tilt", ("xel", "el"), parts, where={"since": text})
+
+
+def epoch_sag(world: World, rng: np.random.Generator) -> Fault:
+    """Draw a day on which a weight was added to the dish."""
+    after, text = _since(world, rng)
+    return on_mount("epoch_sag", ("el",), {"sag_cosine": after}, where={"since": text})
+
+
+def drift(world: World, rng: np.random.Generator) -> Fault:
+    """Draw a structure that creeps, ever more slowly, through the whole campaign."""
+    time_s = world.plan.time_s
+    run = (time_s - time_s[0]) / max(time_s[-1] - time_s[0], _DAY_S)
+    crept = (1 - np.exp(-run * 1.2)) / (1 - np.exp(-1.2))
+    _, sin, cos = phase(rng)
+    parts = {"beam_left": sin * crept, "elevation_zero": cos * crept}
+    return on_mount("drift", ("xel", "el"), parts)
+
+
+TIMES: dict[str, Draw] = {
+    "epoch_offset": epoch_offset,
+    "epoch_tilt": epoch_tilt,
+    "epoch_sag": epoch_sag,
+    "drift": drift,
 }

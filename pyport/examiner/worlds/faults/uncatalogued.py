@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.examiner.worlds.earth import wander
-from pyport.examiner.worlds.faults.base import Draw, Fault, phase
+from pyport.examiner.worlds.faults.surroundings import Draw, Fault, phase
 from pyport.examiner.worlds.world import World, believed
 
 _DAY_S = 86400.0

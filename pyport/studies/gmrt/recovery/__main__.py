@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pyport.files import write_whole
 from pyport.recordings.files import DATA
-from pyport.studies.gmrt.recovery import build, notes
+from pyport.studies.gmrt.recovery import build, checks
 
 
 def main() -> None:
     """Write every file of recordings, Table 18, and the figures of the README."""
     build.write_all(DATA)
-    text = notes.readme()
-    with write_whole(notes.README) as file:
+    text = checks.readme()
+    with write_whole(checks.README) as file:
         file.write(text)
 
 

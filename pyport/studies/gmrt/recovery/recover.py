@@ -13,9 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import Array
-from pyport.studies.gmrt.recovery.align import alignment
-from pyport.studies.gmrt.recovery.expect import expected_offsets
-from pyport.studies.gmrt.recovery.printed import NO_PEAK
+from pyport.studies.gmrt.recovery.printed import NO_PEAK, alignment, expected_offsets
 
 #: Turns of expectation and alignment; the cells vouched for stand still after four.
 TURNS = 6

@@ -7,10 +7,9 @@ import pytest
 
 from pyport.angles import ARCMIN, HOUR
 from pyport.recordings import read
-from pyport.studies.gmrt.published import SHIFTED, table_18
+from pyport.studies.gmrt.published import CRAB, CYG_A, SESSIONS, SHIFTED, table_18
 from pyport.studies.gmrt.recovery import checks, printed
 from pyport.studies.gmrt.recovery.cells import scans
-from pyport.studies.gmrt.sessions import CRAB, CYG_A, SESSIONS
 
 MARCH, MAY, *JUNE = SESSIONS
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pyport.studies.gmrt.recovery.align import alignment
+from pyport.studies.gmrt.published import SESSIONS
 from pyport.studies.gmrt.recovery.cells import VOUCHED
-from pyport.studies.gmrt.recovery.garble import garbled
+from pyport.studies.gmrt.recovery.printed import alignment
 from pyport.studies.gmrt.recovery.recover import Numbers, recover
-from pyport.studies.gmrt.sessions import SESSIONS
+from pyport.studies.gmrt.recovery.recovery import garbled
 
 
 @pytest.mark.slow
@@ -83,7 +83,7 @@ def test_probabilities_add_up():
 
 def test_alignment_of_two_cells_and_one_column_by_hand():
     """The forward and backward sums agree with the three ways through written out."""
-    from pyport.studies.gmrt.recovery.align import EXTRA, FOREIGN, LOST, MATCH, STEPS
+    from pyport.studies.gmrt.recovery.printed import EXTRA, FOREIGN, LOST, MATCH, STEPS
 
     like, back = np.array([0.3, 0.2]), np.array([0.05, 0.07])
     first = STEPS[MATCH, MATCH] * like[0] * STEPS[MATCH, EXTRA] * back[1]

@@ -11,9 +11,9 @@ import pytest
 from pyport.angles import ARCMIN, DEG
 from pyport.recordings import read
 from pyport.recordings.files import DATA, NAMES, shipped
-from pyport.studies.gmrt.recovery import build, notes, printed
+from pyport.studies.gmrt.published import ANTENNAS, SESSIONS, utc_seconds
+from pyport.studies.gmrt.recovery import build, checks, printed
 from pyport.studies.gmrt.recovery.recovery import recovery
-from pyport.studies.gmrt.sessions import ANTENNAS, SESSIONS, utc_seconds
 
 DAYS = [session for session in SESSIONS if session.table != 13]
 JUNE = [session for session in SESSIONS if "2003-06" in session.date]
@@ -35,7 +35,7 @@ def test_made_from_the_printed_tables(tmp_path):
     assert {made.name for made in tmp_path.iterdir()} == {
         shipped.name for shipped in DATA.iterdir()
     }
-    assert notes.readme() == notes.README.read_text()
+    assert checks.readme() == checks.README.read_text()
 
 
 @pytest.mark.parametrize("session", SESSIONS, ids=lambda session: session.date)

@@ -1,8 +1,9 @@
-"""`pyport dev thresholds`: the numbers that decide what a diagnosis says, and why each is so."""
+"""Commands that list what the program knows: effects, keys of a report, numbers that decide."""
 
 from __future__ import annotations
 
 import ast
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -10,7 +11,8 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import effects as completed
+from pyport.cli.manners import in_json, plain, say
 from pyport.errors import BadInput
 
 _COMMENT = re.compile(
@@ -89,20 +91,79 @@ def put_between(text: str, mark: str, table: str) -> str:
     return f"{head}{begin}{table}{end}{rest.split(end, 1)[1]}"
 
 
+def rewrite(page: Path, mark: str, table: str) -> None:
+    """Write a page anew with a table between two marks."""
+    from pyport.files import write_whole
+
+    text = put_between(page.read_text(encoding="utf-8"), mark, table)
+    with write_whole(page) as file:
+        file.write(text)
+
+
 @click.command("thresholds", epilog="Example: pyport dev thresholds")
 @click.option("--into", type=click.Path(exists=True, dir_okay=False), help="The page to rewrite.")
 @in_json
-def command(into: str | None, *, as_json: bool) -> None:
+def thresholds(into: str | None, *, as_json: bool) -> None:
     """List the numbers that decide what a diagnosis says: unit, reason, both wrong sides.
 
     With --into the table of that page is written anew.
     """
-    from pyport.files import write_whole
-
     found = shipped()
     if into is None:
         say(lambda: listing(found), {"thresholds": [asdict(one) for one in found]}, as_json=as_json)
+    else:
+        rewrite(Path(into), "thresholds", markdown(found))
+
+
+@click.command("effects", epilog="Example: pyport dev effects refraction")
+@click.argument("names", nargs=-1, metavar="[EFFECT]...", shell_complete=completed)
+@click.option("--mount", "kind", default="altaz", show_default=True, help="Whose words are said.")
+@click.option("--markdown", "page", is_flag=True, help="The document on the physics, not a list.")
+@click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
+@in_json
+def effects(
+    names: tuple[str, ...], kind: str, output: str | None, *, page: bool, as_json: bool
+) -> None:
+    """List the catalogue of effects: what each is, needs, and is degenerate with.
+
+    With the name of one or more effects, those alone.
+    """
+    from pyport.effects import describe
+    from pyport.mounts import ALTAZ, KINDS
+
+    if kind not in KINDS:
+        raise click.UsageError(f"no mount is called {kind!r}; there are {', '.join(KINDS)}")
+    mount = KINDS[kind]
+    if page and (names or mount is not ALTAZ):
+        raise click.UsageError("the document is of the whole catalogue: give --markdown alone")
+    if as_json:
+        text = json.dumps(plain(describe.entries(names, mount)), indent=1) + "\n"
+    else:
+        text = describe.markdown() if page else describe.listing(names, mount)
+    _put(text, output)
+
+
+@click.command("keys", epilog="Example: pyport dev keys -o docs/report.md")
+@click.option("-o", "--out", type=click.Path(dir_okay=False), help="File to write.")
+@in_json
+def keys(out: str | None, *, as_json: bool) -> None:
+    """List the keys of report.json, as the page of the manual has them."""
+    from pyport.report.keys import keys as listed
+    from pyport.report.keys import markdown as document
+
+    if out is None and as_json:
+        head = ("key", "type", "meaning")
+        say("", [dict(zip(head, one, strict=True)) for one in listed()], as_json=True)
+    else:
+        _put(document(), out)
+
+
+def _put(text: str, path: str | None) -> None:
+    """Write a text to a file, or print it."""
+    from pyport.files import write_whole
+
+    if path is None:
+        click.echo(text, nl=False)
         return
-    text = put_between(Path(into).read_text(encoding="utf-8"), "thresholds", markdown(found))
-    with write_whole(into) as file:
+    with write_whole(path) as file:
         file.write(text)

@@ -1,0 +1,280 @@
+"""Commands that find what a model leaves out, draw it, and say who predicts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pyport.cli.about import about_file
+from pyport.cli.manners import beside_model
+from pyport.cli.manners import recordings as named
+
+if TYPE_CHECKING:
+    from pyport.recordings.raw import FileOptions
+import json
+
+from pyport.cli.manners import models
+
+
+@click.command(
+    "diagnose",
+    epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
+)
+@click.argument("recordings", nargs=-1, required=True, shell_complete=named)
+@beside_model
+@click.option(
+    "--refit",
+    default="all",
+    show_default=True,
+    metavar="all|none|NAME,NAME",
+    help="Which of the model's effects are refitted together with those under test.",
+)
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
+@click.option("--jobs", default=1, show_default=True, help="Processes that share the work.")
+@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the work.")
+@click.option(
+    "--each",
+    metavar="LABEL",
+    help="Diagnose each value of a label by itself, from folders LABEL=VALUE: antenna, ...",
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the reports to.")
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the model completed by all findings: .toml, or another format that can hold it.",
+)
+@click.option(
+    "--antennas",
+    type=click.Path(path_type=Path),
+    help="CSV file of surveyed antenna positions to compare with: name,east_m.",
+)
+@about_file
+@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--timings", is_flag=True, help="Print how long each stage took.")
+@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
+def diagnose(
+    recordings: tuple[str, ...],
+    model: str,
+    refit: str,
+    seed: int,
+    jobs: int,
+    cluster: str | None,
+    each: str | None,
+    out: Path | None,
+    given: FileOptions,
+    save: Path | None,
+    antennas: Path | None,
+    *,
+    quiet: bool,
+    timings: bool,
+    as_json: bool,
+) -> None:
+    """Find, name and model what a pointing model leaves out of RECORDINGS.
+
+    Each file of recordings gets a folder OUT/STEM with report.html, a page that
+    needs no network, report.json, rows.csv and a picture per finding. Recordings
+    of several antennas also tell what the antennas share, what repeats, and how
+    far each stands from where its offsets were computed for. A folder of Parquet
+    files is a data set of any size: it is gone through in pieces, all of its rows
+    go into normal points.
+    """
+    from pyport import pipeline
+    from pyport.recordings.antennas import read_survey
+
+    if out is None and save is None:
+        raise click.UsageError("nothing to write: give --out FOLDER, --save MODEL.toml or both")
+    if save is not None and len(recordings) + (each is not None) > 1:
+        raise click.UsageError("--save keeps one model: give one file of recordings")
+    survey = None if antennas is None else read_survey(antennas)
+    names = recordings if each is None else pipeline.apart(recordings, each)
+    requests = pipeline.requests(
+        names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey, save=save
+    )
+    for done in pipeline.run_all(requests, jobs=jobs, cluster=cluster):
+        if as_json:
+            click.echo(done.report)
+        elif not quiet:
+            click.echo(done.summary + "\n")
+        if timings:
+            taken = sorted(done.seconds.items(), key=lambda one: -one[1])
+            parts = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in taken)
+            click.echo(f"{sum(done.seconds.values()):.2f} s: {parts}\n", err=as_json)
+
+
+@click.command(
+    "predict",
+    epilog="Example: pyport predict offsets.csv --against published.mod --on another-night.csv",
+)
+@click.argument("recordings", shell_complete=named)
+@click.option(
+    "--model",
+    default="altaz",
+    show_default=True,
+    shell_complete=models,
+    help="The model that waves over the sky are added to: built-in, or a file.",
+)
+@click.option(
+    "--against", multiple=True, shell_complete=models, help="A model to judge; repeat for more."
+)
+@click.option(
+    "--on",
+    "nights",
+    multiple=True,
+    shell_complete=named,
+    help="Recordings of another night to predict; repeat for more.",
+)
+@click.option(
+    "--rehearse",
+    is_flag=True,
+    help="Rehearse on simulated nights of telescopes that follow each of the models exactly.",
+)
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
+@about_file
+@click.option(
+    "--grid",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the model with waves over the sky, with its errors, as CSV.",
+)
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for prediction.json.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def predict(
+    recordings: str,
+    model: str,
+    against: tuple[str, ...],
+    nights: tuple[str, ...],
+    seed: int,
+    given: FileOptions,
+    grid: Path | None,
+    out: Path | None,
+    *,
+    rehearse: bool,
+    as_json: bool,
+) -> None:
+    """Compare models by how they predict RECORDINGS that they were not fitted to.
+
+    Pointings here and there, bands of elevation and sectors of azimuth are left
+    out in turn. The model with waves is the model and smooth waves over the sky, all of
+    them, shrunk as far as the readings that it may see say: for pointing, not for
+    naming. A model of more terms also meets as many terms that are
+    picked automatically, held and picked anew: what that costs is what picking costs.
+    """
+    from pyport.files import write_whole
+    from pyport.formats.models import load
+    from pyport.prediction import rehearsal, words
+    from pyport.prediction.compare import compare
+    from pyport.progress import working
+    from pyport.recordings import read
+
+    if rehearse and not against:
+        raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
+    measured, first = read(recordings, given), load(model)
+    rivals = [load(one) for one in against]
+    with working("comparing") as tell:
+        done = compare(
+            measured,
+            first,
+            rivals,
+            [read(one, given) for one in nights],
+            seed=seed,
+            tell=tell,
+        )
+        rehearsals: list[rehearsal.Rehearsal] = []
+        for one in rivals if rehearse else ():
+            tell(f"rehearsing with {one.name}")
+            rehearsals += rehearsal.rehearse(measured, first, one, seed=seed)
+        if grid is not None:
+            from pyport.prediction.rehearsal import write_grid
+
+            write_grid(measured, first, grid)
+    whole = json.dumps(words.as_json(done, rehearsals), indent=1, allow_nan=False)
+    if out is not None:
+        with write_whole(out / "prediction.json") as file:
+            file.write(whole + "\n")
+    text = words.text(done) + ("\n" + words.of_rehearsals(rehearsals) if rehearsals else "")
+    click.echo(whole if as_json else text)
+
+
+@click.command(
+    "plot",
+    epilog="Example: pyport plot offsets.csv --panel sky --panel against-el --out figures",
+)
+@click.argument("recordings", shell_complete=named)
+@beside_model
+@click.option(
+    "--of",
+    "what",
+    type=click.Choice(["diagnosis", "fit"]),
+    default="diagnosis",
+    show_default=True,
+    help="Draw what a diagnosis finds, or a fit alone.",
+)
+@click.option(
+    "--panel",
+    "names",
+    multiple=True,
+    metavar="NAME",
+    help="A panel such as sky, azel, against-el, against-time, distributions; repeat for more. "
+    "Without it, all of them.",
+)
+@click.option(
+    "--format",
+    "kinds",
+    type=click.Choice(["pdf", "png", "svg"]),
+    multiple=True,
+    default=("pdf",),
+    show_default=True,
+    help="Repeat for more than one.",
+)
+@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
+@about_file
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
+@click.option("--json", "as_json", is_flag=True, help="Print the files' names as JSON.")
+def plot(
+    recordings: str,
+    model: str,
+    what: str,
+    names: tuple[str, ...],
+    kinds: tuple[str, ...],
+    seed: int,
+    given: FileOptions,
+    out: Path,
+    *,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Draw the panels of a diagnosis or fit of RECORDINGS, each as a file for print.
+
+    Axes bear their units; colours can be distinguished by every eye, also in grey.
+    """
+    from pyport import page, plots
+    from pyport.formats.models import load
+    from pyport.progress import track, working
+    from pyport.recordings import read
+
+    measured, wanted = read(recordings, given), load(model)
+    if what == "fit":
+        from pyport.fitting.fit import fit
+
+        picture, story = page.of_fit(fit(measured, wanted))
+    else:
+        from pyport.diagnosis.diagnose import diagnose
+
+        with working("diagnosing") as tell:
+            found_out = diagnose(measured, wanted, seed=seed, tell=tell)
+        picture, story = page.of_diagnosis(found_out)
+    found = plots.panels(picture, story)
+    for name in names:
+        if name not in found:
+            raise click.UsageError(f"--panel: no panel {name!r}, there are {', '.join(found)}")
+    paths = []
+    for name in track(names or list(found), "drawing"):
+        figure = found[name]()
+        paths += [plots.write(figure, out / f"{name}.{kind}") for kind in dict.fromkeys(kinds)]
+    if as_json:
+        click.echo(json.dumps([str(path) for path in paths]))
+    elif not quiet:
+        click.echo("\n".join(map(str, paths)))
