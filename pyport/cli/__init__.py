@@ -50,7 +50,6 @@ FORMER = {
 
 
 def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001 - click's signature
-    """Print the version and what computes."""
     if wanted and not context.resilient_parsing:
         from pyport.pointing import kernel
 

@@ -78,7 +78,6 @@ def apply(
 
 
 def _csv(done: Applied) -> str:
-    """Return a table as CSV text."""
     import csv
     import io
 
@@ -100,7 +99,6 @@ def _spelled(name: str, cells: list[object], done: Applied) -> list[object]:
 
 
 def _words(done: Applied) -> list[str]:
-    """Return what there is to say beside the table."""
     found = []
     if done.skipped:
         found.append(f"{done.skipped} rows tell no direction")
@@ -179,7 +177,6 @@ def compare(
 
 
 def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
-    """Print the table of signs and leave."""
     if value:
         from pyport.formats.conventions import table
 

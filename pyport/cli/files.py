@@ -84,7 +84,6 @@ def mask(
 
 
 def _chosen(raw: Raw, lines: str, outliers: str, given: FileOptions) -> tuple[int, ...]:
-    """Return the lines that the options name."""
     from pyport.recordings import masks
     from pyport.recordings.interpret import interpret
 
@@ -137,7 +136,6 @@ def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
 
 
 def _told(one: Average) -> dict[str, object]:
-    """Return an average for other programs, in arcminutes."""
     from pyport.angles import ARCMIN
 
     return {

@@ -42,7 +42,6 @@ def _proposed(name: str, given: FileOptions) -> dict[str, str]:
 
 
 def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bool) -> None:
-    """Print a proposed map, and how it is used."""
     if as_json:
         click.echo(json.dumps({"columns": found}, indent=1))
         return

@@ -147,7 +147,7 @@ def matrix(config: Path | None, points: int, *, as_json: bool) -> None:
     if not description.matrix:
         raise click.UsageError("no builds to compare: expected `matrix` in [fortran]")
     content = builds.matrix(description, points)
-    say(builds.show(content), content, as_json=as_json)
+    say(builds.show_matrix(content), content, as_json=as_json)
     _keep(description, "matrix", content)
 
 

@@ -59,7 +59,6 @@ def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
 
 
 def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
-    """Return the tracks of June, and what each part of the analysis says of them."""
     from pyport.angles import DEG
     from pyport.recordings import read
     from pyport.studies.gmrt import summary

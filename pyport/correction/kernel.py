@@ -134,7 +134,6 @@ class Kernel:
 
     @cached_property
     def _slow(self) -> tuple[tuple[Effect, Array], ...]:
-        """Return the effects that are computed as they are."""
         return tuple(one for one in self.rest if one[0].id != RT32_JUMP.id)
 
     @cached_property

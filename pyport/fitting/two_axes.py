@@ -21,29 +21,18 @@ UNLIKELY = 0.01
 
 @dataclass(frozen=True)
 class Difference:
-    """An effect's coefficients from one part of the data and from another, in internal units.
+    """An effect's coefficients from one part of the data and from another, in internal units."""
 
-    Attributes
-    ----------
-    of
-        Which of the coefficients are compared: those that either part determines, shape (k,).
-    first, second
-        Their values from each part, shape (k,).
-    sigma_first, sigma_second
-        One-sigma errors of those, shape (k,).
-    chi2
-        Square of their difference in units of its covariance.
-    p_value
-        Chance of differing so much or more when both are one.
-    """
-
+    #: Which of the coefficients are compared: those that either part determines, shape (k,).
     of: NDArray[np.intp]
+    #: `first`, `second`: their values from each part, shape (k,).
     first: Array
     second: Array
+    #: `sigma_first`, `sigma_second`: one-sigma errors of those, shape (k,).
     sigma_first: Array
     sigma_second: Array
-    chi2: float
-    p_value: float
+    chi2: float  #: square of their difference in units of its covariance
+    p_value: float  #: chance of differing so much or more when both are one
 
     @property
     def sigmas(self) -> float:
@@ -58,22 +47,13 @@ def difference(
 ) -> Difference | None:
     """Compare what two parts of the data say of an effect, everything else fitted to all.
 
-    Parameters
-    ----------
-    others
-        Columns of unit scatter of everything else in the model, shape (m, p).
-    first, second
-        Those of the effect as it acts on one part and on the other, shape (m, k) each.
-    data
-        The offsets, of unit scatter, shape (m,).
-    dof
-        Deviations from which the scatter is known.
-
-    Returns
-    -------
-    Difference | None
-        None where no coefficient is determined by either part alone. More scatter than
-        unity widens the errors; less does not narrow them.
+    `others`: columns of unit scatter of everything else in the model, shape (m, p).
+    `first`, `second`: those of the effect as it acts on one part and on the other, shape (m, k)
+      each.
+    `data`: the offsets, of unit scatter, shape (m,).
+    `dof`: deviations from which the scatter is known.
+    Returns `Difference | None`: none where no coefficient is determined by either part alone. More
+      scatter than unity widens the errors; less does not narrow them.
     """
     columns = np.concatenate([others, first, second], axis=1)
     rows = int(np.count_nonzero(data))
@@ -86,17 +66,11 @@ def from_products(
 ) -> Difference | None:
     """Return what `difference` does, from the products of its columns.
 
-    Parameters
-    ----------
-    normal, moments, total
-        Products of all columns, those of both parts last, shape (p + 2 k, p + 2 k); their
-        products with the data; the data's square.
-    k
-        How many coefficients are compared.
-    rows
-        How many data there are.
-    dof
-        Deviations from which the scatter is known.
+    `normal`, `moments`, `total`: products of all columns, those of both parts last, shape (p + 2 k,
+      p + 2 k); their products with the data; the data's square.
+    `k`: how many coefficients are compared.
+    `rows`: how many data there are.
+    `dof`: deviations from which the scatter is known.
     """
     inverse, rank, _, known = inverted(normal)
     there = known[-2 * k : -k] & known[-k:]

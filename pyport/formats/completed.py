@@ -101,7 +101,6 @@ def write_model(
 
 
 def _vocabulary(chosen: models.ModelFormat, model: Model, path: Path) -> str:
-    """Return the vocabulary that a format has for a model's mount."""
     if model.mount is ALTAZ:
         return chosen.vocabulary
     # TPOINT tells by its readings that a mount has turned over; the Field System knows no such one
@@ -115,10 +114,7 @@ def _vocabulary(chosen: models.ModelFormat, model: Model, path: Path) -> str:
 def _phi_deg(model: Model, path: Path) -> Decimal:
     """Return the elevation of a mount's first axis.
 
-    Raises
-    ------
-    BadInput
-        It depends on the latitude, which the model does not tell.
+    Raises `BadInput`: it depends on the latitude, which the model does not tell.
     """
     if model.mount.needs_latitude and model.site is None:
         raise BadInput("no latitude, and the first axis of this mount leans by it", path)
@@ -152,12 +148,10 @@ class _Told:
 
 
 def _digits(value: float, unit: str) -> Decimal:
-    """Return a value in internal units as a file has it."""
     return rounded(Decimal(repr(value / SCALES[unit])), _DECIMALS[unit])
 
 
 def _told(model: Model, path: Path) -> list[_Told]:
-    """Return every coefficient of a model that has a value."""
     known = iter(() if model.completed is None else model.completed.values)
     found = []
     for term in model.terms:

@@ -63,7 +63,6 @@ def _model(element: ET.Element, receiver: str, path: Path) -> ModelFile:
 
 
 def _name(element: ET.Element) -> str:
-    """Return an element's name without its name space."""
     return element.tag.rpartition("}")[2]
 
 

@@ -31,10 +31,7 @@ def is_description(text: str) -> bool:
 def read(path: Path) -> ModelFile:
     """Read a description string, a configuration file or an antenna's description from a file.
 
-    Raises
-    ------
-    BadInput
-        The file holds none of them.
+    Raises `BadInput`: the file holds none of them.
     """
     lines = [line for line in lines_of(path) if line.text.strip()]
     if lines[0].text.strip() == "[header]":

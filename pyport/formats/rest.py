@@ -245,7 +245,6 @@ def _write_grid(
     names: Sequence[str],
     conditions: Mapping[str, Any],
 ) -> None:
-    """Write corrections on a grid, as recordings are written."""
     with write_whole(path) as out:
         out.write(f"# corrections: {', '.join(names)}\n# azimuth_zero: north\n")
         out.writelines(f"# {name}: {value}\n" for name, value in conditions.items())

@@ -26,10 +26,8 @@ _MEANT = re.compile(r"[;!]\s*(\w+)\s*:\s*([xy]\s*=.*)")
 def read(path: Path) -> ModelFile:
     """Read a TPOINT model file.
 
-    Raises
-    ------
-    BadInput
-        No line of statistics, a line that is no known term, or terms of two kinds of mount.
+    Raises `BadInput`: no line of statistics, a line that is no known term, or terms of two kinds of
+      mount.
     """
     title, *rest = lines_of(path)
     meant = _meant(rest)
@@ -86,7 +84,6 @@ def _meant(lines: list[Line]) -> dict[str, str]:
 
 
 def _entry(line: Line, meant: dict[str, str]) -> Entry:
-    """Return the term of a line."""
     text = line.text.strip()
     marks = text[: len(text) - len(text.lstrip("&= "))]
     words = text.lstrip("&= ").split()

@@ -27,28 +27,16 @@ KEPT = ("comments", "number_and_date")
 
 @dataclass(frozen=True)
 class Solved:
-    """What was solved for one term and one set of its labels.
+    """What was solved for one term and one set of its labels."""
 
-    Attributes
-    ----------
-    term, labels
-        Which; a term that a finding added has its number in `finding`.
-    change
-        What is added to the values that the term has, in internal units, shape (k,).
-    sigma
-        One-sigma errors, shape (k,).
-    places
-        Where its coefficients stand in the covariance, shape (k,); -1 for what was not fitted.
-    known
-        Whether the recordings determine each, shape (k,).
-    """
-
+    #: `term`, `labels`: which; a term that a finding added has its number in `finding`.
     term: Term
     labels: Labels
-    change: Array
-    sigma: Array
+    change: Array  #: what is added to the values that the term has, in internal units, shape (k,)
+    sigma: Array  #: one-sigma errors, shape (k,)
+    #: Where its coefficients stand in the covariance, shape (k,); -1 for what was not fitted.
     places: Sequence[int]
-    known: Sequence[bool]
+    known: Sequence[bool]  #: whether the recordings determine each, shape (k,)
 
 
 @dataclass(frozen=True)
@@ -85,22 +73,13 @@ def complete(
 ) -> Model:
     """Return a model with what was solved for in its terms.
 
-    Parameters
-    ----------
-    model
-        As it was given.
-    recordings
-        What it was fitted to.
-    solved
-        The model's fitted terms, one for each set of labels, then those of findings.
-    covariance
-        Of everything that was fitted, in internal units, shape (P, P).
-    by
-        What made it: fit or diagnose.
-    left
-        What is left of the measured offsets.
-    findings
-        As `report.json` spells them.
+    `model`: as it was given.
+    `recordings`: what it was fitted to.
+    `solved`: the model's fitted terms, one for each set of labels, then those of findings.
+    `covariance`: of everything that was fitted, in internal units, shape (P, P).
+    `by`: what made it: fit or diagnose.
+    `left`: what is left of the measured offsets.
+    `findings`: as `report.json` spells them.
     """
     terms: list[Term] = []
     values: list[Value] = []
@@ -240,7 +219,6 @@ def _table(values: Sequence[Value]) -> list[str]:
 
 
 def _counted(term: Term) -> str:
-    """Return what a term's coefficients are counted from, as a file tells it."""
     if {"word", "rt32"} & set(term.effect.member) or term.effect.id == UNKNOWN:
         return ""
     numbers = {

@@ -26,31 +26,23 @@ from pyport.errors import BadInput
 
 @dataclass(frozen=True)
 class Value:
-    """A coefficient of a completed model for one set of labels, in its unit.
+    """A coefficient of a completed model for one set of labels, in its unit."""
 
-    Attributes
-    ----------
-    name, effect, unit
-        The coefficient, the effect that it belongs to, and the unit of all its numbers.
-    value, sigma, before
-        What to enter into the control system; its one-sigma error, None where it was held; what
-        the model gave before.
-    labels
-        The antenna, session, ... that it holds for; empty where it holds everywhere.
-    finding
-        The number of the finding that it belongs to, from 1; None for a term of the model.
-    determined
-        False where the recordings leave it open: the value is then one of many.
-    """
-
+    #: `name`, `effect`, `unit`: the coefficient, the effect that it belongs to, and the unit of all
+    #: its numbers.
     name: str
     effect: str
     unit: str
+    #: `value`, `sigma`, `before`: what to enter into the control system; its one-sigma error, None
+    #: where it was held; what the model gave before.
     value: float
     sigma: float | None
     before: float
+    #: The antenna, session, ... that it holds for; empty where it holds everywhere.
     labels: Mapping[str, str] = field(default_factory=dict)
+    #: The number of the finding that it belongs to, from 1; None for a term of the model.
     finding: int | None = None
+    #: False where the recordings leave it open: the value is then one of many.
     determined: bool = True
 
     @property
@@ -68,27 +60,15 @@ class Value:
 
 @dataclass(frozen=True)
 class Completed:
-    """What is known of a completed model beside its terms.
+    """What is known of a completed model beside its terms."""
 
-    Attributes
-    ----------
-    made
-        What made it, and from what: `by`, `recordings`, `sha256`, `rows`, `model`.
-    values
-        Every coefficient, in the order of the model's terms and their labels.
-    covariance
-        Of the values in their units, shape (P, P); zero for what was held.
-    findings
-        As `report.json` spells them.
-    unsaved
-        Ids of terms that no file can hold: they were made in Python.
-    """
-
+    #: What made it, and from what: `by`, `recordings`, `sha256`, `rows`, `model`.
     made: Mapping[str, Any]
+    #: Every coefficient, in the order of the model's terms and their labels.
     values: tuple[Value, ...]
-    covariance: Array
-    findings: tuple[Mapping[str, Any], ...] = ()
-    unsaved: tuple[str, ...] = ()
+    covariance: Array  #: of the values in their units, shape (P, P); zero for what was held
+    findings: tuple[Mapping[str, Any], ...] = ()  #: as `report.json` spells them
+    unsaved: tuple[str, ...] = ()  #: ids of terms that no file can hold: they were made in Python
 
 
 #: The contract's names, unit and all: bare numbers in that unit.
@@ -111,10 +91,7 @@ def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns
 
     `others` are further columns that may be given as bare numbers.
 
-    Raises
-    ------
-    BadInput
-        A name is none, or its value is no number, unit or time that it can be.
+    Raises `BadInput`: a name is none, or its value is no number, unit or time that it can be.
     """
     return {
         name: column for key, value in told.items() for name, column in [_one(key, value, others)]
@@ -187,15 +164,8 @@ def _in_unit(key: str, value: Any, unit: str) -> NDArray[np.float64]:  # noqa: A
 def seconds(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a time of any kind
     """Return times as seconds UTC since 1970.
 
-    Parameters
-    ----------
-    value
-        astropy `Time`, numpy `datetime64`, `datetime`, ISO 8601 text, or arrays of them.
-
-    Raises
-    ------
-    BadInput
-        It is none of them: a bare number could be counted from anything.
+    `value`: astropy `Time`, numpy `datetime64`, `datetime`, ISO 8601 text, or arrays of them.
+    Raises `BadInput`: it is none of them: a bare number could be counted from anything.
     """
     if hasattr(value, "utc") and hasattr(value, "unix"):
         return np.asarray(value.utc.unix, float)
@@ -237,10 +207,7 @@ def site_of(location: Any) -> Site | None:  # noqa: ANN401 - astropy is not type
 def location_of(site: Site | None) -> Any:  # noqa: ANN401 - astropy is not typed
     """Return a site as astropy's `EarthLocation`.
 
-    Raises
-    ------
-    BadInput
-        There is none, or it has no longitude.
+    Raises `BadInput`: there is none, or it has no longitude.
     """
     if site is None or site.longitude is None:
         raise BadInput("the telescope's place is not known: give location=EarthLocation(...)")

@@ -29,10 +29,7 @@ _TRIED = ((0.1, 0.2), (2.0, 0.8), (4.0, 1.4))
 def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
     """Return the effect that an id and what distinguishes its member stand for.
 
-    Raises
-    ------
-    BadInput
-        There is no such effect, or the member is none of it.
+    Raises `BadInput`: there is no such effect, or the member is none of it.
     """
     told = dict(member)
     column = told.pop("coefficient", None)
@@ -114,7 +111,6 @@ def apart(effect: Effect) -> list[Effect]:
 
 
 def _column(effect: Effect, n: int) -> Basis:
-    """Return the basis of one of an effect's coefficients."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         x, y = effect.columns(at)
@@ -128,10 +124,7 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
 
     A mean temperature, a span of time, the names of sessions are those of these recordings.
 
-    Raises
-    ------
-    BadInput
-        A file could not hold it: what it gives back differs.
+    Raises `BadInput`: a file could not hold it: what it gives back differs.
     """
     told = dict(effect.member)
     column = told.pop("coefficient", None)
@@ -156,7 +149,6 @@ def _members(effect: Effect, at: Circumstances) -> Sequence[Effect]:
 
 
 def _same(one: Effect, other: Effect, at: Circumstances) -> bool:
-    """Tell whether two effects give the same columns in some circumstances."""
     if one is other:
         return True
     if len(one.coefficients) != len(other.coefficients):

@@ -30,10 +30,7 @@ _COVARIANCE_DIGITS = 7
 def tree(model: Model) -> dict[str, Any]:
     """Return a completed model as tables, for TOML and JSON alike.
 
-    Raises
-    ------
-    BadInput
-        The model was not completed, or has terms that no file can hold.
+    Raises `BadInput`: the model was not completed, or has terms that no file can hold.
     """
     completed = model.completed
     if completed is None:
@@ -113,10 +110,7 @@ def _spelled(value: Any) -> bool:  # noqa: ANN401 - what JSON holds
 def write(model: Model, path: Path) -> None:
     """Write a completed model, whole or not at all.
 
-    Raises
-    ------
-    BadInput
-        The model was not completed.
+    Raises `BadInput`: the model was not completed.
     """
     text = spelled(tree(model))
     with write_whole(path) as file:
@@ -131,10 +125,7 @@ def is_completed(content: Mapping[str, Any]) -> bool:
 def read(content: Mapping[str, Any], path: Path) -> Model:
     """Return the completed model that the tables of a TOML file hold.
 
-    Raises
-    ------
-    BadInput
-        They hold none, or one of another schema.
+    Raises `BadInput`: they hold none, or one of another schema.
     """
     if content.get("schema") != SCHEMA:
         raise BadInput(f"schema is {content.get('schema')!r:.40}, expected {SCHEMA!r}", path)
@@ -187,7 +178,6 @@ def _read_site(told: Mapping[str, Any] | None) -> Site | None:
 
 
 def _read_term(row: Mapping[str, Any], about: Mapping[int, float]) -> tuple[Term, list[Value]]:
-    """Return a term and its values."""
     effect = effect_of(str(row["effect"]), row.get("member", {}))
     per = tuple(map(str, row["per"]))
     finding = row.get("finding")
@@ -263,10 +253,7 @@ def _square(rows: Sequence[Sequence[float]] | None, size: int) -> Array:
 def load(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file.
 
-    Raises
-    ------
-    BadInput
-        It is none.
+    Raises `BadInput`: it is none.
     """
     try:
         return tomllib.loads(read_text(path))
@@ -279,10 +266,7 @@ def load(path: Path) -> dict[str, Any]:
 def model_of(path: Path) -> Model:
     """Read a completed model, or `[[term]]` tables: an effect, `per`, value_UNIT for each.
 
-    Raises
-    ------
-    BadInput
-        The file does not describe a model.
+    Raises `BadInput`: the file does not describe a model.
     """
     text = load(path)
     if is_completed(text):

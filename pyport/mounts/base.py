@@ -25,68 +25,44 @@ Frame = Callable[[float], Array]
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis of a mount.
+    """An axis of a mount."""
 
-    Attributes
-    ----------
-    name, symbol
-        As an observer says it, "hour angle", and as a formula has it, "H".
-    column, offset
-        What its angle, and the encoder's offset from it, are called in recordings, without a unit.
-    low, high
-        Limits of travel [rad].
-    """
-
+    #: `name`, `symbol`: as an observer says it, "hour angle", and as a formula has it, "H".
     name: str
     symbol: str
+    #: `column`, `offset`: what its angle, and the encoder's offset from it, are called in
+    #: recordings, without a unit.
     column: str
     offset: str
+    #: `low`, `high`: limits of travel [rad].
     low: float
     high: float
 
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """A kind of mount.
+    """A kind of mount."""
 
-    Attributes
-    ----------
-    id
-        The word of a file's `# mount:`.
-    sentence
-        What it is, in words.
-    first, second
-        The axis that is fixed to the ground, and the one that it carries.
-    across, across_column
-        What the offset of the first angle times the cosine of the second is called.
-    frame
-        Where the axes point; None where they are those of azimuth and elevation.
-    model
-        The built-in model of its classical terms.
-    needs_latitude
-        Whether the frame depends on where it stands.
-    turns_over
-        Whether it reaches a direction in two ways, one on each side of a pier: the first axis
-        half a turn on, the second beyond its pole.
-    blind_deg
-        A source closer than this to the first axis is out of reach: that axis would have to turn
-        faster than the sky by more than the cosecant of it.
-    words
-        Words of an alt-azimuth mount and what stands for them here: in sentences, and with `_`
-        for a blank in ids and names of coefficients.
-    """
-
-    id: str
-    sentence: str
+    id: str  #: the word of a file's `# mount:`
+    sentence: str  #: what it is, in words
+    #: `first`, `second`: the axis that is fixed to the ground, and the one that it carries.
     first: Axis
     second: Axis
+    #: `across`, `across_column`: what the offset of the first angle times the cosine of the second
+    #: is called.
     across: str
     across_column: str
-    frame: Frame | None
-    model: str
-    needs_latitude: bool = False
+    frame: Frame | None  #: where the axes point; None where they are those of azimuth and elevation
+    model: str  #: the built-in model of its classical terms
+    needs_latitude: bool = False  #: whether the frame depends on where it stands
+    #: Whether it reaches a direction in two ways, one on each side of a pier: the first axis half a
+    #: turn on, the second beyond its pole.
     turns_over: bool = False
+    #: A source closer than this to the first axis is out of reach: that axis would have to turn
+    #: faster than the sky by more than the cosecant of it.
     blind_deg: float = 0.0
+    #: Words of an alt-azimuth mount and what stands for them here: in sentences, and with `_` for a
+    #: blank in ids and names of coefficients.
     words: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     @property
@@ -109,20 +85,11 @@ class Mount:
     ) -> tuple[Array, Array]:
         """Return the angles of both axes [rad] for directions on the sky.
 
-        Parameters
-        ----------
-        az, el
-            From north through east, and elevation [rad], shape (n,).
-        latitude
-            Of the site [rad].
-        over
-            Where the mount has turned over, shape (n,).
-
-        Returns
-        -------
-        first, second
-            In [-pi, pi] and, unless turned over, in [-pi/2, pi/2]. On the first axis itself,
-            where any first angle would do, that is zero.
+        `az`, `el`: from north through east, and elevation [rad], shape (n,).
+        `latitude`: of the site [rad].
+        `over`: where the mount has turned over, shape (n,).
+        Returns `first`, `second`: in [-pi, pi] and, unless turned over, in [-pi/2, pi/2]. On the
+          first axis itself, where any first angle would do, that is zero.
         """
         if self.frame is None:
             return az, el

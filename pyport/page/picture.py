@@ -226,7 +226,6 @@ def _azimuth(
 
 
 def _regions(name: str, layers: Sequence[Layer]) -> tuple[tuple[float, float, int], ...]:
-    """Return where the layers are confined to in a column."""
     return tuple(
         (one.low, one.high, n)
         for n, layer in enumerate(layers)

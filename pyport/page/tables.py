@@ -49,7 +49,6 @@ def _scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None 
 
 
 def _listed(rows: Sequence[Row]) -> Markup:
-    """Return one line for each coefficient."""
     grouped = any(row.group for row in rows)
     told_before = any(row.before is not None for row in rows)
     against = [IN_FILE, CHANGE] if told_before else []

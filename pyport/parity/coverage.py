@@ -62,7 +62,6 @@ def coverage(description: Description, random_points: int) -> dict[str, Any]:
 
 
 def _counts(gcov: str, folder: Path, path: Path) -> list[dict[str, Any]]:
-    """Return gcov's counts of each line of a file."""
     with tempfile.TemporaryDirectory() as elsewhere:
         report = subprocess.run(  # noqa: S603 - gcov on our own files
             [gcov, "--json-format", "--stdout", "--branch-probabilities", "-o", str(folder),

@@ -94,7 +94,6 @@ def _dimensions(shape: tuple[int, ...]) -> str:
 
 
 def _array(one: Variable, name: str) -> str:
-    """Return the declaration of the array of a variable at all points."""
     kind = one.type
     if kind.base == "character":
         return f"integer(1) :: {name}({kind.size}, n)"
@@ -172,7 +171,6 @@ def _blocks(
 
 
 def _copied(one: Variable, array: str, name: str) -> tuple[str, str]:
-    """Return the statements that take a variable from its array and put it back."""
     section = _at(one, array, ":")
     if one.type.base == "character":
         bytes_ = f"{array}(:, i)"

@@ -165,7 +165,6 @@ def classes(alike: dict[str, dict[str, float]]) -> tuple[tuple[str, ...], ...]:
 def _sight(
     candidate: Candidate, columns: Array, left: Array, alike: tuple[tuple[str, float], ...]
 ) -> Sight:
-    """Return how well a candidate is seen."""
     sigma, alone = (_sigmas(one) for one in (left, columns))
     worst = int(np.argmax(np.where(np.isfinite(sigma), sigma, -1.0)))
     coefficient = candidate.effect.coefficients[candidate.coefficients[worst]]

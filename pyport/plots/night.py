@@ -24,10 +24,7 @@ SHOWN = 3.0
 def night(live: Mapping[str, Any]) -> Figure:
     """Draw what a watch knows of a night.
 
-    Parameters
-    ----------
-    live
-        As `pyport.watch.live.live` returns it.
+    `live`: as `pyport.watch.live.live` returns it.
     """
     figure = style.figure(9.0, 5.4)
     grid = figure.add_gridspec(3, 2, width_ratios=(5, 6))

@@ -58,7 +58,6 @@ def _plain(name: str) -> str:
 
 
 def _kinds(picture: Picture) -> list[tuple[str, str]]:
-    """Return which residuals there are, each with its colour."""
     kinds = [("before", BEFORE), ("after", AFTER)]
     return kinds if picture.layers else kinds[1:]
 

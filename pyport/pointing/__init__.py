@@ -1,8 +1,7 @@
 """What the RT32 does: its pointing models in float64, over arrays of any shape."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING
-
-from pyport import lazy
 
 if TYPE_CHECKING:
     from pyport.pointing.approximate import approximate_columns, approximate_offsets
@@ -12,21 +11,25 @@ if TYPE_CHECKING:
     from pyport.pointing.parameters import PARAMETERS, printed, printed_sigmas, recovered
 
 # A table of the exact form does not need the catalogue of effects, the printed one not even numpy.
-__getattr__ = lazy.loader(
-    __name__,
-    {
-        "PARAMETERS": "parameters",
-        "Rt32Model": "model",
-        "approximate_columns": "approximate",
-        "approximate_offsets": "approximate",
-        "exact_offsets": "exact",
-        "has_jumped": "jump",
-        "jump_altitude": "jump",
-        "printed": "parameters",
-        "printed_sigmas": "parameters",
-        "recovered": "parameters",
-    },
-)
+_HOMES = {
+    "PARAMETERS": "parameters",
+    "Rt32Model": "model",
+    "approximate_columns": "approximate",
+    "approximate_offsets": "approximate",
+    "exact_offsets": "exact",
+    "has_jumped": "jump",
+    "jump_altitude": "jump",
+    "printed": "parameters",
+    "printed_sigmas": "parameters",
+    "recovered": "parameters",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
 
 __all__ = [
     "PARAMETERS",

@@ -1,7 +1,7 @@
 """Recordings from a file and into a file; the suffix says which format.
 
 `printed/` holds the tables as printed, `data/` the recordings made of them by
-`python -m pyport.recordings.shipped`; README.md tells how.
+`python -m pyport.studies.gmrt.recovery`; README.md tells how.
 """
 
 from __future__ import annotations

@@ -28,10 +28,7 @@ Header: TypeAlias = Mapping[str, object]
 def from_table(table: Table, header: Header | None = None) -> Recordings:
     """Return the recordings that a table holds; columns are named as in a file of recordings.
 
-    Raises
-    ------
-    BadInput
-        Columns are missing, unknown or hold what they should not; rows count from 1.
+    Raises `BadInput`: columns are missing, unknown or hold what they should not; rows count from 1.
     """
     keys = _keys({} if header is None else header)
     if isinstance(table, Recordings):
@@ -75,7 +72,6 @@ def _keys(header: Header) -> dict[str, str]:
 
 
 def _names(table: Table) -> list[str]:
-    """Return the names of a table's columns."""
     named = (getattr(table, one, None) for one in ("column_names", "colnames", "columns"))
     names = next((one for one in named if isinstance(one, Iterable)), None)
     if names is None and isinstance(table, Mapping):
@@ -91,10 +87,7 @@ def _names(table: Table) -> list[str]:
 def _column(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: ANN401 - of any table
     """Return a column under the contract's name, in the unit that the name tells.
 
-    Raises
-    ------
-    BadInput
-        Astropy's unit of the column is none that its name could have.
+    Raises `BadInput`: Astropy's unit of the column is none that its name could have.
     """
     if hasattr(column, "utc") and hasattr(column, "unix"):
         when = np.asarray(column.utc.datetime64)
@@ -148,10 +141,7 @@ def _converted(
 def _cells(name: str, column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column of any table
     """Return a column's cells: numbers or times with NaN or NaT, text with "", for blank.
 
-    Raises
-    ------
-    BadInput
-        They are none of these, or not one a row.
+    Raises `BadInput`: they are none of these, or not one a row.
     """
     if isinstance(column, np.ma.MaskedArray):
         if column.dtype.kind in "iuf":

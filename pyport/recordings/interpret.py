@@ -130,7 +130,6 @@ def _site(raw: Raw) -> Site | None:
 
 
 def _key(raw: Raw, key: str, largest: float) -> float | None:
-    """Return a header key as a number."""
     if key not in raw.meta:
         return None
     text = raw.meta[key]

@@ -268,7 +268,6 @@ def _as_words(labels: NDArray[Any]) -> NDArray[np.str_]:
 
 
 def _average(antenna: str, axis: str, turn: str, offset: Array, direction: Array) -> Average:
-    """Return the average of some readings."""
     ways = [offset[direction == sign] for sign in (1, -1)]
     if not all(len(way) for way in ways):
         return Average(antenna, axis, turn, np.nan, np.nan, np.nan, len(offset))

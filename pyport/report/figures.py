@@ -156,7 +156,6 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
-    """Draw coefficients with their one-sigma errors."""
     places = np.arange(len(parameters))
     unit = parameters[0].unit
     size = np.abs([p.value for p in parameters]).max()

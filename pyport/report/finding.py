@@ -131,7 +131,6 @@ def _number(diagnosis: Diagnosis, choice: int) -> int | None:
 def _solved(
     diagnosis: Diagnosis, choice: int, term: Term, sigma: Array, *, base: bool
 ) -> Iterator[Solved]:
-    """Yield what was solved for a term, for each set of its labels."""
     setup, fit = diagnosis.setup, diagnosis.after
     chosen = fit.choices[choice]
     start = int(fit.starts[choice])

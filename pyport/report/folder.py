@@ -64,10 +64,7 @@ def finish(folder: Path, report: dict[str, Any], companions: Iterable[Path]) -> 
 def check(folder: Path) -> int:
     """Return how many files stand beside a report, all of them written with it.
 
-    Raises
-    ------
-    BadInput
-        There is no report, or one that names no files, or a file is of another run.
+    Raises `BadInput`: there is no report, or one that names no files, or a file is of another run.
     """
     named = _named(folder / REPORT)
     if not named:

@@ -37,10 +37,7 @@ class Threshold:
 def read(text: str) -> Iterator[Threshold]:
     """Yield the thresholds of a module's text.
 
-    Raises
-    ------
-    ValueError
-        A comment has another form than `pyport.thresholds` says.
+    Raises `ValueError`: a comment has another form than `pyport.thresholds` says.
     """
     lines = text.splitlines()
     for node in ast.parse(text).body:
@@ -79,10 +76,7 @@ def listing(some: list[Threshold]) -> str:
 def put_between(text: str, mark: str, table: str) -> str:
     """Return a page with a table in the place of what stands between two marks.
 
-    Raises
-    ------
-    BadInput
-        The page has no such marks.
+    Raises `BadInput`: the page has no such marks.
     """
     begin, end = f"<!-- {mark} -->\n", f"<!-- end of {mark} -->"
     if begin not in text or end not in text:
@@ -159,7 +153,6 @@ def keys(out: str | None, *, as_json: bool) -> None:
 
 
 def _put(text: str, path: str | None) -> None:
-    """Write a text to a file, or print it."""
     from pyport.files import write_whole
 
     if path is None:

@@ -128,14 +128,9 @@ class Session:
 def alike(hidden: Array, base: Array, session: Session) -> tuple[str, ...]:
     """Return the names that some recordings cannot tell from a hidden trace.
 
-    Parameters
-    ----------
-    hidden
-        The trace, flat (2 n,).
-    base
-        What is fitted beside it, (2 n, p).
-    session
-        Where it was recorded.
+    `hidden`: the trace, flat (2 n,).
+    `base`: what is fitted beside it, (2 n, p).
+    `session`: where it was recorded.
     """
     basis = np.linalg.qr(base)[0]
 

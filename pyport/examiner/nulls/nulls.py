@@ -160,10 +160,7 @@ def examine(case: Case) -> dict[str, Any]:
 def of_fit(world: World) -> dict[str, float]:
     """Return how many sigmas the fitted coefficients of a world are from the truth.
 
-    Raises
-    ------
-    BadInput
-        The program refused the recordings.
+    Raises `BadInput`: the program refused the recordings.
     """
     fit = program.fitted(world.table, world.header)
     if isinstance(fit, program.Refused):

@@ -186,7 +186,6 @@ def _no_number_above_data(recordings: Recordings, report: Report, _: Report, __:
 
 
 def _first_rows(recordings: Recordings, _: Report, __: Report, fact: Fact) -> Outcome:
-    """Diagnose the first rows by themselves."""
     some = recordings.take(np.arange(fact["rows"]))
     report = program.diagnosed(some.table, some.header, some.model)
     if isinstance(report, program.Refused):

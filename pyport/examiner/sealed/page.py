@@ -185,7 +185,6 @@ the fifth what was answered: {shown.said}.
 
 
 def _copy(source: Path, target: Path) -> None:
-    """Copy a file, whole or not at all."""
     with write_whole(target, "wb") as file:
         file.write(source.read_bytes())
 

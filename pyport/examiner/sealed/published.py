@@ -116,7 +116,6 @@ def _check_place(where: dict[str, Any], path: Path) -> None:
 
 
 def _list(table: dict[str, Any], key: str, path: Path) -> list[dict[str, Any]]:
-    """Return a list of tables, empty where there is none."""
     found = table.get(key) or []
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
         raise BadInput(f"{key} is {str(found)[:40]!r}, expected a list of JSON objects", path)
@@ -126,7 +125,6 @@ def _list(table: dict[str, Any], key: str, path: Path) -> list[dict[str, Any]]:
 def _optional(
     table: dict[str, Any], key: str, path: Path, fits: Callable[[object], bool], wanted: str
 ) -> None:
-    """Refuse what is there and of another kind than wanted."""
     value = table.get(key)
     if value is not None and not fits(value):
         raise BadInput(f"{key} is {str(value)[:40]!r}, expected {wanted}", path)

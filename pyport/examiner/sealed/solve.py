@@ -95,7 +95,7 @@ def _sit(task: Task, recordings: Path, out: Path) -> str | None:
         *(
             sys.executable,
             "-m",
-            "pyport.examiner.sealed.files",
+            "pyport.examiner.sealed.cell",
             str(task.folder.vault.resolve()),
             module,
         ),

@@ -49,7 +49,6 @@ def draw(rng: np.random.Generator, noise: Noise, plan: Plan) -> tuple[Array, Arr
 
 
 def _unit(rng: np.random.Generator, noise: Noise, plan: Plan) -> Array:
-    """Return noise of unit rms."""
     if noise.tail_degrees > 2:
         heavy = noise.tail_degrees / (noise.tail_degrees - 2)
         fresh = rng.standard_t(noise.tail_degrees, len(plan)) / np.sqrt(heavy)

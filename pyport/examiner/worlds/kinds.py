@@ -111,7 +111,6 @@ def _hidden(
     noise: str | None,
     site: str | None,
 ) -> Case:
-    """Make a case of a drawn campaign."""
     streams = Streams.of(seed)
     noise_kind = noise or str(streams.noise.choice(NOISES if kind == "null" else NOISES[:2]))
     lay = gappy_campaign if noise_kind == "gappy" else campaign
@@ -133,7 +132,6 @@ def _hidden(
 
 
 def _names(kind: str, effect: str | None, rng: np.random.Generator) -> list[str]:
-    """Return which causes to hide."""
     if kind == "null":
         return []
     if effect is not None:

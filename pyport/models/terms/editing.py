@@ -97,23 +97,13 @@ def edited(
 ) -> Model:
     """Return a model with terms dropped, added and fixed, in this order.
 
-    Parameters
-    ----------
-    model
-        What to start from.
-    fix
-        NAME=VALUE with the name's own unit (arcsec; deg for P1..P30) or one
-        of its own behind the number; NAME alone holds what the model gives.
-    add, drop
-        Names: TPOINT's, P1..P30, an effect's id or one of its coefficients; to add also a
-        user's term, `NAME: x = sin 3A sin E`.
-    per
-        Labels each value of which has coefficients of its own; None leaves that to the model.
-
-    Raises
-    ------
-    BadInput
-        A name is none, or is (or is not) in the model already.
+    `model`: what to start from.
+    `fix`: NAME=VALUE with the name's own unit (arcsec; deg for P1..P30) or one of its own behind
+      the number; NAME alone holds what the model gives.
+    `add`, `drop`: names: TPOINT's, P1..P30, an effect's id or one of its coefficients; to add also
+      a user's term, `NAME: x = sin 3A sin E`.
+    `per`: labels each value of which has coefficients of its own; None leaves that to the model.
+    Raises `BadInput`: a name is none, or is (or is not) in the model already.
     """
     if not (fix or add or drop):
         return _split(model, per)
@@ -139,10 +129,7 @@ def edited(
 def _split(model: Model, per: Sequence[str] | None) -> Model:
     """Return a model whose fitted terms have coefficients for each value of some labels.
 
-    Raises
-    ------
-    BadInput
-        A name is no label.
+    Raises `BadInput`: a name is no label.
     """
     if per is None:
         return model
@@ -191,10 +178,7 @@ def _internal(effect: Effect, name: str, text: str) -> float:
 def named(name: str) -> list[Term]:
     """Return the terms, of one coefficient each, that a name stands for.
 
-    Raises
-    ------
-    BadInput
-        No vocabulary has this name.
+    Raises `BadInput`: no vocabulary has this name.
     """
     own, colon, meant = name.partition(":")
     if colon:
@@ -217,10 +201,7 @@ def named(name: str) -> list[Term]:
 def word_of(name: str) -> Word | None:
     """Return TPOINT's or the Field System's word, None for any other name.
 
-    Raises
-    ------
-    BadInput
-        The Field System reserves the name and does nothing with it.
+    Raises `BadInput`: the Field System reserves the name and does nothing with it.
     """
     word = field_system.word(name) or tpoint.word(name) or tpoint_polar.word(name)
     if word is not None and not word.parts:
@@ -229,7 +210,6 @@ def word_of(name: str) -> Word | None:
 
 
 def _apart(term: Term) -> list[Term]:
-    """Return a term for each coefficient of one."""
     return [
         replace(
             term,

@@ -60,24 +60,13 @@ class Wave(NamedTuple):
 
 @dataclass(frozen=True)
 class Shape:
-    """What one coefficient multiplies.
+    """What one coefficient multiplies."""
 
-    Attributes
-    ----------
-    effect
-        An id of the catalogue, or `PRODUCT`.
-    column
-        Which of the effect's coefficients.
-    k
-        Which harmonic of a family; 0 where there is no choice.
-    axis, waves
-        Of a product: "az" (a coordinate, times cos E on the sky), "xel" or
-        "el", and the factors.
-    """
-
-    effect: str
-    column: int = 0
-    k: int = 0
+    effect: str  #: an id of the catalogue, or `PRODUCT`
+    column: int = 0  #: which of the effect's coefficients
+    k: int = 0  #: which harmonic of a family; 0 where there is no choice
+    #: `axis`, `waves`: of a product: "az" (a coordinate, times cos E on the sky), "xel" or "el",
+    #: and the factors.
     axis: str = ""
     waves: tuple[Wave, ...] = ()
 
@@ -128,7 +117,6 @@ class Shape:
 
 
 def _product(axis: str, waves: tuple[Wave, ...]) -> Effect:
-    """Return a product of waves as an effect that names no cause."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         value = np.prod([wave(at) for wave in waves], axis=0)

@@ -25,31 +25,18 @@ ARCSECONDS = {"arcsec": Fraction(1), "deg": Fraction(3600)}
 
 @dataclass(frozen=True)
 class Word:
-    """A program's name for a coefficient.
+    """A program's name for a coefficient."""
 
-    Attributes
-    ----------
-    name
-        As the program spells it.
-    parts
-        The shapes that it multiplies, each with a weight; no part means that
-        the program does nothing with it.
-    unit
-        "arcsec", "deg", or "" for a ratio.
-    silent
-        Of a word without parts: the program takes any value and does nothing with it.
-    mount
-        The model of the mounts in whose words it is (`Mount.model`), "" where it has none.
-    mounts
-        The models of the mounts that may have it; empty for all.
-    """
-
-    name: str
+    name: str  #: as the program spells it
+    #: The shapes that it multiplies, each with a weight; no part means that the program does
+    #: nothing with it.
     parts: tuple[tuple[Shape, float], ...]
-    unit: str
+    unit: str  #: "arcsec", "deg", or "" for a ratio
+    #: Of a word without parts: the program takes any value and does nothing with it.
     silent: bool = False
+    #: The model of the mounts in whose words it is (`Mount.model`), "" where it has none.
     mount: str = ""
-    mounts: tuple[str, ...] = ()
+    mounts: tuple[str, ...] = ()  #: the models of the mounts that may have it; empty for all
 
     def columns(self, at: Circumstances) -> tuple[Array, Array]:
         """Return (x, y), shape (n,) each, for one internal unit of the coefficient."""
@@ -91,10 +78,7 @@ class Word:
     def of_member(cls, member: Mapping[str, Any]) -> Word:
         """Return the word that an effect's `member` tells.
 
-        Raises
-        ------
-        KeyError, TypeError
-            It tells none.
+        Raises `KeyError`, `TypeError`: it tells none.
         """
         parts = [dict(one) for one in member["parts"]]
         weights = [float(one.pop("weight")) for one in parts]

@@ -173,7 +173,6 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
 
 
 def _names(header: str, path: Path, line: int) -> list[str]:
-    """Return the column names of a header line."""
     try:
         names = [name.strip() for name in next(csv.reader([header]))]
     except csv.Error as error:

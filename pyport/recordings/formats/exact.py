@@ -181,10 +181,7 @@ def mount_of(table: Table) -> Mount:
 def readings(table: Table, mount: Mount, path: Path) -> tuple[Numbers, ...]:
     """Return both angles of the axes and their offsets, as coordinates, in degrees.
 
-    Raises
-    ------
-    BadInput
-        The table has no such columns.
+    Raises `BadInput`: the table has no such columns.
     """
     if mount is ALTAZ:
         return (*position(table, path), *offsets(table, path))

@@ -78,10 +78,7 @@ def looks_like(path: Path) -> bool:
 def read(path: Path) -> Raw:
     """Read the cells of such a file.
 
-    Raises
-    ------
-    BadInput
-        There is no line of names, no rows, or a row of another length.
+    Raises `BadInput`: there is no line of names, no rows, or a row of another length.
     """
     meta: dict[str, str] = {}
     rows: list[tuple[int, list[str]]] = []
@@ -139,7 +136,6 @@ def _measured(name: str, words: Sequence[str]) -> list[str]:
 
 
 def _antenna(line: Line) -> dict[str, str]:
-    """Return what an antenna's description says of its place."""
     fields = [part.strip() for part in line.text.split(",")]
     meta = {ANTENNA: line.text.strip()}
     if len(fields) < 4:
@@ -156,10 +152,7 @@ def _antenna(line: Line) -> dict[str, str]:
 def write(table: Table, path: Path) -> list[str]:
     """Write such a file; nothing is left out, since it keeps any column.
 
-    Raises
-    ------
-    BadInput
-        The table lacks a position or an offset.
+    Raises `BadInput`: the table lacks a position or an offset.
     """
     az, el = exact.position(table, path)
     d_az, d_el = exact.offsets(table, path)

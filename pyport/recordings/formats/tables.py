@@ -62,7 +62,6 @@ def _told(value: object) -> str:
 
 
 def _with_unit(name: str, unit: str | None, path: Path) -> str:
-    """Return a column's name with its unit as the contract writes it."""
     unit = _SUFFIX.get(unit or "", unit)
     if unit not in RADIANS_PER:
         return name
@@ -75,7 +74,6 @@ def _with_unit(name: str, unit: str | None, path: Path) -> str:
 
 
 def _filled(column: Any) -> NDArray[Any]:  # noqa: ANN401 - astropy is not typed
-    """Return a column with blanks where it is masked."""
     values = np.asarray(column)
     mask = np.asarray(getattr(column, "mask", np.zeros(len(values), bool)))
     if values.dtype.kind in "fiu":

@@ -48,10 +48,7 @@ _HALF_TURN = Decimal(180)
 def read(path: Path) -> Raw:
     """Read the cells of a TPOINT observation file of an alt-azimuth or equatorial mount.
 
-    Raises
-    ------
-    BadInput
-        No title, no `: ALTAZ` or `: EQUAT`, no site, a line that is no star.
+    Raises `BadInput`: no title, no `: ALTAZ` or `: EQUAT`, no site, a line that is no star.
     """
     lines = [line for line in lines_of(path) if line.text.strip()]
     first = next((n for n, line in enumerate(lines) if line.text.strip()[0] not in _COMMENT), 0)
@@ -219,10 +216,7 @@ def _offset(line: Line, word: str, true: Decimal) -> str:
 def write(table: Table, path: Path) -> list[str]:
     """Write recordings as TPOINT reads them; return the columns that it has no place for.
 
-    Raises
-    ------
-    BadInput
-        There is no latitude, or no offset of one axis.
+    Raises `BadInput`: there is no latitude, or no offset of one axis.
     """
     mount = exact.mount_of(table)
     if mount.model not in OPTION:

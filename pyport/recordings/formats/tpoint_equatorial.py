@@ -33,33 +33,20 @@ WEATHER = ("temperature_c", "pressure_hpa", "height_m", "humidity", "wavelength_
 
 @dataclass(frozen=True)
 class Star:
-    """A record, in degrees.
+    """A record, in degrees."""
 
-    Attributes
-    ----------
-    az, el
-        Where the star stood, refracted where the weather is known.
-    seen_az, seen_el
-        Where the telescope stood.
-    ra, dec
-        Of the catalogue, apparent.
-    rest
-        The words behind.
-    latitude
-        Of the site.
-    over
-        Whether the telescope had turned over: its declination was beyond the pole.
-    """
-
+    #: `az`, `el`: where the star stood, refracted where the weather is known.
     az: float
     el: float
+    #: `seen_az`, `seen_el`: where the telescope stood.
     seen_az: float
     seen_el: float
+    #: `ra`, `dec`: of the catalogue, apparent.
     ra: float
     dec: float
-    rest: tuple[str, ...]
-    latitude: float
-    over: bool
+    rest: tuple[str, ...]  #: the words behind
+    latitude: float  #: of the site
+    over: bool  #: whether the telescope had turned over: its declination was beyond the pole
 
     def across(self) -> dict[str, float]:
         """Return the place and the telescope less it, as an alt-azimuth mount has them."""
@@ -99,11 +86,8 @@ def _turn(degrees: float) -> float:
 def is_star(line: Line, words: Sequence[str]) -> bool:
     """Tell whether a line is such a record: hours and minutes are whole, degrees are not.
 
-    Raises
-    ------
-    BadInput
-        It begins like one, and is too short: TPOINT has two more kinds of records, which no
-        public source describes.
+    Raises `BadInput`: it begins like one, and is too short: TPOINT has two more kinds of records,
+      which no public source describes.
     """
     begins = len(words) >= SHORTEST and all("." not in one for one in (*words[:2], *words[3:5]))
     if begins and len(words) < APPARENT:
@@ -115,17 +99,9 @@ def is_star(line: Line, words: Sequence[str]) -> bool:
 def star(line: Line, words: Sequence[str], site: Sequence[str]) -> Star:
     """Return the star of a record.
 
-    Parameters
-    ----------
-    line, words
-        Where it stands, and its words.
-    site
-        The words of the run's record: latitude, date, weather.
-
-    Raises
-    ------
-    BadInput
-        A word is no number, or an angle is none.
+    `line`, `words`: where it stands, and its words.
+    `site`: the words of the run's record: latitude, date, weather.
+    Raises `BadInput`: a word is no number, or an angle is none.
     """
     mean = len(words) >= MEAN and equinox(words[8]) is not None
     latitude = _sexagesimal(line, site[:3], "the latitude", 90) * DEG

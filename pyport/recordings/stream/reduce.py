@@ -236,7 +236,6 @@ def _numbers(cells: Cells) -> int:
 
 
 def _reduction(points: Cells, fine: Cells, aside: Aside, rows: int) -> Reduction:
-    """Return how rows became points."""
     patch, stretch = LEVELS[points.level]
     outliers = points.totals[:, [SUMMED.index(f"outliers_{a}") for a in "xy"]].sum()
     return Reduction(

@@ -184,7 +184,6 @@ def draw(number: int, session: str, day: dict[str, Track]) -> Figure:
 
 
 def _panel(axes: Axes, antenna: str, track: Track | None, published: Wave | None) -> None:
-    """Draw one antenna, or say that there are no offsets of it."""
     axes.set_title(antenna, fontsize=11, pad=2)
     axes.tick_params(labelsize=9)
     axes.locator_params(axis="y", nbins=5)

@@ -216,7 +216,6 @@ def _slashed(one: Refit, kind: str) -> str:
 
 
 def _of_coefficients(day: Day, one: Refit) -> str:
-    """Return why coefficients differ."""
     few = _few(day, one)
     if day.hours is None or one.continued is None or one.stretches is None:
         return few or _TOO_LITTLE

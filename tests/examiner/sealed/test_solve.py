@@ -42,7 +42,7 @@ def test_a_solver_that_reaches_for_the_vault_is_stopped(sealed):
         [
             sys.executable,
             "-m",
-            "pyport.examiner.sealed.files",
+            "pyport.examiner.sealed.cell",
             str(vault),
             "fake_solver",
             *arguments,

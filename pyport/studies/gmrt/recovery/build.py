@@ -163,7 +163,6 @@ def columns(session: Session) -> dict[str, list[str]]:
 
 
 def _known(number: float | None) -> str:
-    """Return a number as text, blank where it is not known."""
     return "" if number is None else str(number)
 
 

@@ -182,13 +182,11 @@ def cells(session: Session) -> list[Cell]:
 
 
 def _cell(scan: Scan, row: Row, column: int | None, text: str) -> Cell:
-    """Return a cell with all that its row's head tells."""
     place = row.number, column, text, scan.number, int(row.head[1])
     return Cell(*place, scan.hour_angle_h, scan.direction, scan.channel(row))
 
 
 def _placed(scan: Scan, row: Row, recovered: Recovered, i: int, published: Array) -> Iterator[Cell]:
-    """Yield the cells of the i-th row, with their antennas where they are sure."""
     for k, text in enumerate(row.offsets):
         cell = _cell(scan, row, row.column(k), text)
         best = int(recovered.column[i, k])
@@ -211,7 +209,6 @@ def _placed(scan: Scan, row: Row, recovered: Recovered, i: int, published: Array
 
 
 def _lost(scan: Scan, row: Row, placed: Sequence[Cell]) -> Iterator[Cell]:
-    """Yield the antennas of which this row has no cell for sure."""
     present = {cell.antenna for cell in placed}
     for antenna in ANTENNAS:
         if antenna not in present:
@@ -222,7 +219,6 @@ def _lost(scan: Scan, row: Row, placed: Sequence[Cell]) -> Iterator[Cell]:
 
 
 def _set_aside_repeats(found: Sequence[Cell], each: Sequence[tuple[Scan, Row]]) -> None:
-    """Exclude the cells that repeat another row."""
     rows, numbers_of = [row for _, row in each], [scan.number for scan, _ in each]
     head = len(rows[0].head)
     for repeat in repeats(rows, numbers_of):

@@ -143,7 +143,6 @@ def readme() -> str:
 
 
 def _table(titles: list[str], rows: list[list[str]]) -> str:
-    """Return a Markdown table."""
     lines = [titles, ["---"] * len(titles), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
