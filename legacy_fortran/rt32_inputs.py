@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import DEG
-from pyport.parity.description import Batch
-from pyport.parity.functions import joined
-from pyport.parity.inputs import nudged
+from pyport.parity.described.description import Batch
+from pyport.parity.described.functions import joined
+from pyport.parity.described.inputs import nudged
 from pyport.pointing import PARAMETERS, jump_altitude
 from pyport.steering.grid import RT32_GRID
 

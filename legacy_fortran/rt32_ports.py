@@ -11,7 +11,7 @@ from rt32_inputs import MODELA_PLUNGE
 
 from pyport import pointing
 from pyport.angles import DEG, Array
-from pyport.parity.description import Batch
+from pyport.parity.described.description import Batch
 
 Real4 = NDArray[np.float32]
 Mask = NDArray[np.bool_]

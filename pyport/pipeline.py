@@ -17,7 +17,7 @@ from pyport.formats.models import load
 from pyport.models.model import Model
 from pyport.progress import track, working
 from pyport.recordings import read, resolve
-from pyport.recordings.antennas import Survey
+from pyport.recordings.files import Survey
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
 from pyport.report.finding import completed

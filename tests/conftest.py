@@ -7,8 +7,8 @@ import pytest
 import rt32
 from hypothesis import settings
 
-from pyport.parity import oracle as compiled
-from pyport.parity import stored
+from pyport.parity.compiled import oracle as compiled
+from pyport.parity.compiled import stored
 from pyport.pointing import kernel
 
 # how long an example takes says something about the machine's other work, nothing about the program

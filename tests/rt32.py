@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pyport.parity import loading, oracle, stored
-from pyport.parity.functions import ask_port, joined, part, size
+from pyport.parity.compiled import oracle, stored
+from pyport.parity.described import loading
+from pyport.parity.described.functions import ask_port, joined, part, size
 from pyport.parity.run import hold_live
 
 FORTRAN = Path(__file__).parents[1] / "legacy_fortran"

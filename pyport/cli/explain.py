@@ -81,7 +81,7 @@ def diagnose(
     go into normal points.
     """
     from pyport import pipeline
-    from pyport.recordings.antennas import read_survey
+    from pyport.recordings.files import read_survey
 
     if out is None and save is None:
         raise click.UsageError("nothing to write: give --out FOLDER, --save MODEL.toml or both")

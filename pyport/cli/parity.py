@@ -11,7 +11,7 @@ import click
 from pyport.cli.manners import in_json, say
 
 if TYPE_CHECKING:
-    from pyport.parity.description import Description
+    from pyport.parity.described.description import Description
 
 _CONFIG = click.option(
     "--config",
@@ -23,7 +23,7 @@ _CONFIG = click.option(
 def _described(config: Path | None) -> Description:
     """Read the description named by a command or by `pyport parity` before it."""
     from pyport.legacy import PARITY
-    from pyport.parity.loading import load
+    from pyport.parity.described.loading import load
 
     parent = click.get_current_context().parent
     before = parent.params.get("config") if parent is not None else None
@@ -106,7 +106,7 @@ def golden(config: Path | None, *, as_json: bool) -> None:
     A file whose numbers stay the same is left alone.
     """
     from pyport.errors import BadInput
-    from pyport.parity import oracle, stored
+    from pyport.parity.compiled import oracle, stored
 
     description = _described(config)
     if not oracle.available(description):
@@ -129,7 +129,7 @@ def golden(config: Path | None, *, as_json: bool) -> None:
 def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
     """Write what a long check found beside the stored answers; the report shows it."""
     from pyport.files import write_whole
-    from pyport.parity.stored import one_row_a_line
+    from pyport.parity.compiled.stored import one_row_a_line
 
     with write_whole(description.answers / f"{name}.json") as file:
         file.write(one_row_a_line(content))
@@ -141,7 +141,7 @@ def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
 @in_json
 def matrix(config: Path | None, points: int, *, as_json: bool) -> None:
     """Compare builds with other flags and compilers with the reference."""
-    from pyport.parity import coverage as builds
+    from pyport.parity.evidence import coverage as builds
 
     description = _described(config)
     if not description.matrix:
@@ -167,7 +167,7 @@ def mutants(
     context: click.Context, config: Path | None, points: int, fortran: int, *, as_json: bool
 ) -> None:
     """Break port and Fortran in every small way; exit 1 when one is not noticed or explained."""
-    from pyport.parity import mutants as making
+    from pyport.parity.evidence import mutants as making
 
     description = _described(config)
     content = making.mutate(description, points, fortran)
@@ -184,7 +184,7 @@ def mutants(
 @click.pass_context
 def coverage(context: click.Context, config: Path | None, points: int, *, as_json: bool) -> None:
     """Count the branches of the Fortran that the inputs take; exit 1 when one is never taken."""
-    from pyport.parity import coverage as counting
+    from pyport.parity.evidence import coverage as counting
 
     description = _described(config)
     content = counting.coverage(description, points)
@@ -213,7 +213,7 @@ def init(
     """Write a first parity.toml from Fortran FILES; what they do not say is marked with a ?."""
     from pyport.errors import BadInput
     from pyport.files import write_whole
-    from pyport.parity.init import described
+    from pyport.parity.described.init import described
 
     if out.exists() and not force:
         raise BadInput("is there already: --force writes over it", out)

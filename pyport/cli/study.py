@@ -102,7 +102,7 @@ def gmrt_array(antennas: Path | None, out: Path | None, *, as_json: bool) -> Non
     """
     import json
 
-    from pyport.recordings.antennas import read_survey
+    from pyport.recordings.files import read_survey
     from pyport.report.typed import as_json as finite
     from pyport.studies.gmrt import array as gmrt_array
 

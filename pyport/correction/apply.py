@@ -18,9 +18,8 @@ from pyport.mounts import ALTAZ
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
 from pyport.recordings.raw import Raw
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, Table
 from pyport.recordings.sky import with_nights
-from pyport.recordings.tabulate import Table
 from pyport.recordings.where import parse
 
 

@@ -19,7 +19,7 @@ from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 from pyport.recordings.where import where
 
 FORMATS = (*tables.FORMATS, *models.FORMATS)

@@ -12,13 +12,12 @@ import numpy as np
 from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects import Site, known
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import toml_spelled, write_whole
 from pyport.models.conditions import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
 from pyport.mounts import ALTAZ, KINDS
 from pyport.recordings.formats.csv import read_text
-from pyport.toml_text import spelled
 
 SCHEMA = "pyport.model/1"
 #: A covariance of more coefficients is left out: 500 make a triangle of a megabyte.
@@ -112,7 +111,7 @@ def write(model: Model, path: Path) -> None:
 
     Raises `BadInput`: the model was not completed.
     """
-    text = spelled(tree(model))
+    text = toml_spelled(tree(model))
     with write_whole(path) as file:
         file.write(text)
 

@@ -13,12 +13,12 @@ from pyport.angles import Array
 from pyport.diagnosis.words import number
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
+from pyport.files import toml_spelled
 from pyport.models import toml
 from pyport.models.complete import label
 from pyport.models.model import Model, Term
 from pyport.recordings.schema import Recordings
 from pyport.report.typed import Finding
-from pyport.toml_text import spelled
 
 #: Parameters shown on a finding's card; the table has them all.
 MOST_PARAMETERS = 4
@@ -102,7 +102,7 @@ def linear(model: Model, recordings: Recordings) -> Linear | None:
 def as_file(model: Model) -> str | None:
     """Return the text of the model's file, None where none can hold it or it is too long."""
     try:
-        text = spelled(toml.tree(model))
+        text = toml_spelled(toml.tree(model))
     except BadInput:
         return None
     return text if len(text) <= LARGEST_FILE else None

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pyport.parity.description import Batch, Routine, Variable
-from pyport.parity.functions import Spelling, spell, spelled
+from pyport.parity.described.description import Batch, Routine, Variable
+from pyport.parity.described.functions import Spelling, spell, spelled
 
 #: Distance between answers of different kinds: NaN and a number, infinite and finite, two texts.
 UNLIKE = np.iinfo(np.int64).max

@@ -6,8 +6,8 @@ import json
 from typing import Any
 
 from pyport.parity.compare import EXACT_BELOW, UNLIKE, Comparison, one_text
-from pyport.parity.description import PROMISE_TEXT, Description, Port
-from pyport.parity.functions import resolve
+from pyport.parity.described.description import PROMISE_TEXT, Description, Port
+from pyport.parity.described.functions import resolve
 from pyport.parity.promise import bound, deviations, tolerance
 from pyport.parity.report import markdown_table, oracle_text, ulp, verdict
 from pyport.parity.run import Parity

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from pyport.parity.description import Description, Group, Port, Routine
+    from pyport.parity.described.description import Description, Group, Port, Routine
 
 #: Points that a test draws of each group that draws, and examples that Hypothesis tries.
 POINTS, EXAMPLES = 1000, 100
@@ -44,7 +44,7 @@ class ParityFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """Yield a test for each routine, port and group."""
         from pyport.errors import BadInput
-        from pyport.parity.loading import load
+        from pyport.parity.described.loading import load
 
         try:
             description = load(self.path)
@@ -68,7 +68,7 @@ class ParityItem(pytest.Item):
 
     def runtest(self) -> None:
         """Fail where the promise is broken."""
-        from pyport.parity import oracle
+        from pyport.parity.compiled import oracle
 
         description, _, _, group = self.case
         live = oracle.available(description)
@@ -77,11 +77,12 @@ class ParityItem(pytest.Item):
             raise BrokenPromise(broken)
 
     def _at(self, group: Group, *, live: bool) -> str:
-        from pyport.parity import inputs, stored
-        from pyport.parity.functions import ask_port
+        from pyport.parity.compiled import stored
+        from pyport.parity.described import inputs
+        from pyport.parity.described.functions import ask_port
+        from pyport.parity.evidence.shrink import failing, minimal
         from pyport.parity.promise import kept
         from pyport.parity.run import asker, hold_live, hold_stored
-        from pyport.parity.shrink import failing, minimal
 
         description, routine, port, _ = self.case
         if live:
@@ -99,8 +100,8 @@ class ParityItem(pytest.Item):
         return "\n".join([*lines, f"minimal: {minimal(port, routine, held, fails)}"])
 
     def _anywhere(self, *, live: bool) -> str:
+        from pyport.parity.evidence.shrink import search
         from pyport.parity.run import asker
-        from pyport.parity.shrink import search
 
         description, routine, port, _ = self.case
         pytest.importorskip("hypothesis")

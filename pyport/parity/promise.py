@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.parity.compare import UNLIKE, Comparison, Pair, distances, neighbour
-from pyport.parity.description import Batch, Description, Port, Routine, Variable
-from pyport.parity.functions import Spelling, part, resolve, size, unspell
+from pyport.parity.described.description import Batch, Description, Port, Routine, Variable
+from pyport.parity.described.functions import Spelling, part, resolve, size, unspell
 
 #: Asks one of the builds: (build, routine, batch) -> answers.
 Asker = Callable[[str, Routine, Batch], Batch]

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from pyport.parity.compare import UNLIKE, Comparison
-from pyport.parity.description import PROMISE_TEXT, Port
-from pyport.parity.loading import load
+from pyport.parity.described.description import PROMISE_TEXT, Port
+from pyport.parity.described.loading import load
 from pyport.parity.promise import bound, tolerance
 from pyport.parity.run import Parity, run
 

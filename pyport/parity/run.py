@@ -11,14 +11,15 @@ from typing import Any
 
 from pyport.checkpoint import Checkpoint, State, cache_folder
 from pyport.errors import BadInput
-from pyport.parity import inputs, oracle, stored
 from pyport.parity.compare import Comparison, Pair
-from pyport.parity.description import Batch, Description, Group, Port, Routine
-from pyport.parity.functions import Answers, ask_port, part, size
-from pyport.parity.loading import load
+from pyport.parity.compiled import oracle, stored
+from pyport.parity.compiled.stored import Stored
+from pyport.parity.described import inputs
+from pyport.parity.described.description import Batch, Description, Group, Port, Routine
+from pyport.parity.described.functions import Answers, ask_port, part, size
+from pyport.parity.described.loading import load
+from pyport.parity.evidence.shrink import Fails, Minimal, failing, minimal
 from pyport.parity.promise import Asker, Held, hold, kept, spread
-from pyport.parity.shrink import Fails, Minimal, failing, minimal
-from pyport.parity.stored import Stored
 from pyport.progress import track
 from pyport.workers import workers
 

@@ -7,18 +7,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from pyport.angles import Array
 from pyport.errors import BadInput
 from pyport.files import is_file, is_folder
 from pyport.recordings import naming
+from pyport.recordings.formats import csv
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
-from pyport.recordings.schema import Recordings
-from pyport.recordings.tabulate import tabulate
+from pyport.recordings.schema import Recordings, tabulate
 from pyport.recordings.where import where
 from pyport.workers import Spread
 
@@ -153,3 +156,33 @@ def write(recordings: Recordings, path: str | Path) -> None:
     from pyport.recordings.formats import registry as tables
 
     tables.write(tabulate(recordings), Path(path))
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Surveyed places of antennas about the array's reference."""
+
+    file: Path  #: where they are from
+    names: tuple[str, ...]  #: of the n antennas, as the recordings spell them
+    east_m: Array  #: toward east of the reference, shape (n,)
+
+
+def read_survey(path: Path) -> Survey:
+    """Read a CSV file with the columns `name` and `east_m`; others are ignored.
+
+    Raises `BadInput`: with file and line: no such file, a column is missing, a name is blank or
+      there twice, a place is no number.
+    """
+    if not is_file(path):
+        raise BadInput("no such file, expected a CSV file with columns name,east_m", path)
+    raw = csv.read(path)
+    for wanted in ("name", "east_m"):
+        if wanted not in raw.columns:
+            raise raw.error(f"no column {wanted!r}, expected name,east_m")
+    names, east = raw.words("name"), raw.numbers("east_m")
+    raw.refuse(names == "", "name is blank, expected an antenna's")
+    raw.refuse(np.isnan(east), "east_m is blank, expected metres toward east of the reference")
+    _, first = np.unique(names, return_index=True)
+    again = ~np.isin(np.arange(len(names)), first)
+    raw.refuse(again, "this antenna stands there twice, expected it once")
+    return Survey(path, tuple(names.tolist()), east)

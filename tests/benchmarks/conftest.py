@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import rt32
 
-from pyport.parity.build import sources
+from pyport.parity.compiled.build import sources
 from pyport.pointing import kernel
 
 FORTRAN = Path(__file__).parent / "fortran"

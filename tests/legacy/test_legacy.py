@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from rt32_inputs import edges, points, random, table
 from strategies import any_real4, directions, parameters
 
-from pyport.parity import promise, stored
+from pyport.parity import promise
 from pyport.parity.compare import Pair
-from pyport.parity.functions import ask_port
+from pyport.parity.compiled import stored
+from pyport.parity.described.functions import ask_port
 
 
 def assert_equal_bit_for_bit(at):

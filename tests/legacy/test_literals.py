@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pyport import legacy
-from pyport.parity.build import patched
+from pyport.parity.compiled.build import patched
 
 FORTRAN = Path(__file__).parents[2] / "legacy_fortran"
 PORT = Path(legacy.__file__).parent

@@ -15,10 +15,10 @@ from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.fields import KINDS, field, values
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
+from pyport.files import toml_spelled
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
 from pyport.recordings.schema import stack
-from pyport.toml_text import spelled
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
 import made
@@ -30,7 +30,7 @@ CASES = [*mechanics.CASES, *heavens.CASES]
 def there_and_back(member):
     """Return a member as JSON and then TOML give it back."""
     table = json.loads(json.dumps({"member": dict(member)}))
-    return tomllib.loads(spelled({"term": [table]}))["term"][0]["member"]
+    return tomllib.loads(toml_spelled({"term": [table]}))["term"][0]["member"]
 
 
 def place(identity):

@@ -42,7 +42,7 @@ def test_without_a_compiler_stored_answers_serve(monkeypatch, tmp_path):
     """
     monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
     monkeypatch.delenv("PYPORT_ORACLE", raising=False)
-    monkeypatch.setattr("pyport.parity.build.command_of", lambda _: None)
+    monkeypatch.setattr("pyport.parity.compiled.build.command_of", lambda _: None)
     path = tmp_path / "parity.md"
     kept_beside(str(path), rt32.DESCRIPTION, 20_000, 0).write_bytes(b"half")
     done = call("--report", path, "--summary", tmp_path / "summary.md")

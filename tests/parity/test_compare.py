@@ -6,8 +6,8 @@ import rt32
 from rt32_inputs import MODEL3_DEG, points
 
 from pyport.parity.compare import UNLIKE, Comparison, Pair
-from pyport.parity.description import Kind
-from pyport.parity.functions import hexadecimal, spell, unspell
+from pyport.parity.described.description import Kind
+from pyport.parity.described.functions import hexadecimal, spell, unspell
 
 AT = points([0.25, 0.5, 0.75], [0.5, 0.5, 0.5], MODEL3_DEG)
 MODEL = rt32.DESCRIPTION.routine("Model")

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from pyport.legacy import PARITY
+from pyport.parity.described.loading import load
 from pyport.parity.document import document
-from pyport.parity.loading import load
 from pyport.parity.run import run
 
 pytestmark = pytest.mark.slow

@@ -17,14 +17,15 @@ from click.testing import CliRunner
 import pyport
 from pyport.cli.parity import command
 from pyport.errors import BadInput
-from pyport.parity import init, inputs, oracle
 from pyport.parity.compare import Pair
-from pyport.parity.functions import ask_port
-from pyport.parity.loading import load
-from pyport.parity.mutants import modules_of, mutated
+from pyport.parity.compiled import oracle
+from pyport.parity.described import init, inputs
+from pyport.parity.described.functions import ask_port
+from pyport.parity.described.loading import load
+from pyport.parity.evidence.mutants import modules_of, mutated
+from pyport.parity.evidence.shrink import failing, minimal, search
 from pyport.parity.promise import hold, kept
 from pyport.parity.run import asker, run
-from pyport.parity.shrink import failing, minimal, search
 
 PROGRAM = Path(__file__).parent / "program"
 

@@ -8,7 +8,7 @@ from mpmath import isnan, mpf
 from rt32_inputs import points
 
 from pyport.parity import promise
-from pyport.parity.functions import ask_port, hexadecimal
+from pyport.parity.described.functions import ask_port, hexadecimal
 
 LEDGER = {entry.id: entry for entry in promise.deviations(rt32.DESCRIPTION)}
 #: Entries whose region sets a part of the sky aside.

@@ -8,8 +8,8 @@ import pytest
 import rt32
 
 from pyport.errors import BadInput
-from pyport.parity import driver, stored
-from pyport.parity import oracle as compiled
+from pyport.parity.compiled import driver, stored
+from pyport.parity.compiled import oracle as compiled
 
 HJUMP = rt32.DESCRIPTION.routine("Hjump")
 MODEL = rt32.DESCRIPTION.routine("Model")

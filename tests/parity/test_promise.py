@@ -9,7 +9,7 @@ from strategies import at_the_rim, directions, parameters
 
 from pyport.parity import promise
 from pyport.parity.compare import UNLIKE, Pair
-from pyport.parity.functions import ask_port
+from pyport.parity.described.functions import ask_port
 from pyport.parity.run import hold_live
 
 PORT = rt32.VECTORISED

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pyport.parity.build import PatchDoesNotApply, patched
+from pyport.parity.compiled.build import PatchDoesNotApply, patched
 
 FORTRAN = Path(__file__).parents[2] / "legacy_fortran"
 PATCHES = sorted((FORTRAN / "patches").glob("*.patch"))

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pyport.parity import inputs
 from pyport.parity.compare import Pair
-from pyport.parity.functions import ask_port, resolve
-from pyport.parity.loading import load
+from pyport.parity.described import inputs
+from pyport.parity.described.functions import ask_port, resolve
+from pyport.parity.described.loading import load
+from pyport.parity.evidence.shrink import failing, minimal
 from pyport.parity.promise import hold, kept
 from pyport.parity.run import asker, run
-from pyport.parity.shrink import failing, minimal
 
 HERE = Path(__file__).parent / "slalib"
 

@@ -7,8 +7,9 @@ import pytest
 import rt32
 
 from pyport.errors import BadInput
-from pyport.parity import inputs, stored
-from pyport.parity import oracle as compiled
+from pyport.parity.compiled import oracle as compiled
+from pyport.parity.compiled import stored
+from pyport.parity.described import inputs
 
 SETS = [(group, routine) for group in rt32.GROUPS for routine in ("Model", "ModelA", "Hjump")]
 

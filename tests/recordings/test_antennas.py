@@ -3,7 +3,7 @@
 import pytest
 
 from pyport.errors import BadInput
-from pyport.recordings.antennas import read_survey
+from pyport.recordings.files import read_survey
 
 
 def written(tmp_path, text):

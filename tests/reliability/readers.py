@@ -19,7 +19,7 @@ from pyport.formats.field_system import agreement
 from pyport.formats.models import load
 from pyport.planning.target_lists import read_catalogue
 from pyport.recordings import masks, read
-from pyport.recordings.antennas import read_survey
+from pyport.recordings.files import read_survey
 from pyport.recordings.formats import csv
 from pyport.recordings.formats import mapped as columns
 from pyport.recordings.raw import NOTHING, FileOptions

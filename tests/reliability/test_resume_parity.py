@@ -16,7 +16,7 @@ from rt32_inputs import random
 from pyport.checkpoint import Checkpoint
 from pyport.parity import promise
 from pyport.parity.compare import Pair
-from pyport.parity.functions import ask_port
+from pyport.parity.described.functions import ask_port
 from pyport.parity.run import over
 
 CHUNKS = [(start, start + 25) for start in range(0, 6000, 25)]

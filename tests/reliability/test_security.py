@@ -30,13 +30,13 @@ FORBIDDEN = {
 #: alarm, serves the watch's page, or calls compiled code.
 WHO_MAY = {
     "subprocess": {
-        *("examiner/sealed/solve.py", "parity/build.py", "parity/coverage.py"),
+        *("examiner/sealed/solve.py", "parity/compiled/build.py", "parity/evidence/coverage.py"),
         *("examiner/real/sets.py", "watch/outputs.py"),
     },
     "asyncio": {"watch/serve.py"},
     "runpy": {"examiner/sealed/cell.py"},
     "distributed": {"workers.py"},
-    "ctypes": {"legacy/intrinsics.py", "parity/stored.py"},
+    "ctypes": {"legacy/intrinsics.py", "parity/compiled/stored.py"},
 }
 #: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.
 BY_NAME = {
@@ -47,10 +47,10 @@ BY_NAME = {
         "pointing/__init__.py",
         "mounts/__init__.py",
     ),
-    "parity/functions.py",
+    "parity/described/functions.py",
 }
 #: Who alone may import compiled code from a file: the module that f2py made of the Fortran.
-COMPILED = {"parity/oracle.py"}
+COMPILED = {"parity/compiled/oracle.py"}
 #: Functions that evaluate text, wherever they come from.
 EVALUATING = frozenset({"eval", "exec", "compile", "__import__", "execfile", "literal_eval"})
 #: Methods that do, or that run programs; `re.compile` is none of them.

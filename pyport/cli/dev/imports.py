@@ -14,7 +14,7 @@ from pyport.cli.manners import in_json, say
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
-    ("angles", "errors", "files", "progress", "stages", "threads", "toml_text"),
+    ("angles", "errors", "files", "progress", "stages", "threads"),
     ("arguments", "checkpoint", "thresholds", "workers"),
     ("mounts",),
     ("columns",),

@@ -48,7 +48,7 @@ def acceptance(data: Path | None, jobs: int, seed: int, *, as_json: bool) -> Non
 
 def _lines(there: Path | None, data: Path | None, jobs: int, seed: int) -> Iterator[Line]:
     from pyport.examiner.acceptance import drawn, real
-    from pyport.recordings.antennas import read_survey
+    from pyport.recordings.files import read_survey
 
     survey = None if there is None else read_survey(there / "gmrt" / "antennas_enu.csv")
     yield from drawn.array_lines(survey)

@@ -19,7 +19,7 @@ from pyport.angles import Array
 from pyport.diagnosis.arrays.lasting import Lasting
 from pyport.effects.base import Site
 from pyport.errors import BadInput
-from pyport.recordings.antennas import Survey
+from pyport.recordings.files import Survey
 from pyport.thresholds import ENOUGH_ANTENNAS, SIGNIFICANT, WORSE
 
 #: Equatorial radius [m] and squared eccentricity of the Earth (WGS 84).

@@ -15,7 +15,7 @@ from pyport.diagnosis.arrays.unseen import Unseen, unseen
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
 from pyport.errors import BadInput
-from pyport.recordings.antennas import Survey
+from pyport.recordings.files import Survey
 from pyport.recordings.schema import Recordings
 from pyport.threads import one_thread
 from pyport.thresholds import SEVERAL

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.raw import Raw, TextColumn
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 #: From so many bytes on Arrow is worth its import, a tenth of a second.
 LEAST_BYTES = 2**20

@@ -14,7 +14,7 @@ from pyport.effects.mounts import declared
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, KINDS, Mount
 from pyport.recordings.mounted import ALSO, names_of
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 #: Decimals of a degree that a number gets which has no end in degrees: 0.4 microarcsec.
 DECIMALS = 10

@@ -18,7 +18,7 @@ from pyport.files import write_whole
 from pyport.recordings.formats import exact
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 #: Its columns -> the contract's.
 COLUMNS = {

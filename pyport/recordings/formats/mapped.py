@@ -33,10 +33,9 @@ from pyport.columns import (
     angle_of,
 )
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import toml_spelled, write_whole
 from pyport.recordings.formats.csv import comment, read_text
 from pyport.recordings.raw import Raw
-from pyport.toml_text import spelled
 
 #: Signs between columns, in the order in which they are tried; None for blanks.
 DELIMITERS = (",", ";", "\t", "|", None)
@@ -278,7 +277,7 @@ def load(path: Path) -> dict[str, str]:
 def save(columns: Mapping[str, str], path: Path) -> None:
     """Keep a map in a small TOML file."""
     with write_whole(path) as file:
-        file.write(spelled({"columns": dict(columns)}))
+        file.write(toml_spelled({"columns": dict(columns)}))
 
 
 #: What other people call a column: a pattern, and the contract's quantity.

@@ -18,7 +18,7 @@ from pyport.errors import BadInput
 from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, tpoint_dat, xtr
 from pyport.recordings.formats import tables as typed
 from pyport.recordings.raw import Raw
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
 from pyport.recordings.raw import LONGEST_CELL, Raw, TextColumn
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 #: No table of recordings has more; a Parquet file of a few kB may promise any number.
 MOST_CELLS = 2 * 10**8

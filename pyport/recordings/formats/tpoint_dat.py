@@ -26,7 +26,7 @@ from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.mounted import sides
 from pyport.recordings.raw import Raw
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 #: Why a row that was commented out is not used.
 MASKED = "masked in the file"

@@ -17,7 +17,7 @@ from pyport.mounts import ALTAZ, KINDS, Mount
 from pyport.recordings.formats import exact
 from pyport.recordings.formats.lines import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 
 
 def sections(path: Path) -> dict[str, list[Line]]:

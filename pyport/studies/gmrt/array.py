@@ -18,7 +18,7 @@ from pyport.diagnosis.arrays.words import comparison, held_out, words
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.formats.models import load
 from pyport.recordings import read
-from pyport.recordings.antennas import Survey
+from pyport.recordings.files import Survey
 from pyport.report import array as as_data
 from pyport.report.array import write_places
 

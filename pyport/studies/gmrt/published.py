@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCMIN, DEG, HOUR, Array
-from pyport.recordings.tabulate import Table
+from pyport.recordings.schema import Table
 from pyport.studies.gmrt.recovery import printed
 
 #: Reference position of the array, from the observatory's antenna header.

@@ -12,7 +12,7 @@ from pyport.diagnosis.arrays.unseen import medians
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 from pyport.recordings import read
-from pyport.recordings.antennas import read_survey
+from pyport.recordings.files import read_survey
 from pyport.studies.gmrt import array as gmrt_array
 
 

@@ -9,7 +9,7 @@ from pyport.diagnosis.arrays.places import metres_per_radian
 from pyport.diagnosis.arrays.report import report
 from pyport.effects import Site
 from pyport.errors import BadInput
-from pyport.recordings.antennas import Survey
+from pyport.recordings.files import Survey
 
 EAST_M = np.array([0, 300, -400, 900, 2500, 5200, 9000, -1500, -4000, -7500, 150, -800.0])
 SURVEY = Survey("survey.csv", tuple(names(len(EAST_M))), EAST_M)

@@ -11,7 +11,7 @@ from pyport.angles import ARCMIN, DEG, HOUR, Array
 from pyport.recordings import sky
 from pyport.recordings.files import NAMES
 from pyport.recordings.formats import csv
-from pyport.recordings.tabulate import Table, iso_8601
+from pyport.recordings.schema import Table, iso_8601
 from pyport.studies.gmrt import published
 from pyport.studies.gmrt.published import (
     LATITUDE_DEG,

@@ -53,7 +53,7 @@ def mutants(module: str, source: str) -> Iterator[Mutant]:
     """Yield every mutant of a module's source; docstrings and imports are left alone.
 
     A mutant may call ``real4``, which rounds to REAL*4, and the functions of
-    :mod:`pyport.parity.mutants` that are injected beside it.
+    :mod:`pyport.parity.evidence.mutants` that are injected beside it.
     """
     tree = ast.parse(source)
     numbered = _numbered(tree)

@@ -23,12 +23,13 @@ from typing import Any
 import numpy as np
 
 from pyport.errors import BadInput
-from pyport.parity import build as building
-from pyport.parity import inputs, oracle, stored
 from pyport.parity.compare import Pair
-from pyport.parity.description import Batch, Description, Group, Port, Routine
-from pyport.parity.functions import Function, ask_port, part, resolve, size
-from pyport.parity.mutations import Mutant, fortran_mutants, mutants
+from pyport.parity.compiled import build as building
+from pyport.parity.compiled import oracle, stored
+from pyport.parity.described import inputs
+from pyport.parity.described.description import Batch, Description, Group, Port, Routine
+from pyport.parity.described.functions import Function, ask_port, part, resolve, size
+from pyport.parity.evidence.mutations import Mutant, fortran_mutants, mutants
 from pyport.progress import track
 
 #: Points that are looked at first: most mutants are killed by them.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.parity.description import Batch, Description, Kind, Port, Routine, Variable
+from pyport.parity.described.description import Batch, Description, Kind, Port, Routine, Variable
 
 #: Texts of one value: one for a scalar, a list for an array.
 Spelling = str | list[str]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.parity.description import (
+from pyport.parity.described.description import (
     INTENTS,
     PROMISES,
     Build,
@@ -20,7 +20,7 @@ from pyport.parity.description import (
     Routine,
     Variable,
 )
-from pyport.parity.source import NUMBERS, Lines, Table
+from pyport.parity.described.source import NUMBERS, Lines, Table
 
 #: What gfortran needs to take an old text, and to complain where it would cut a line.
 LANGUAGE = ("-std=legacy", "-Wline-truncation", "-Werror=line-truncation")

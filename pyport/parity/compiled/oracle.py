@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.parity import build as building
-from pyport.parity import driver
-from pyport.parity.description import Batch, Build, Description, Routine
-from pyport.parity.functions import filled, part, size, spelled
+from pyport.parity.compiled import build as building
+from pyport.parity.compiled import driver
+from pyport.parity.described.description import Batch, Build, Description, Routine
+from pyport.parity.described.functions import filled, part, size, spelled
 from pyport.workers import end_with_parent
 
 #: A process that has loaded so many copies of a library makes room for a new one.
@@ -223,7 +223,7 @@ def _fresh(path: str) -> ModuleType:
 @cache
 def of(description_path: Path, build: str) -> Oracle:
     """Return the oracle of a description's build in this process."""
-    from pyport.parity.loading import load
+    from pyport.parity.described.loading import load
 
     description = load(description_path)
     return Oracle(description, description.builds[build])

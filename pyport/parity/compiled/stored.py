@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.parity import build, inputs
-from pyport.parity.description import Batch, Description, Group, Port, Routine, Variable
-from pyport.parity.functions import size, spell, unspell
-from pyport.parity.oracle import Oracle
+from pyport.parity.compiled import build
+from pyport.parity.compiled.oracle import Oracle
+from pyport.parity.described import inputs
+from pyport.parity.described.description import Batch, Description, Group, Port, Routine, Variable
+from pyport.parity.described.functions import size, spell, unspell
 from pyport.parity.promise import Spread, spread
 
 SCHEMA = "pyport.oracle/2"

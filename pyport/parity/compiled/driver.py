@@ -8,7 +8,7 @@ promotes these arrays too. f2py reads the same arrays from a signature file, whe
 
 from __future__ import annotations
 
-from pyport.parity.description import Build, Description, Routine, Variable
+from pyport.parity.described.description import Build, Description, Routine, Variable
 
 #: The extension module that f2py makes of the loops.
 MODULE = "parity_routines"

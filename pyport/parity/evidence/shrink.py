@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.parity.compare import Pair, one_text
-from pyport.parity.description import Batch, Description, Port, Routine, Variable
-from pyport.parity.functions import (
+from pyport.parity.described.description import Batch, Description, Port, Routine, Variable
+from pyport.parity.described.functions import (
     Function,
     Spelling,
     ask_port,
@@ -25,7 +25,7 @@ from pyport.parity.functions import (
     spelled,
     unspell,
 )
-from pyport.parity.inputs import around, special
+from pyport.parity.described.inputs import around, special
 from pyport.parity.promise import Asker, Held, bound, hold, spread
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.parity.source import UNKNOWN, included, pieces, uses
+from pyport.parity.described.source import UNKNOWN, included, pieces, uses
 
 HEAD = """\
 # A first description of {files} for `pyport parity`; docs/parity-kit.md explains the keys.

@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 
 from pyport.errors import BadInput
-from pyport.parity import build as building
-from pyport.parity import driver, inputs, oracle, promise, stored
+from pyport.parity import promise
 from pyport.parity.compare import Comparison, Pair
-from pyport.parity.description import Batch, Build, Description, Port, Routine
-from pyport.parity.functions import filled, part, size
-from pyport.parity.oracle import Oracle
-from pyport.parity.oracle import of as oracle_of
+from pyport.parity.compiled import build as building
+from pyport.parity.compiled import driver, oracle, stored
+from pyport.parity.compiled.oracle import Oracle
+from pyport.parity.compiled.oracle import of as oracle_of
+from pyport.parity.described import inputs
+from pyport.parity.described.description import Batch, Build, Description, Port, Routine
+from pyport.parity.described.functions import filled, part, size
 from pyport.parity.report import ulp
 from pyport.progress import track
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.parity.compare import neighbour
-from pyport.parity.description import Batch, Description, Group, Routine, Variable
-from pyport.parity.functions import inputs_of, joined, resolve, size
+from pyport.parity.described.description import Batch, Description, Group, Routine, Variable
+from pyport.parity.described.functions import inputs_of, joined, resolve, size
 
 #: Random points are drawn in this many to one beside a threshold.
 FAR_TO_NEAR = 4

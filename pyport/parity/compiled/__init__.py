@@ -1,0 +1,1 @@
+"""The Fortran compiled and called, and its answers stored."""

@@ -1,0 +1,1 @@
+"""What is compared: the description of ports and routines, the Fortran's text, and inputs."""

@@ -1,0 +1,1 @@
+"""That the comparison can fail: mutants, branches taken, builds, the simplest inputs."""
