@@ -156,8 +156,16 @@ def _cells(name: str, column: Any) -> NDArray[Any]:  # noqa: ANN401 - a column o
     if cells.ndim != 1 or cells.dtype.kind not in "OUMiufb":
         raise refusal(f"table: column {name!r}", column, "numbers, times or texts, one a row")
     if cells.dtype.kind == "O":
+        if any(_many(one) for one in cells.tolist()):
+            raise refusal(f"table: column {name!r}", column, "one number, time or text a row")
         return np.array(["" if _blank(one) else str(one) for one in cells.tolist()], np.str_)
     return cells
+
+
+def _many(cell: object) -> bool:
+    """Tell whether a cell holds several things."""
+    several = hasattr(cell, "__len__") and not isinstance(cell, str | bytes)
+    return several and getattr(cell, "ndim", 1) > 0
 
 
 def _blank(cell: object) -> bool:

@@ -12,6 +12,9 @@ from pyport.angles import DEG, Array, wrap
 from pyport.errors import BadInput
 from pyport.files import write_whole
 
+#: Rows of the largest table: five gigabytes of text.
+MOST_ROWS = 100_000_000
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -23,6 +26,11 @@ class Grid:
 
     az_deg: Array
     zd_deg: Array
+
+    def __post_init__(self) -> None:
+        """Refuse what no table holds."""
+        if len(self) > MOST_ROWS:
+            raise BadInput(f"a grid of {len(self):,} rows, expected at most {MOST_ROWS:,}")
 
     def __len__(self) -> int:
         """Return the number of rows of the table."""
@@ -55,6 +63,8 @@ def span(text: str) -> Array:
         count = round((last - first) / step) + 1
     except (ValueError, ZeroDivisionError, OverflowError):
         raise BadInput(f"expected FIRST:LAST:STEP in degrees, found {text!r}") from None
+    if count > MOST_ROWS:
+        raise BadInput(f"{text!r} has {count:,} steps, expected at most {MOST_ROWS:,} rows")
     values = np.asarray(first + step * np.arange(max(count, 0)), dtype=float)
     if count < 2 or step < 0 or abs(values[-1] - last) > 1e-9 * abs(last - first):
         raise BadInput(f"{text!r}: steps of {step:g} deg do not lead from {first:g} to {last:g}")

@@ -16,6 +16,7 @@ from pyport.formats.models import load
 from pyport.models.conditions import columns_of
 from pyport.recordings import read
 from pyport.recordings.formats.mapped import propose, sheet
+from pyport.recordings.from_table import from_table
 from pyport.watch import state
 
 ROWS = "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,20,1,2\n30,40,2,1\n"
@@ -97,3 +98,22 @@ def test_a_state_whose_header_ends_early(tmp_path):
         archive.writestr("key.npy", whole.getvalue().replace(b"}", b"("))
     with pytest.raises(BadInput, match="no state of a watch"):
         state.load(None, path)
+
+
+@pytest.mark.parametrize("az", ["0:77777777710:1", "0:7777777771e9:1", "0:99999:1"])
+def test_a_grid_that_no_memory_holds(tmp_path, az):
+    """Refused before it is made."""
+    asked = ["table", "--az", az, "--zd", "20:90:0.01", "-o", str(tmp_path / "table.dat")]
+    said = CliRunner().invoke(pyport, asked)
+
+    assert isinstance(said.exception, BadInput)
+    assert "expected at most 100,000,000" in str(said.exception)
+
+
+def test_cells_that_are_arrays():
+    """In a column of objects, beside one that is text."""
+    cells = np.empty(2, object)
+    cells[0], cells[1] = np.arange(3), "night one"
+    numbers = {name: [1.0, 2.0] for name in ROWS.splitlines()[0].split(",")}
+    with pytest.raises(BadInput, match="column 'session'"):
+        from_table({**numbers, "session": cells})
