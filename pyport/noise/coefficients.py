@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtr, stdtrit
 
 from pyport.angles import Array
 from pyport.least_squares.gram import Solution, inverse_of
@@ -50,7 +51,30 @@ def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
     values = inverse @ (white[:, :-1].T @ white[:, -1])
     estimator = soft.unwhiten(white[:, :-1]) @ inverse
     errors = covariance.errors(estimator)
-    return replace(best, values=values, covariance=errors.T @ errors, known=known, normal=normal)
+    wider = widening(covariance, estimator)
+    return replace(
+        best,
+        values=values,
+        covariance=errors.T @ errors * np.outer(wider, wider),
+        known=known,
+        normal=normal,
+    )
+
+
+def widening(covariance: Covariance, estimator: Array) -> Array:
+    """Return by how much what is known of the variances widens each error, shape (P,).
+
+    A variance that few sessions show, or a drift that turned few times, is itself uncertain: the
+    degrees of freedom of an error are those of its parts, weighed by what they add to it
+    (Satterthwaite 1946, Biometrics Bulletin 2, 110), and the error is half of the interval of
+    Student's t that holds as much as one sigma of a normal.
+    """
+    total, rough = np.zeros(estimator.shape[1]), np.zeros(estimator.shape[1])
+    for variance, of in covariance.shares(estimator):
+        total += variance
+        rough += variance**2 / of
+    dof = total**2 / np.maximum(rough, 1e-300)
+    return np.asarray(stdtrit(np.maximum(dof, 1.0), ndtr(1.0)))
 
 
 def tempered(covariance: Covariance) -> Covariance:

@@ -7,8 +7,8 @@ sessions and of sources, which are random effects.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +52,8 @@ class Departures:
         Offset of each reading for a departure of one [rad/rad], shape (m, q).
     sigma
         Standard deviation of the departures [rad].
+    dof
+        From how many deviations it is known.
     """
 
     term: str
@@ -60,6 +62,7 @@ class Departures:
     labels: tuple[str, ...]
     columns: Array = field(repr=False)
     sigma: float = 0.0
+    dof: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -153,6 +156,23 @@ class Covariance:
             out[start + y] *= np.sqrt(1 - correlation**2)
         departing = [(one.columns * one.sigma).T @ estimators for one in self.departures]
         return np.concatenate([out, *departing])
+
+    def shares(self, estimators: Array) -> Iterator[tuple[Array, float]]:
+        """Yield what adds to the variances of linear estimators (m, K), and its degrees of freedom.
+
+        White scatter, and each drift, of each series; departures of each term.
+        """
+        for part, noise in zip(self.parts, self.noises, strict=True):
+            own = estimators[part.rows], self.weights[part.rows], self.precision[part.rows]
+            still = replace(noise, drifts=())
+            white = _variance(*own, part, still)
+            yield white, noise.dof
+            drifting = np.maximum(_variance(*own, part, noise) - white, 0.0)
+            for amplitude, memory in noise.drifts:
+                yield drifting * (amplitude / noise.drift) ** 2, part.turns(memory)
+        for one in self.departures:
+            departing = (one.columns * one.sigma).T @ estimators
+            yield (departing**2).sum(axis=0), one.dof
 
     def _without_departures(self, out: Array) -> Array:
         """Take what departures do out of whitened columns (M, K), in place."""
@@ -286,6 +306,15 @@ class Covariance:
         for part, noise in zip(self.parts, self.noises, strict=True):
             found[part.antenna] = found.get(part.antenna, 0.0) + noise.dof
         return found
+
+
+def _variance(
+    estimators: Array, weights: Array, precision: Array, part: Series, noise: Noise
+) -> Array:
+    """Return what a series adds to the variance of linear estimators, shape (K,)."""
+    means, inside = series_errors(estimators, weights, precision, part, noise)
+    found = (means**2).sum(axis=0)
+    return np.asarray(found if inside is None else found + (inside**2).sum(axis=0))
 
 
 def both_axes(parts: Sequence[Series], antenna: str) -> tuple[Codes, Codes]:

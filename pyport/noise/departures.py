@@ -203,11 +203,25 @@ def estimate(
         return ()
     variances = _fitted(projected, len(some))
     variances = _without_idle(projected, variances)
+    dof = _known(projected, variances)
     return tuple(
-        replace(one, sigma=float(np.sqrt(variance)))
-        for one, variance in zip(some, variances, strict=True)
-        if variance > 0
+        replace(one, sigma=float(np.sqrt(variances[n])), dof=float(dof[n]))
+        for n, one in enumerate(some)
+        if variances[n] > 0
     )
+
+
+def _known(projected: _Projected, variances: Array) -> Array:
+    """Return from how many deviations each variance is known, by the expected curvature."""
+    free = np.flatnonzero(variances > 0)
+    dof = np.ones(len(variances))
+    triangle = projected.triangle(variances)
+    if len(free) and triangle is not None:
+        curvature = projected.step(variances, triangle)[1][np.ix_(free, free)]
+        # The inverse of half the curvature is the variance of a variance: 2 / dof of its square.
+        error = np.diag(np.linalg.pinv(curvature * np.outer(variances[free], variances[free])))
+        dof[free] = 1 / np.clip(error, 1e-12, 1.0)
+    return dof
 
 
 def _project(

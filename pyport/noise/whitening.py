@@ -69,6 +69,16 @@ class Series:
             return None
         return np.argsort(self.pointing)
 
+    def turns(self, memory: float) -> float:
+        """Return how many independent deviations of a drift of some memory [s] the series saw.
+
+        The mean square of one over a time T scatters as that of T / memory deviations do; a gap
+        that it forgets in is one memory long.
+        """
+        if self.time is None or not len(self.time):
+            return 1.0
+        return 1.0 + float(np.minimum(np.diff(np.sort(self.time)), memory).sum()) / memory
+
 
 @dataclass(frozen=True)
 class Noise:

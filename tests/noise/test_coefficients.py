@@ -1,7 +1,11 @@
 """Coefficients: what they are under noise that is trusted in part, and that their errors hold."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from pyport.noise import coefficients
 from pyport.noise.coefficients import solve, tempered
@@ -52,7 +56,10 @@ def test_transpose_and_errors_belong_to_the_same_covariance(readings, within, ce
 
 @pytest.mark.slow
 def test_coefficients_have_the_errors_that_are_stated():
-    """Drawn 4,000 times from the covariance, they scatter by what it says, within 5 %."""
+    """Drawn 4,000 times from the covariance they scatter by what it says, within 5 %.
+
+    What is stated beyond that is for the variances, which the estimate does not know.
+    """
     rng = np.random.default_rng(4)
     given = covariance(1, 0.0)
     columns = rng.standard_normal((2 * N, 3))
@@ -61,8 +68,50 @@ def test_coefficients_have_the_errors_that_are_stated():
     values = np.array([solve(given, columns, one).values for one in drawn.T])
 
     stated = np.sqrt(np.diag(solve(given, columns, drawn[:, 0]).covariance))
+    known = coefficients.widening(given, _estimator(given, columns))
 
-    np.testing.assert_allclose(values.std(axis=0), stated, rtol=0.05)
+    np.testing.assert_allclose(values.std(axis=0) * known, stated, rtol=0.05)
+    assert (known > 1.005).all()
+
+
+def _estimator(given, columns):
+    """Return the weight of each reading in the coefficients, shape (m, P)."""
+    soft = tempered(given)
+    white = soft.whiten(columns)
+    return soft.unwhiten(white) @ np.linalg.inv(white.T @ white)
+
+
+@pytest.mark.parametrize("sessions", [4, 12])
+def test_a_variance_of_few_sessions_widens_errors(sessions):
+    """Student's t with a degree of freedom less than sessions, where a mean is all they show."""
+    rng = np.random.default_rng(sessions)
+    n = 40 * sessions
+    night = np.arange(n) // 40
+    given = recordings(
+        n, 1, 5 * rng.standard_normal(sessions)[night] + 0.1 * rng.standard_normal(n), night
+    )
+    data = stack(given)
+    seen = frame(given, data)
+    zeros = tuple(one for one in seen.departures if one.term == "zero in elevation")
+    fitted = estimate(given.y, np.ones((n, 1)), replace(seen, departures=zeros))
+    solution = solve(fitted, np.ones((n, 1)), given.y)
+    nights = given.y.reshape(sessions, 40).mean(axis=1)
+
+    (zero,) = fitted.departures
+    assert zero.dof == pytest.approx(sessions - 1, rel=0.1)
+    expected = student.ppf(norm.cdf(1), sessions - 1) * nights.std(ddof=1) / np.sqrt(sessions)
+    assert np.sqrt(solution.covariance[0, 0]) == pytest.approx(expected, rel=0.1)
+
+
+def test_a_drift_is_known_by_how_often_it_turned():
+    """The mean square of one in ten memories scatters as that of eleven deviations does."""
+    part = covariance(1, 0.0).parts[0]
+    known = replace(part, time=np.linspace(0, 10, N))
+
+    assert known.turns(1.0) == pytest.approx(11.0)
+    # A gap that it forgets in counts once; without times nothing is known.
+    assert replace(part, time=np.array([0, 1, 1000.0])).turns(1.0) == pytest.approx(3.0)
+    assert replace(part, time=None).turns(1.0) == 1.0
 
 
 def test_white_noise_is_weighed_as_it_is():
