@@ -144,7 +144,9 @@ class Problem:
         out = [np.zeros((len(source), 0))]
         for chosen in choices:
             groups = self.blocks.groups(chosen.scope)
-            columns = source.take(chosen.candidate.columns, axis=1)
+            own = chosen.candidate.columns
+            # `take` would copy all of an array that lies column by column.
+            columns = source.take(own, axis=1) if source.flags.c_contiguous else source[:, own]
             width = columns.shape[1]
             wide = np.zeros((len(source), width * (int(groups.max()) + 1)))
             places = groups[block][:, None] * width + np.arange(width)
@@ -271,7 +273,8 @@ def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chose
     columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
     own = np.unique(np.concatenate(columns))
     data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
-    white = np.zeros((covariance.means.stop, size + 1))
+    # Column by column in memory: no page of those that stay zero is touched.
+    white = np.zeros((covariance.means.stop, size + 1), order="F")
     white[:, np.append(own, size)] = covariance.whiten(data)
     return white
 

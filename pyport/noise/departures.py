@@ -10,10 +10,12 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from scipy.linalg.lapack import dpotri
 
 from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
@@ -21,6 +23,8 @@ from pyport.effects.astrometry import parallactic
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
+from pyport.noise.whitening import Series, products
+from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
 
@@ -118,6 +122,47 @@ def _departures(
 
 
 @dataclass(frozen=True)
+class Possible:
+    """Departures that are possible, and the series that show them."""
+
+    departures: tuple[Departures, ...]
+    parts: tuple[Series, ...]
+
+    @cached_property
+    def kind(self) -> Codes:
+        """Return which departures each column belongs to, shape (q,)."""
+        widths = [one.columns.shape[1] for one in self.departures]
+        return np.repeat(np.arange(len(widths)), widths)
+
+    @cached_property
+    def columns(self) -> Array:
+        """Return the columns of all departures, shape (m, q)."""
+        readings = sum(len(part.rows) for part in self.parts)
+        columns = [np.zeros((readings, 0)), *(one.columns for one in self.departures)]
+        return np.concatenate(columns, axis=1)
+
+    @cached_property
+    def few(self) -> tuple[Columns, ...]:
+        """Return for each series those columns in its rows, without their zeros."""
+        return tuple(Columns.of(self.columns[part.rows], len(self.kind)) for part in self.parts)
+
+    @cached_property
+    def shared(self) -> Array:
+        """Return what all labels share, shape (m, s)."""
+        found = [self.columns[:, :0]]
+        for one in self.departures:
+            count = len(set(one.labels))
+            found.append(one.columns.reshape(len(one.columns), -1, count).sum(axis=2))
+        return np.concatenate(found, axis=1)
+
+    def sizes(self, departures: Sequence[Departures]) -> Array:
+        """Return the standard deviation of what each column stands for, zero where unknown."""
+        sigmas = {(one.term, one.of, one.antenna): one.sigma for one in departures}
+        found = [sigmas.get((one.term, one.of, one.antenna), 0.0) for one in self.departures]
+        return np.array(found)[self.kind] if found else np.zeros(0)
+
+
+@dataclass(frozen=True)
 class _Projected:
     """What the whitened data say of all departures with the model projected out.
 
@@ -161,19 +206,47 @@ class _Projected:
             return None
 
     def step(self, variances: Array, triangle: Array) -> tuple[Array, Array]:
-        """Return the gradient of `lack` and its expected curvature in the variances."""
+        """Return the gradient of `lack` and its expected curvature in the variances.
+
+        With B = 1 + R P R the products that the active columns keep beside what departs are
+        R^-1 (1 - B^-1) R^-1, those of them with idle ones R^-1 B^-1 R P.
+        """
         active = np.flatnonzero(variances[self.kind])
-        root = np.sqrt(variances[self.kind[active]])[:, None]
-        beside = np.concatenate([self.products[active], self.moments[active, None]], axis=1)
-        taken = _solved(triangle, root * beside)
-        kernel = self.products - taken[:, :-1].T @ taken[:, :-1]
-        seen = self.moments - taken[:, :-1].T @ taken[:, -1]
-        left = self.misfit - float(taken[:, -1] @ taken[:, -1])
+        idle = np.flatnonzero(variances[self.kind] == 0)
+        root = np.sqrt(variances[self.kind[active]])
+        inverse = _inverse(triangle)
+        taken = root * (inverse @ (root * self.moments[active]))
+        across = self.products[np.ix_(active, idle)]
+        weighed = inverse @ (root[:, None] * across)
+        own = (np.eye(len(active)) - inverse) / root / root[:, None]
+        between = weighed / root[:, None]
+        others = self.products[np.ix_(idle, idle)] - weighed.T @ (root[:, None] * across)
+        seen, power = np.empty(len(self.kind)), np.empty(len(self.kind))
+        seen[active], seen[idle] = taken / root**2, self.moments[idle] - across.T @ taken
+        power[active], power[idle] = np.diag(own), np.diag(others)
+        left = self.misfit - float(self.moments[active] @ taken)
         scale = max(left, 1e-300) / self.dof
         count = len(variances)
-        of_kind = (self.kind[:, None] == np.arange(count)).astype(float)
-        gradient = np.diag(kernel) @ of_kind - seen**2 @ of_kind / scale
-        return gradient, np.asarray(of_kind.T @ (kernel**2 @ of_kind))
+        gradient = np.asarray(np.bincount(self.kind, power - seen**2 / scale, count), float)
+        curvature = _by_kind(own, self.kind[active], self.kind[active], count)
+        crossed = _by_kind(between, self.kind[active], self.kind[idle], count)
+        curvature += crossed + crossed.T + _by_kind(others, self.kind[idle], self.kind[idle], count)
+        return gradient, curvature
+
+
+def _by_kind(values: Array, one: Codes, other: Codes, count: int) -> Array:
+    """Return the sums of squares of values (a, b) over the kinds of rows (a,) and columns (b,)."""
+    kinds = np.arange(count)
+    of_rows, of_columns = ((kind[:, None] == kinds).astype(float) for kind in (one, other))
+    return np.asarray(of_rows.T @ (values**2 @ of_columns))
+
+
+def _inverse(triangle: Array) -> Array:
+    """Return the inverse of L L' from its lower triangle L."""
+    if not len(triangle):
+        return triangle
+    upper = dpotri(triangle.T)[0]
+    return np.asarray(np.triu(upper) + np.triu(upper, 1).T)
 
 
 def _solved(triangle: Array, right: Array) -> Array:
@@ -183,7 +256,7 @@ def _solved(triangle: Array, right: Array) -> Array:
 
 
 def estimate(
-    covariance: Covariance, value: Array, design: Array, some: Sequence[Departures]
+    covariance: Covariance, value: Array, design: Array, possible: Possible
 ) -> tuple[Departures, ...]:
     """Return the departures that are worth having, with their standard deviations.
 
@@ -193,12 +266,13 @@ def estimate(
         Of the readings, without any departures.
     value, design
         The data (m,) and the columns that are always fitted, (m, p).
-    some
+    possible
         The departures that are possible.
     """
+    some = possible.departures
     if not some:
         return ()
-    projected = _project(covariance, value, design, some)
+    projected = _project(covariance, value, design, possible)
     if projected.misfit < EXACT * projected.dof:
         return ()
     variances = _fitted(projected, len(some))
@@ -224,24 +298,11 @@ def _known(projected: _Projected, variances: Array) -> Array:
     return dof
 
 
-def _project(
-    covariance: Covariance, value: Array, design: Array, some: Sequence[Departures]
-) -> _Projected:
-    kind = np.repeat(np.arange(len(some)), [one.columns.shape[1] for one in some])
+def _project(covariance: Covariance, value: Array, design: Array, possible: Possible) -> _Projected:
     # What all labels share is no departure, whether the model has a term for it or lacks one.
-    counts = [len(set(one.labels)) for one in some]
-    shared_by_all = [
-        one.columns.reshape(len(value), -1, count).sum(axis=2)
-        for one, count in zip(some, counts, strict=True)
-    ]
-    parts = [*(one.columns for one in some), *shared_by_all, design, value[:, None]]
-    columns = np.concatenate(parts, axis=1)
-    white = replace(covariance, departures=()).whiten(columns)
-    gram = white.T @ white
-    if not np.isfinite(np.diag(gram)).all():
-        white = np.nan_to_num(white)
-        gram = white.T @ white
-    q = len(kind)
+    full = np.concatenate([possible.shared, design, value[:, None]], axis=1)
+    gram, used = _products(covariance, full, possible)
+    q = len(possible.kind)
     model, others = np.arange(q, len(gram) - 1), np.append(np.arange(q), len(gram) - 1)
     length = np.sqrt(np.maximum(np.diag(gram)[model], 1e-300))
     power, vectors = np.linalg.eigh(gram[np.ix_(model, model)] / np.outer(length, length))
@@ -253,14 +314,47 @@ def _project(
     # What the model draws all of is nothing that departs.
     drawn = np.diag(left)[:-1] < DRAWN * np.diag(gram)[:q]
     left[:-1][drawn], left[:, :-1][:, drawn] = 0.0, 0.0
-    used = int(np.count_nonzero(white.any(axis=1)))
     return _Projected(
         left[:-1, :-1],
         left[:-1, -1],
-        kind,
+        possible.kind,
         float(left[-1, -1]),
         max(1, used - int(kept.sum())),
     )
+
+
+def _products(covariance: Covariance, full: Array, possible: Possible) -> tuple[Array, int]:
+    """Return the whitened products of all departures and of other columns (m, p), and their rows.
+
+    Nothing departs in that. Series whose readings stand alone, in axes that are not coupled,
+    are gone through without the columns' zeros.
+    """
+    q = len(possible.kind)
+    gram, used = np.zeros((q + full.shape[1],) * 2), 0
+    for n, part in enumerate(covariance.parts):
+        there = np.flatnonzero(full[part.rows].any(axis=0))
+        few = possible.few[n].beside(full[np.ix_(part.rows, there)])
+        found = (
+            None
+            if covariance.coupling
+            else products(
+                few,
+                covariance.weights[part.rows],
+                covariance.precision[part.rows],
+                part,
+                covariance.noises[n],
+            )
+        )
+        if found is None or not np.isfinite(np.diag(found)).all():
+            break
+        places = np.concatenate([np.arange(q), q + there])
+        gram[np.ix_(places, places)] += found
+        used += int(np.count_nonzero(few.full.any(axis=1) | (np.diff(few.starts) > 0)))
+    else:
+        return gram, used
+    columns = np.concatenate([possible.columns, full], axis=1)
+    white = np.nan_to_num(replace(covariance, departures=()).whiten(columns))
+    return white.T @ white, int(np.count_nonzero(white.any(axis=1)))
 
 
 def _fitted(projected: _Projected, count: int) -> Array:

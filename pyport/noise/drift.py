@@ -16,7 +16,7 @@ from scipy.linalg import solve_triangular
 
 from pyport.angles import Array, Codes
 from pyport.least_squares import robust
-from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor
+from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor, variance_of_means
 from pyport.pointing import kernel
 from pyport.thresholds import ENOUGH
 
@@ -93,14 +93,12 @@ class Departing:
     Attributes
     ----------
     columns
-        In units of the scatter, shape (n, q).
-    kept, faint
-        Orthonormal directions among the columns that matter, and the others: shapes (q, k) and
-        (q, q - k).
+        In units of the scatter, q of them.
+    faint
+        Orthonormal directions among the columns that do not matter, shape (q, k).
     """
 
-    columns: Array
-    kept: Array
+    columns: kernel.Columns
     faint: Array
 
 
@@ -156,6 +154,15 @@ class Draft:
         return Noise(self.within, between, drifts, self.dof, self.how)
 
 
+def within_reach(grid: Grid) -> float:
+    """Return what a noise may lack and be the likeliest, whatever the other axis says of it.
+
+    The other axis raises the chance of a drift by a factor of no more than that: see `beside`.
+    """
+    prior = _prior(len(grid))
+    return 2 * float(np.log1p((prior.sum() / prior).max()))
+
+
 def likeliest(chance: Array) -> Array:
     """Return chances (G,) that are all with the likeliest noise, whatever the prior."""
     one = np.zeros(len(chance))
@@ -174,6 +181,7 @@ def draft(
     grid: Grid,
     floor: float,
     start: int | None = None,
+    beyond: float = BEYOND,
 ) -> Draft:
     """Weigh every noise of a grid by its restricted likelihood.
 
@@ -189,23 +197,17 @@ def draft(
         The series, the drifts, and the scatter that rounding makes [rad].
     start
         The drift that the search starts from; None for one in the middle.
+    beyond
+        Twice the log-likelihood that a noise may lack before it is out of the question.
     """
     count = np.bincount(part.pointing)
     within = _within(residual, weight, part, count, floor)
-    data = np.concatenate([departing.columns, columns, value[:, None]], axis=1)
-    means, variance, _ = by_pointing(data, weight, precision, part, Noise(0.0, 1.0))
-    kept = variance < FAR
-    likelihood = _Likelihood(
-        np.ascontiguousarray(means[kept]),
-        variance[kept],
-        None if part.time is None else part.time[kept],
-        departing,
-    )
+    likelihood = _likelihood(value, columns, departing, weight, precision, part)
     if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
         lack[0], scale[0] = likelihood.at([])
     else:
-        lack, scale = _weighed(likelihood, grid, start)
+        lack, scale = _weighed(likelihood, grid, start, beyond)
     # No drift is as likely beforehand as all drifts together.
     chance = _prior(len(grid)) * np.exp(-(lack - lack.min()) / 2)
     return Draft(
@@ -226,7 +228,9 @@ def _prior(size: int) -> Array:
     return prior
 
 
-def _weighed(likelihood: _Likelihood, grid: Grid, start: int | None) -> tuple[Array, Array]:
+def _weighed(
+    likelihood: _Likelihood, grid: Grid, start: int | None, beyond: float
+) -> tuple[Array, Array]:
     """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
 
     Memories are gone through upward and downward from where the search starts, and for
@@ -245,7 +249,7 @@ def _weighed(likelihood: _Likelihood, grid: Grid, start: int | None) -> tuple[Ar
         for way in (own[start:], own[start::-1]):
             for last, one in itertools.pairwise(way):
                 lack[one], scale[one] = likelihood.at(grid.drifts(int(one)))
-                if lack[one] > max(lack[last], lack.min() + BEYOND):
+                if lack[one] > max(lack[last], lack.min() + beyond):
                     break
         return int(np.argmin(lack[own]))
 
@@ -257,7 +261,7 @@ def _weighed(likelihood: _Likelihood, grid: Grid, start: int | None) -> tuple[Ar
         start = first
         for last, one in itertools.pairwise(way):
             start = along(cells[one], start)
-            if lack[cells[one]].min() > max(lack[cells[last]].min(), lack.min() + BEYOND):
+            if lack[cells[one]].min() > max(lack[cells[last]].min(), lack.min() + beyond):
                 break
     along(cells[-1], first)
     return lack, scale
@@ -288,38 +292,36 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
 class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
 
-    `means` holds the columns of the departures, the design and, last, the data, shape
-    (n, q + p + 1); `variance` is relative.
+    `columns` holds those of the departures, of which the directions `faint` do not matter, the
+    design and, last, the data; `variance` is relative.
     """
 
-    means: Array
+    columns: kernel.Columns
     variance: Array
     time: Array | None
-    departing: Departing
+    faint: Array
 
     @property
     def dof(self) -> int:
         """Return the deviations that tell of the noise."""
-        return max(1, len(self.variance) - self.means.shape[1] + len(self.departing.kept) + 1)
+        return max(1, len(self.variance) - self.columns.full.shape[1] + 1)
 
     def at(self, drifts: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Return minus twice the log-likelihood and the scale, for drifts of unit scatter."""
-        found = None
-        if self.time is not None and len(drifts) == 1:
-            found = kernel.products(self._columns, self.variance, self.time, drifts[0])
-        if found is not None:
-            d, gram = found
-            departing, faint = self.departing.kept.shape[0], self.departing.faint
-        else:
-            d, white = factor(self._turned, self.variance, self.time, drifts)
+        drifts = () if self.time is None else drifts
+        found = kernel.products(self.columns, self.variance, self.time, drifts)
+        if found is None:
+            d, white = factor(self._dense, self.variance, self.time, drifts)
             gram = white.T @ white
-            departing, faint = self.departing.kept.shape[1], np.zeros((0, 0))
-        gram[np.arange(departing), np.arange(departing)] += 1.0
-        fixed = np.arange(departing, len(gram) - 1)
+        else:
+            d, gram = found
+        departing = np.arange(self.columns.q)
+        gram[departing, departing] += 1.0
+        fixed = np.arange(self.columns.q, len(gram) - 1)
         gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
         triangle = np.linalg.cholesky(gram[:-1, :-1])
-        right = np.zeros((len(triangle), 1 + faint.shape[1]))
-        right[:, 0], right[: len(faint), 1:] = gram[:-1, -1], faint
+        right = np.zeros((len(triangle), 1 + self.faint.shape[1]))
+        right[:, 0], right[: len(self.faint), 1:] = gram[:-1, -1], self.faint
         solved = solve_triangular(triangle, right, lower=True, check_finite=False)
         taken, logs = _without(solved[:, 0], solved[:, 1:])
         misfit = max(float(gram[-1, -1]) - taken, 1e-300)
@@ -327,15 +329,28 @@ class _Likelihood:
         return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
 
     @cached_property
-    def _columns(self) -> kernel.Columns:
-        return kernel.Columns.of(self.means, len(self.departing.kept))
+    def _dense(self) -> Array:
+        return self.columns.dense()
 
-    @cached_property
-    def _turned(self) -> Array:
-        """Return the means with the departures' columns turned to the directions that matter."""
-        q = len(self.departing.kept)
-        turned = self.means[:, :q] @ self.departing.kept
-        return np.concatenate([turned, self.means[:, q:]], axis=1)
+
+def _likelihood(
+    value: Array,
+    columns: Array,
+    departing: Departing,
+    weight: Array,
+    precision: Array,
+    part: Series,
+) -> _Likelihood:
+    """Return the likelihood of a series' pointings, outliers left out; see `draft`."""
+    given = departing.columns.beside(np.concatenate([columns, value[:, None]], axis=1))
+    unit = Noise(0.0, 1.0)
+    variance = variance_of_means(weight, precision, part, unit)
+    kept = variance < FAR
+    if not (part.alone and kept.all()):
+        means = by_pointing(given.dense(), weight, precision, part, unit)[0]
+        given = kernel.Columns.of(means[kept], given.q)
+    time = None if part.time is None else part.time[kept]
+    return _Likelihood(given, variance[kept], time, departing.faint)
 
 
 def _without(seen: Array, faint: Array) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,7 +17,16 @@ from pyport.least_squares import robust
 from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, both_axes
-from pyport.noise.drift import Departing, beside, draft, grid_of, likeliest
+from pyport.noise.departures import Possible
+from pyport.noise.drift import (
+    BEYOND,
+    Departing,
+    beside,
+    draft,
+    grid_of,
+    likeliest,
+    within_reach,
+)
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import (
@@ -71,6 +81,11 @@ class Frame:
     recorded: Array | None
     centred: bool = False
 
+    @cached_property
+    def possible(self) -> Possible:
+        """Return the departures as their estimate needs them."""
+        return Possible(self.departures, self.parts)
+
 
 def frame(recordings: Recordings, data: Stack) -> Frame:
     """Return the frame of some recordings."""
@@ -122,9 +137,10 @@ def estimate(
     # Noise beside everything that could be found is noise beside the model and those columns.
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
+    beyond = BEYOND if like is None else within_reach(grid)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS):
-        found = departures.estimate(covariance, value, wide, given.departures)
+        found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found)
         drafts = []
         for n, part in enumerate(parts):
@@ -133,7 +149,7 @@ def estimate(
                 draft(
                     value[rows],
                     columns[n],
-                    _departing(covariance, part, n),
+                    _departing(covariance, given.possible, n),
                     covariance.weights[rows],
                     covariance.precision[rows],
                     residual[rows],
@@ -141,6 +157,7 @@ def estimate(
                     grid,
                     floors[part.is_y],
                     starts[n],
+                    beyond,
                 )
             )
         starts = [one.best for one in drafts]
@@ -158,7 +175,7 @@ def estimate(
             covariance = _scattered(covariance, value, wide, given, floors)
         else:
             covariance = _with_tails(covariance, like)
-    found = departures.estimate(covariance, value, wide, given.departures)
+    found = departures.estimate(covariance, value, wide, given.possible)
     return replace(covariance, departures=found)
 
 
@@ -223,20 +240,13 @@ def _joint(columns: Sequence[Array], parts: Sequence[Series]) -> Array:
     return np.concatenate(wide, axis=1)
 
 
-def _departing(covariance: Covariance, part: Series, n: int) -> Departing:
+def _departing(covariance: Covariance, possible: Possible, n: int) -> Departing:
     """Return what departures do to a series, in units of its scatter and deviations."""
-    own = [
-        one.columns[part.rows] * one.sigma
-        for one in covariance.departures
-        if one.antenna == part.antenna
-    ]
-    if not own:
-        return Departing(np.zeros((len(part.rows), 0)), np.zeros((0, 0)), np.zeros((0, 0)))
-    columns = np.concatenate(own, axis=1)
     noise = covariance.noises[n]
-    columns = columns[:, columns.any(axis=0)] / np.hypot(noise.within, noise.between)
-    power, vectors = np.linalg.eigh(columns.T @ columns)
-    return Departing(columns, vectors[:, power > FAINT], vectors[:, power <= FAINT])
+    sizes = possible.sizes(covariance.departures) / np.hypot(noise.within, noise.between)
+    columns = possible.few[n].scaled(sizes)
+    power, vectors = np.linalg.eigh(columns.products())
+    return Departing(columns, vectors[:, power <= FAINT])
 
 
 def _scattered(

@@ -58,6 +58,11 @@ class Series:
         return np.bincount(self.pointing)
 
     @cached_property
+    def alone(self) -> bool:
+        """Tell whether each reading is a pointing, in their order."""
+        return bool(self.readings.max() == 1) and self.order is None
+
+    @cached_property
     def first(self) -> Codes:
         """Return the index in the stack of the first reading of each pointing."""
         return self.rows[np.unique(self.pointing, return_index=True)[1]]
@@ -200,12 +205,26 @@ def whiten_lone(
     columns, weights, precision, out
         Of all readings, not only of the rows of the series: shapes (m, K), (m,), (m,), (m, K).
     """
-    if part.readings.max() > 1 or part.order is not None or noise.centred:
+    if not part.alone or noise.centred:
         return False
     rows = part.rows
     variance = by_pointing(columns[:0], weights[rows], precision[rows], part, noise)[1]
     drifts = () if part.time is None else noise.drifts
     return kernel.whiten(columns, variance, part.time, drifts, (rows, out)) is not None
+
+
+def products(
+    columns: kernel.Columns, weights: Array, precision: Array, part: Series, noise: Noise
+) -> Array | None:
+    """Return the products of what `whiten_series` returns of columns (n, K): shape (K, K).
+
+    None where the kernel cannot: readings that share a pointing, drifts that are centred.
+    """
+    if not part.alone or noise.centred:
+        return None
+    variance = variance_of_means(weights, precision, part, noise)
+    found = kernel.products(columns, variance, part.time, noise.drifts)
+    return None if found is None else found[1]
 
 
 def by_pointing(

@@ -11,7 +11,7 @@ import os
 from types import ModuleType
 
 #: What `module.c` must offer; raised with it, so that an older kernel is left out.
-INTERFACE = 4
+INTERFACE = 5
 
 
 def _installed() -> ModuleType | None:

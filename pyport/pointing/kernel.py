@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -164,25 +164,51 @@ class Columns:
         full = np.ascontiguousarray(columns[:, q:])
         return cls(starts, np.ascontiguousarray(places), numbers, full, q)
 
+    def scaled(self, by: Array) -> Columns:
+        """Return the first q columns times numbers (q,), without those that are zero then."""
+        there = (by != 0) & (np.bincount(self.places, minlength=self.q) > 0)
+        held = there[self.places]
+        starts = np.concatenate([[0], np.cumsum(held)])[self.starts]
+        places, numbers = self.places[held], self.numbers[held] * by[self.places[held]]
+        new = np.cumsum(there) - 1
+        return Columns(starts, new[places], numbers, self.full[:, :0], int(there.sum()))
+
+    def beside(self, full: Array) -> Columns:
+        """Return the first q columns and others, (n, p)."""
+        return replace(self, full=np.ascontiguousarray(full))
+
+    def products(self) -> Array:
+        """Return the products of all columns, (q + p, q + p)."""
+        found = products(self, np.ones(len(self.full)), None, ())
+        return self.dense().T @ self.dense() if found is None else found[1]
+
+    def dense(self) -> Array:
+        """Return all columns, shape (n, q + p)."""
+        out = np.zeros((len(self.full), self.q))
+        out[np.repeat(np.arange(len(out)), np.diff(self.starts)), self.places] = self.numbers
+        return np.concatenate([out, self.full], axis=1)
+
 
 def products(
-    columns: Columns, variance: Array, time: Array, drift: tuple[float, float]
+    columns: Columns,
+    variance: Array,
+    time: Array | None,
+    drifts: Sequence[tuple[float, float]],
 ) -> tuple[Array, Array] | None:
     """Return the variance of each row given those before it, (n,), and products of columns.
 
-    They are whitened under scatter and one drift, as by :func:`pyport.noise.whitening.factor`,
+    They are whitened under scatter and drifts, as by :func:`pyport.noise.whitening.factor`,
     and (q + p, q + p) products. None without the kernel.
     """
     if KERNEL is None:
         return None
-    amplitude, memory = drift
+    amplitude, memory = np.array(drifts, float).reshape(-1, 2).T
+    time = np.zeros(len(variance)) if time is None else time
     size = columns.q + columns.full.shape[1]
     d, normal = np.empty(len(variance)), np.empty((size, size))
-    given = np.ascontiguousarray(time), np.ascontiguousarray(variance), columns.numbers
-    places = columns.starts, columns.places
-    done = KERNEL.products(
-        columns.q, 1 / memory, amplitude**2, *places, *given, columns.full, d, normal
-    )
+    given = map(np.ascontiguousarray, (time, 1 / memory, amplitude**2, variance))
+    found = columns.starts, columns.places, *given, columns.numbers, columns.full
+    done = KERNEL.products(columns.q, *found, d, normal)
     return (d, normal) if done else None
 
 

@@ -185,16 +185,17 @@ def test_whitening_is_celerites(monkeypatch, level, drifts):
     assert np.all(np.delete(placed, rows, axis=0) == 7)
 
 
+@pytest.mark.parametrize("drifts", [(), ((4.5, 3e4),), ((0.7, 30.0), (1.5, 900.0), (4.5, 3e4))])
 @pytest.mark.parametrize(("rows", "mostly_zero", "full"), [(1, 3, 2), (300, 40, 21), (77, 0, 5)])
-def test_products_under_a_drift_are_those_of_whitened_columns(level, rows, mostly_zero, full):
-    """Of columns that are zero but in some rows, and of others, under a strong slow drift."""
+def test_products_are_those_of_whitened_columns(level, rows, mostly_zero, full, drifts):
+    """Of columns that are zero but in some rows, and of others, under strong slow drifts."""
     rng = np.random.default_rng(8)
     columns = rng.normal(size=(rows, mostly_zero + full))
     columns[:, :mostly_zero] *= rng.random((rows, mostly_zero)) < 0.1
     variance, time = rng.uniform(0.5, 2, rows), np.sort(rng.uniform(0, 1e4, rows))
     given = kernel.Columns.of(columns, mostly_zero)
-    d, products = kernel.products(given, variance, time, (4.5, 3e4))
-    expected, white = factor(columns, variance, time, [(4.5, 3e4)])
+    d, products = kernel.products(given, variance, time, drifts)
+    expected, white = factor(columns, variance, time, drifts)
 
     np.testing.assert_allclose(d, expected, rtol=1e-12, err_msg=level)
     np.testing.assert_allclose(products, white.T @ white, rtol=1e-9, atol=1e-11)
@@ -207,7 +208,7 @@ def test_variances_that_are_none_are_left_to_numpy():
     impossible, drift = np.array([1.0, -5, 1]), (0.1, 9.0)
 
     assert kernel.whiten(columns, impossible, time, (drift,)) is None
-    assert kernel.products(kernel.Columns.of(columns, 1), impossible, time, drift) is None
+    assert kernel.products(kernel.Columns.of(columns, 1), impossible, time, (drift,)) is None
     with pytest.raises(ValueError, match="what there is not"):
         kernel.whiten(columns, np.ones(3), time, (), (np.array([0, 1, 3]), np.empty((3, 2))))
 

@@ -452,100 +452,245 @@ static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const d
 
 /* Eight numbers, wherever they stand. */
 typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-/* Rows whose products are added together. */
-#define TOGETHER 8
+/* Rows whose products are added together: they stay in the first cache. */
+#define TOGETHER 64
 
-/* Add to rows of `sums`, `wide` numbers long, the products of `some` columns (count, p) with
-   `mixed` (count, wide). */
-static void add_products(size_t count, size_t p, const double *some, size_t wide,
-                         const double *mixed, double *sums)
+/* Add to the lower half of `sums` (wide, wide) the products of the columns of so many rows. */
+static void add_squares(size_t count, size_t wide, const double *rows, double *sums)
 {
-    size_t row = 0;
-    for (; row + 4 <= p; row += 4)
-        for (size_t c = 0; c < wide; c += 8)
+    for (size_t row = 0; row < wide; row += 4)
+        for (size_t c = 0; c <= row; c += 8)
         {
             eight *to[4], sum[4];
             for (int r = 0; r < 4; r++)
                 sum[r] = *(to[r] = (eight *)(sums + (row + (size_t)r) * wide + c));
             for (size_t i = 0; i < count; i++)
             {
-                eight one = *(const eight *)(mixed + i * wide + c);
+                eight one = *(const eight *)(rows + i * wide + c);
                 for (int r = 0; r < 4; r++)
-                    sum[r] += some[i * p + row + (size_t)r] * one;
+                    sum[r] += rows[i * wide + row + (size_t)r] * one;
             }
             for (int r = 0; r < 4; r++)
                 *to[r] = sum[r];
         }
-    for (; row < p; row++)
-        for (size_t i = 0; i < count; i++)
-            EACH for (size_t c = 0; c < wide; c++)
-                sums[row * wide + c] += some[i * p + row] * mixed[i * wide + c];
 }
 
-/* With y a row, f what the rows before say of it and u the drift's variance, the whitened row is
-   (y - u f) / sqrt(d), and the next row's f is a f + b y. In the sum of the rows' products that of f
-   with itself is then one of y with f and y, times what is left of it in all rows to come: only
-   numbers that are not zero are multiplied. */
-static int products(size_t n, size_t q, size_t p, const double *time, double rate, double power,
-                    const double *variance, const int64_t *starts, const int64_t *places,
-                    const double *numbers, const double *full, double *room, double *d,
-                    double *normal)
+/* What `factored` leaves of n rows and so many terms. */
+struct drift {
+    size_t n, terms;
+    const double *power, *decay, *weight, *d;
+};
+
+/* Whiten columns (n, wide), in place; `carried` holds `wide` numbers of each term. */
+static void forward(struct drift of, size_t wide, double *columns, double *carried)
 {
-    size_t k = q + p, wide = WIDE(k), held = 0;
-    double *carry = room, *add = carry + n + 1, *rest = add + n, *before = rest + n + 1;
-    double *mixed = before + wide, *sums = mixed + TOGETHER * wide, known = 0, weight = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < of.terms * wide; c++)
+        carried[c] = 0;
+    for (size_t i = 0; i < of.n; i++)
     {
-        double fading = i ? exp(rate * (time[i - 1] - time[i])) : 0;
-        known = i ? fading * (known + d[i - 1] * weight * weight) * fading : 0;
-        double seen = power * known;
-        d[i] = variance[i] + power - seen * power;
-        if (!(d[i] > 0))
-            return 0;
-        if (i)
+        double *row = columns + i * wide, scale = 1 / __builtin_sqrt(of.d[i]);
+        const double *share = of.weight + i * of.terms, *fading = of.decay + (i + 1) * of.terms;
+        for (size_t c = 0; c < wide; c += 8)
         {
-            carry[i - 1] = fading * (1 - weight * power);
-            add[i - 1] = fading * weight;
+            eight *to = (eight *)(row + c), left = *to;
+            for (size_t a = 0; a < of.terms; a++)
+                left -= of.power[a] * *(const eight *)(carried + a * wide + c);
+            for (size_t a = 0; i + 1 < of.n && a < of.terms; a++)
+            {
+                eight *one = (eight *)(carried + a * wide + c);
+                *one = fading[a] * (*one + share[a] * left);
+            }
+            *to = left * scale;
         }
-        weight = (1 - seen) / d[i];
     }
-    rest[n] = 0;
-    if (n)
-        carry[n - 1] = add[n - 1] = 0;
-    for (size_t i = n; i-- > 0;)
-        rest[i] = power * power / d[i] + carry[i] * carry[i] * rest[i + 1];
-    for (size_t c = 0; c < (1 + TOGETHER + k) * wide; c++)
-        before[c] = 0;
-    for (size_t i = 0; i < n; i++)
+}
+
+/* Make of whitened columns the inverse covariance times the columns, in place. */
+static void backward(struct drift of, size_t wide, double *columns, double *carried)
+{
+    for (size_t c = 0; c < of.terms * wide; c++)
+        carried[c] = 0;
+    for (size_t i = of.n; i-- > 0;)
     {
-        double a = carry[i], b = add[i], left = rest[i + 1];
-        double own = 0.5 * (1 / d[i] + left * b * b), other = left * a * b - power / d[i];
-        const int64_t *first = places + starts[i], *end = places + starts[i + 1];
-        const double *number = numbers + starts[i], *beside = full + i * p;
+        double *row = columns + i * wide, scale = 1 / __builtin_sqrt(of.d[i]);
+        const double *share = of.weight + i * of.terms, *fading = of.decay + i * of.terms;
+        for (size_t c = 0; c < wide; c += 8)
+        {
+            eight *to = (eight *)(row + c), left = *to * scale;
+            for (size_t a = 0; a < of.terms; a++)
+                left -= share[a] * *(const eight *)(carried + a * wide + c);
+            for (size_t a = 0; a < of.terms; a++)
+            {
+                eight *one = (eight *)(carried + a * wide + c);
+                *one = fading[a] * (*one + of.power[a] * left);
+            }
+            *to = left;
+        }
+    }
+}
+
+/* Rows whose numbers are multiplied together. */
+#define SOME 16
+
+/* Add to `sums` the products of the numbers of so many rows with the rows of `mixed`, as far as
+   columns were met; numbers of one column in several rows are gone through together. */
+static void add_few(size_t count, size_t met, size_t wide, const int64_t *starts,
+                    const int64_t *places, const double *numbers, const int32_t *order,
+                    const double *mixed, double *sums)
+{
+    int64_t next[SOME];
+    for (size_t i = 0; i < count; i++)
+        next[i] = starts[i];
+    for (size_t i = 0; i < count; i++)
+        for (; next[i] < starts[i + 1]; next[i]++)
+        {
+            const double *rows[SOME];
+            double by[SOME], *row = sums + (size_t)order[places[next[i]]] * wide;
+            size_t some = 0;
+            for (size_t k = i; k < count; k++)
+                if (k == i || (next[k] < starts[k + 1] && places[next[k]] == places[next[i]]))
+                {
+                    by[some] = numbers[next[k]];
+                    rows[some++] = mixed + k * wide;
+                    next[k] += k != i;
+                }
+            for (size_t c = 0; c < met; c += 8)
+            {
+                eight *to = (eight *)(row + c), sum = *to;
+                for (size_t k = 0; k < some; k++)
+                    sum += by[k] * *(const eight *)(rows[k] + c);
+                *to = sum;
+            }
+        }
+}
+
+/* The products of q columns that are mostly zero, half of them: their sum with its transpose is
+   the products. With y a row, f what the rows before keep of it in each term and u the terms'
+   variances, the whitened row is (y - u'f) / sqrt(d), and the next row's f is A f + b y. In the
+   sum of the rows' products those of f with itself are then those of y with f and with y, by what
+   all rows to come make of f: only numbers that are not zero are multiplied, and no column before
+   its first. `order` says where each column stands: in the order of their first numbers. */
+static void few_products(struct drift of, size_t q, const int64_t *starts, const int64_t *places,
+                         const double *numbers, int32_t *order, double *room, double *sums)
+{
+    size_t wide = WIDE(q), terms = of.terms, held = 0;
+    int32_t met = 0;
+    const double *power = of.power;
+    double *own = room, *other = own + of.n, *rest = other + of.n * terms;
+    double *part = rest + terms * terms, *before = part + terms, *mixed = before + terms * wide;
+    for (size_t a = 0; a < terms * terms; a++)
+        rest[a] = 0;
+    for (size_t i = of.n; i-- > 0;)
+    {
+        const double *w = of.weight + i * terms, *fading = of.decay + (i + 1) * terms;
+        double all = 1 / of.d[i];
+        for (size_t a = 0; a < terms; a++)
+        {
+            double sum = 0;
+            for (size_t b = 0; i + 1 < of.n && b < terms; b++)
+                sum += (rest[a * terms + b] *= fading[a] * fading[b]) * w[b];
+            all += w[a] * (part[a] = sum);
+        }
+        own[i] = 0.5 * all;
+        for (size_t a = 0; a < terms; a++)
+        {
+            other[i * terms + a] = part[a] - power[a] * all;
+            for (size_t b = 0; b < terms; b++)
+                rest[a * terms + b] +=
+                    power[a] * power[b] * all - power[a] * part[b] - part[a] * power[b];
+        }
+    }
+    for (size_t c = 0; c < (terms + SOME) * wide; c++)
+        before[c] = 0;
+    for (size_t c = 0; c < q; c++)
+        order[c] = -1;
+    for (size_t i = 0; i < of.n; i++)
+    {
+        const double *to = other + i * terms, *w = of.weight + i * terms;
+        const double *fading = of.decay + (i + 1) * terms;
         double *now = mixed + held * wide;
-        EACH for (size_t c = 0; c < wide; c++) now[c] = other * before[c];
-        EACH for (size_t c = 0; c < wide; c++) before[c] *= a;
-        for (const int64_t *at = first; at < end; at++)
+        for (size_t at = (size_t)starts[i]; at < (size_t)starts[i + 1]; at++)
+            if (order[places[at]] < 0)
+                order[places[at]] = met++;
+        for (size_t c = 0; c < (size_t)met; c += 8)
         {
-            now[*at] += own * number[at - first];
-            before[*at] += b * number[at - first];
+            eight sum = {0}, taken = {0};
+            for (size_t a = 0; a < terms; a++)
+            {
+                eight one = *(const eight *)(before + a * wide + c);
+                sum += to[a] * one;
+                taken += power[a] * one;
+            }
+            *(eight *)(now + c) = sum;
+            for (size_t a = 0; i + 1 < of.n && a < terms; a++)
+            {
+                eight *one = (eight *)(before + a * wide + c);
+                *one = fading[a] * (*one - w[a] * taken);
+            }
         }
-        EACH for (size_t c = 0; c < p; c++) now[q + c] += own * beside[c];
-        EACH for (size_t c = 0; c < p; c++) before[q + c] += b * beside[c];
-        for (const int64_t *at = first; at < end; at++)
+        for (size_t at = (size_t)starts[i]; at < (size_t)starts[i + 1]; at++)
         {
-            double by = number[at - first], *row = sums + (size_t)*at * wide;
-            EACH for (size_t c = 0; c < wide; c++) row[c] += by * now[c];
+            size_t place = (size_t)order[places[at]];
+            now[place] += own[i] * numbers[at];
+            for (size_t a = 0; i + 1 < of.n && a < terms; a++)
+                before[a * wide + place] += fading[a] * w[a] * numbers[at];
         }
-        if (++held == TOGETHER || i + 1 == n)
+        if (++held == SOME || i + 1 == of.n)
         {
-            add_products(held, p, full + (i + 1 - held) * p, wide, mixed, sums + q * wide);
+            add_few(held, (size_t)met, wide, starts + i + 1 - held, places, numbers, order, mixed,
+                    sums);
             held = 0;
         }
     }
-    for (size_t a = 0; a < k; a++)
+}
+
+static int products(size_t n, size_t q, size_t p, size_t terms, const double *time,
+                    const double *rate, const double *power, const double *variance,
+                    const int64_t *starts, const int64_t *places, const double *numbers,
+                    const double *full, double *room, double *d, double *normal)
+{
+    size_t k = q + p, wide = WIDE(p), some = WIDE(q);
+    double *known = room, *decay = known + terms * terms, *weight = decay + n * terms;
+    double *columns = weight + n * terms, *carried = columns + n * wide;
+    double *squares = carried + terms * wide, *crossed = squares + wide * wide;
+    double *sums = crossed + q * wide, *rest = sums + q * some;
+    if (!factored(n, terms, time, rate, power, variance, known, decay, weight, d))
+        return 0;
+    struct drift of = {n, terms, power, decay, weight, d};
+    for (size_t c = 0; c < wide * wide + q * (wide + some); c++)
+        squares[c] = 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < wide; c++)
+            columns[i * wide + c] = c < p ? full[i * p + c] : 0;
+    forward(of, wide, columns, carried);
+    for (size_t low = 0; low < n; low += TOGETHER)
+        add_squares(n - low < TOGETHER ? n - low : TOGETHER, wide, columns + low * wide, squares);
+    for (size_t a = 0; a < p; a++)
         for (size_t b = 0; b <= a; b++)
-            normal[a * k + b] = normal[b * k + a] = sums[a * wide + b] + sums[b * wide + a];
+            normal[(q + a) * k + q + b] = normal[(q + b) * k + q + a] = squares[a * wide + b];
+    if (!q)
+        return 1;
+    backward(of, wide, columns, carried);
+    for (size_t i = 0; i < n; i++)
+        for (size_t at = (size_t)starts[i]; at < (size_t)starts[i + 1]; at++)
+        {
+            double by = numbers[at], *row = crossed + (size_t)places[at] * wide;
+            EACH for (size_t c = 0; c < wide; c++) row[c] += by * columns[i * wide + c];
+        }
+    int32_t *order = (int32_t *)(rest + n * (1 + terms) + terms * (terms + 1 + some) + SOME * some);
+    few_products(of, q, starts, places, numbers, order, rest, sums);
+    for (size_t a = 0; a < q; a++)
+    {
+        for (size_t b = 0; b <= a; b++)
+        {
+            size_t low = (size_t)order[a], high = (size_t)order[b];
+            int met = order[a] >= 0 && order[b] >= 0;
+            normal[a * k + b] = normal[b * k + a] =
+                met ? sums[low * some + high] + sums[high * some + low] : 0;
+        }
+        for (size_t b = 0; b < p; b++)
+            normal[a * k + q + b] = normal[(q + b) * k + a] = crossed[a * wide + b];
+    }
     return 1;
 }
 

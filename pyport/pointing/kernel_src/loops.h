@@ -40,13 +40,13 @@ struct loops {
     int (*whiten)(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,
                   const double *rate, const double *power, const double *variance, const double *columns, double *room,
                   double *d, double *white);
-    /* The products of q + p columns of n rows under scatter and one drift. Of the first q only the
-       numbers that are not zero are given, row by row, of the others all: (n, p). `room` holds
-       PRODUCTS_ROOM(n, q + p) numbers; 0 where a d is none. */
-    int (*products)(size_t n, size_t q, size_t p, const double *time, double rate, double power,
-                    const double *variance, const int64_t *starts, const int64_t *places,
-                    const double *numbers, const double *full, double *room, double *d,
-                    double *normal);
+    /* The products of q + p columns of n rows under scatter and drifts of so many terms. Of the
+       first q only the numbers that are not zero are given, row by row, of the others all: (n, p).
+       `room` holds PRODUCTS_ROOM(n, q, p, terms) numbers; 0 where a d is none. */
+    int (*products)(size_t n, size_t q, size_t p, size_t terms, const double *time,
+                    const double *rate, const double *power, const double *variance,
+                    const int64_t *starts, const int64_t *places, const double *numbers,
+                    const double *full, double *room, double *d, double *normal);
     /* A function of n numbers: 0 sine, 1 cosine, 2 arcsine of x; 3 arctangent of y and x. */
     void (*elementary)(int which, size_t n, const double *y, const double *x, double *out);
 };
@@ -56,6 +56,8 @@ struct loops {
 /* Numbers that whitening needs. */
 #define DRIFT_ROOM(n, terms) ((terms) * ((terms) + 2 * (n) + 128))
 #define WIDE(k) (((k) + 7) / 8 * 8)
-#define PRODUCTS_ROOM(n, k) (3 * (n) + 2 + ((k) + 9) * WIDE(k))
+#define PRODUCTS_ROOM(n, q, p, terms) \
+    ((terms) * (2 * (terms) + 1 + 3 * (n) + WIDE(p) + WIDE(q)) + (n) * (1 + WIDE(p)) \
+     + WIDE(p) * WIDE(p) + (q) * (1 + WIDE(p) + WIDE(q)) + 16 * WIDE(q) + 1)
 
 #endif

@@ -265,19 +265,20 @@ static PyObject *whiten(PyObject *self, PyObject *args)
 
 static PyObject *products(PyObject *self, PyObject *args)
 {
-    double rate, power;
     Py_ssize_t width;
-    PyObject *indices[2], *given[6];
+    PyObject *indices[2], *given[8];
     Py_buffer starts, places;
     struct numbers of;
     (void)self;
-    if (!PyArg_ParseTuple(args, "nddOOOOOOOO", &width, &rate, &power, indices, indices + 1, given,
-                          given + 1, given + 2, given + 3, given + 4, given + 5)
-        || !take(&of, given, 6, 4))
+    if (!PyArg_ParseTuple(args, "nOOOOOOOOOO", &width, indices, indices + 1, given, given + 1,
+                          given + 2, given + 3, given + 4, given + 5, given + 6, given + 7)
+        || !take(&of, given, 8, 6))
         return NULL;
-    size_t n = size(&of, 0), there = size(&of, 2), q = (size_t)width, p = n ? size(&of, 3) / n : 0;
-    if (width < 0 || width > INT32_MAX || size(&of, 1) != n || size(&of, 3) != n * p
-        || size(&of, 4) != n || size(&of, 5) != (q + p) * (q + p))
+    size_t n = size(&of, 0), terms = size(&of, 1), there = size(&of, 4), q = (size_t)width;
+    size_t p = n ? size(&of, 5) / n : 0;
+    if (width < 0 || width > INT32_MAX || terms > 1024 || size(&of, 2) != terms
+        || size(&of, 3) != n || size(&of, 5) != n * p || size(&of, 6) != n
+        || size(&of, 7) != (q + p) * (q + p))
         return wrong(&of);
     if (!take_indices(indices[0], &starts, n + 1, there + 1))
         return wrong(&of);
@@ -290,14 +291,14 @@ static PyObject *products(PyObject *self, PyObject *args)
         PyBuffer_Release(&starts);
         return wrong(&of);
     }
-    double *room = PyMem_Malloc(PRODUCTS_ROOM(n, q + p) * sizeof(double));
+    double *room = PyMem_Malloc(PRODUCTS_ROOM(n, q, p, terms) * sizeof(double));
     int done = 0;
     if (room)
     {
         Py_BEGIN_ALLOW_THREADS
-        done = chosen->products(n, q, p, values(&of, 0), rate, power, values(&of, 1), start,
-                                places.buf, values(&of, 2), values(&of, 3), room, values(&of, 4),
-                                values(&of, 5));
+        done = chosen->products(n, q, p, terms, values(&of, 0), values(&of, 1), values(&of, 2),
+                                values(&of, 3), start, places.buf, values(&of, 4), values(&of, 5),
+                                room, values(&of, 6), values(&of, 7));
         Py_END_ALLOW_THREADS
     }
     else
@@ -488,7 +489,7 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
     PyObject *module = PyModule_Create(&definition);
-    if (module && PyModule_AddIntConstant(module, "INTERFACE", 4) < 0)
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 5) < 0)
         Py_CLEAR(module);
     return module;
 }

@@ -14,6 +14,7 @@ from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series
+from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, stack
 
 
@@ -208,7 +209,7 @@ def test_an_estimate_by_weights_scatters_as_huber_says():
 
 def none_departing(n):
     """Return that nothing departs in a series of n readings."""
-    return drift.Departing(np.zeros((n, 0)), np.zeros((0, 0)), np.zeros((0, 0)))
+    return drift.Departing(Columns.of(np.zeros((n, 0)), 0), np.zeros((0, 0)))
 
 
 def drafted(n, columns=1):
@@ -263,11 +264,11 @@ def test_the_restricted_likelihood_is_that_of_dense_algebra(drifts, faint):
     variance = rng.uniform(0.5, 2, n)
     moved = rng.normal(size=(n, q)) * (rng.integers(0, q, (n, 1)) == np.arange(q))
     turned = np.linalg.qr(rng.normal(size=(q, q)))[0]
-    departing = drift.Departing(moved, turned[:, faint:], turned[:, :faint])
+    kept = turned[:, faint:]
     data = np.concatenate([moved, columns, value[:, None]], axis=1)
-    known = drift._Likelihood(data, variance, time, departing)
+    known = drift._Likelihood(Columns.of(data, q), variance, time, turned[:, :faint])
     lack, scale = known.at(drifts)
-    dense = np.diag(variance) + moved @ departing.kept @ departing.kept.T @ moved.T
+    dense = np.diag(variance) + moved @ kept @ kept.T @ moved.T
     for amplitude, memory in drifts:
         dense += amplitude**2 * np.exp(-np.abs(time[:, None] - time) / memory)
     inverse = np.linalg.inv(dense)
@@ -389,7 +390,8 @@ def projected(rng, sessions, size, each=30):
 def test_the_variance_of_departures_is_restricted_maximum_likelihood(size):
     """Of a balanced design that of the analysis of variance: between less within."""
     known, value, one = projected(np.random.default_rng(5), 20, size)
-    (found,) = departures.estimate(known, value, np.ones((600, 1)), [one]) or (replace(one),)
+    possible = departures.Possible((one,), known.parts)
+    (found,) = departures.estimate(known, value, np.ones((600, 1)), possible) or (replace(one),)
     groups = value.reshape(20, 30)
     between = groups.mean(axis=1).var(ddof=1)
     within = groups.var(axis=1, ddof=1).mean()
@@ -402,7 +404,9 @@ def test_data_that_are_fitted_exactly_have_no_departures():
     """What is left is rounding."""
     known, _, one = projected(np.random.default_rng(5), 5, 1.0)
 
-    assert departures.estimate(known, 1e-6 * normal(150), np.ones((150, 1)), [one]) == ()
+    possible = departures.Possible((one,), known.parts)
+
+    assert departures.estimate(known, 1e-6 * normal(150), np.ones((150, 1)), possible) == ()
 
 
 @pytest.mark.parametrize(("nights", "there"), [(3, True), (2, False), (1, False), (5, True)])
