@@ -6,7 +6,9 @@ import ast
 import sys
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
+from inspect import CO_NEWLOCALS
 from pathlib import Path
+from types import FrameType
 
 import click
 
@@ -109,6 +111,7 @@ def picture(package: Path, found: Imports) -> str:
     """Return the floors from the top, with files, lines and arrows of each room."""
     leads = arrows(found)
     lines: list[str] = []
+    of_all = [0, 0]
     for rooms in reversed(FLOORS):
         for one in (name for name in rooms if name in leads):
             at = package / one
@@ -117,14 +120,40 @@ def picture(package: Path, found: Imports) -> str:
             count = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
             ground = {name for floor in FLOORS[:2] for name in floor}
             to = " ".join(sorted(leads[one] - ground)) or "-"
+            of_all = [of_all[0] + len(files), of_all[1] + count]
             lines.append(f"{one:14}{len(files):4} files {count:6} lines  -> {to}")
         lines.append("")
+    lines.append(f"{'all':14}{of_all[0]:4} files {of_all[1]:6} lines")
     return "\n".join(lines).strip()
 
 
+def met(package: Path, recordings: str) -> list[str]:
+    """Return the modules of which a function runs while recordings become a page."""
+    from tempfile import TemporaryDirectory
+
+    from pyport.cli import pyport
+
+    seen: set[str] = set()
+
+    def look(frame: FrameType, event: str, _: object) -> None:
+        # a module's body is no function: what is imported and not called is not met
+        if event == "call" and frame.f_code.co_flags & CO_NEWLOCALS:
+            seen.add(frame.f_code.co_filename)
+
+    with TemporaryDirectory() as folder:
+        sys.setprofile(look)
+        try:
+            words = ["diagnose", recordings, "--quiet", "--out", folder]
+            pyport.main(words, "pyport", standalone_mode=False)
+        finally:
+            sys.setprofile(None)
+    return sorted(_name(Path(one), package) for one in seen if Path(one).is_relative_to(package))
+
+
 @click.command("imports", epilog="Example: pyport dev imports")
+@click.option("--met-by", metavar="RECORDINGS", help="List what these meet on their way to a page.")
 @in_json
-def command(*, as_json: bool) -> None:
+def command(met_by: str | None, *, as_json: bool) -> None:
     """Print which part of the program imports which, from the top floor down.
 
     Exit status 1 where an import leads up, or in a circle.
@@ -132,6 +161,10 @@ def command(*, as_json: bool) -> None:
     import pyport
 
     package = Path(pyport.__file__).parent
+    if met_by is not None:
+        modules = met(package, met_by)
+        say("\n".join([*modules, f"{len(modules)} modules"]), {"met": modules}, as_json=as_json)
+        return
     found = imports(package)
     wrong = faults(found)
     told = {"imports": {name: sorted(to) for name, to in found.items()}, "faults": wrong}
