@@ -61,6 +61,7 @@ def test_without_a_survey_displacements_are_stated_and_nothing_is_named(recordin
     assert "metres toward east" in result.output
 
 
+@pytest.mark.slow
 def test_a_survey_of_others_is_refused(recordings, tmp_path):
     """The error names the survey's file, and nothing is written."""
     survey = tmp_path / "antennas.csv"

@@ -145,6 +145,7 @@ def test_a_diagnosis_leaves_report_rows_and_pictures(nights):
         assert list(folder.glob("finding-1-*.png"))
 
 
+@pytest.mark.slow
 def test_several_files_are_each_as_if_alone(nights, tmp_path):
     """Two files in one process, two at a time, give what each gives by itself."""
     names, out, _ = nights

@@ -51,6 +51,7 @@ def test_table_is_written_and_read_back(tmp_path, layout):
     assert list(read_back.grid.zd_deg) == [20, 25, 30]
 
 
+@pytest.mark.slow
 def test_against_a_file_and_a_model(tmp_path):
     """A table is compared with an old file, and with another model; a picture is drawn."""
     old, png = tmp_path / "old.txt", tmp_path / "d.png"

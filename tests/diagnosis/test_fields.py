@@ -49,6 +49,7 @@ def test_a_part_of_the_sky_comes_back_with_its_edges():
     assert edges["el_deg"] == pytest.approx((25, 50), abs=3)
 
 
+@pytest.mark.slow
 def test_a_named_effect_keeps_its_name_beside_all_fields():
     """A smooth field can draw a harmonic, too, but must not win over it."""
     nodding = diagnose(recordings(1200, 7, y=lambda at: 6 * np.sin(3 * at.az)), load("altaz"))

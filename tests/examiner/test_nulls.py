@@ -203,6 +203,7 @@ def test_a_drift_forgets_as_stated(memory_s):
     assert np.var(value) == pytest.approx(1, abs=0.06)
 
 
+@pytest.mark.slow
 def test_flicker_has_as_much_in_every_octave():
     """Power of 1/f: the same variance of means over 1, 2, 4, 8 hours, white noise apart."""
     time_s = np.arange(0, 256 * 86400, 600.0)

@@ -56,6 +56,7 @@ def test_the_same_panel_gives_the_same_bytes(panels, tmp_path, kind):
     assert one == other
 
 
+@pytest.mark.slow
 def test_letters_that_the_typeface_lacks_are_taken_from_the_whole_one(panels, tmp_path):
     """A name in Cyrillic letters is in the file."""
     figure = panels["against-el"]()

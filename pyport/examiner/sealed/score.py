@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,87 +50,77 @@ def _at_most(what: str, rate: Rate, key: str) -> Row:
     return Row(what, str(rate), f"at most {100 * most:.0f} %", rate.value <= most)
 
 
-def _at_least(what: str, rate: Rate, key: str) -> Row:
-    least = THRESHOLDS[key]
+def _at_least(what: str, outcomes: list[bool], key: str) -> Row:
+    least, rate = THRESHOLDS[key], count(outcomes)
     return Row(what, str(rate), f"at least {100 * least:.0f} %", rate.value >= least)
 
 
+def _shown(what: str, outcomes: list[bool], needed: str = "shown") -> Row:
+    return Row(what, str(count(outcomes)), needed, None)
+
+
+def _claims(what: str, verdicts: list[Verdict], key: str) -> Row:
+    return _at_most(f"{what}: claims anything", count([one.claimed for one in verdicts]), key)
+
+
 def _null(verdicts: list[Verdict]) -> list[Row]:
-    claimed = count([one.claimed for one in verdicts])
-    rows = [_at_most("nothing hidden: claims anything", claimed, "null_claims_most")]
-    for noise in dict.fromkeys(one.spec["noise"] for one in verdicts):
-        those = count([one.claimed for one in verdicts if one.spec["noise"] == noise])
-        rows.append(Row(f"nothing hidden, {noise} noise", str(those), "shown", None))
-    return rows
+    by_noise = _curve("nothing hidden, {} noise", "noise", _detected, "shown")(verdicts)
+    return [_claims("nothing hidden", verdicts, "null_claims_most"), *by_noise]
+
+
+def _curve(what: str, key: str, outcome: Callable[[Verdict], bool], needed: str = "curve") -> Any:  # noqa: ANN401
+    """Return what gives a row for each value of a key of the specifications."""
+
+    def fill(verdicts: list[Verdict]) -> list[Row]:
+        outcomes: dict[Any, list[bool]] = {}
+        for one in verdicts:
+            outcomes.setdefault(one.spec[key], []).append(outcome(one))
+        order = outcomes if needed == "shown" else sorted(outcomes)
+        return [_shown(what.format(value), outcomes[value], needed) for value in order]
+
+    return fill
+
+
+def _detected(one: Verdict) -> bool:
+    return one.claimed
 
 
 def _one(verdicts: list[Verdict]) -> list[Row]:
-    rows = [
-        Row(
-            f"one cause, rho {rho:g}: detected",
-            str(count([one.claimed for one in verdicts if one.spec["rho"] == rho])),
-            "curve",
-            None,
-        )
-        for rho in sorted({one.spec["rho"] for one in verdicts})
-    ]
     loud = [one for one in verdicts if one.spec["rho"] >= THRESHOLDS["one_rho_least"]]
-    first, three = count([one.first for one in loud]), count([one.three for one in loud])
     wrong = [one.verdict == "named" and not one.first for one in loud]
     widths = [one.width for one in loud if one.width]
     width = f"mean {np.mean(widths):.2f}" if widths else "none"
     return [
-        *rows,
-        _at_least("one cause: class right first", first, "one_first_least"),
-        _at_least("one cause: in the first three", three, "one_three_least"),
-        Row("one cause: one confident wrong name", str(count(wrong)), "shown", None),
+        *_curve("one cause, rho {:g}: detected", "rho", _detected)(verdicts),
+        _at_least("one cause: class right first", [one.first for one in loud], "one_first_least"),
+        _at_least("one cause: in the first three", [one.three for one in loud], "one_three_least"),
+        _shown("one cause: one confident wrong name", wrong),
         Row("one cause: names in the first class", width, "shown", None),
     ]
 
 
-def _rows(verdicts: list[Verdict]) -> list[Row]:
-    return [
-        Row(
-            f"one cause, rho 0.25, {rows} rows: detected",
-            str(count([one.claimed for one in verdicts if one.spec["rows"] == rows])),
-            "curve",
-            None,
-        )
-        for rows in sorted({one.spec["rows"] for one in verdicts})
-    ]
-
-
 def _degenerate(verdicts: list[Verdict]) -> list[Row]:
-    whole = count([one.whole_class for one in verdicts])
-    alone = count([one.verdict == "named" for one in verdicts])
+    whole = [one.whole_class for one in verdicts]
+    alone = [one.verdict == "named" for one in verdicts]
     return [
         _at_least("twins: the whole class returned", whole, "degenerate_class_least"),
-        Row("twins: one confident name", str(alone), "shown", None),
+        _shown("twins: one confident name", alone),
     ]
 
 
 def _two(verdicts: list[Verdict]) -> list[Row]:
-    both = count([all(one.found) for one in verdicts])
-    either = count([any(one.found) for one in verdicts])
+    both, either = ([of(one.found) for one in verdicts] for of in (all, any))
     return [
         _at_least("two causes: both found", both, "two_both_least"),
-        Row("two causes: one of them found", str(either), "shown", None),
+        _shown("two causes: one of them found", either),
     ]
 
 
 def _unknown(verdicts: list[Verdict]) -> list[Row]:
+    unknown, named = ([one.verdict == of for one in verdicts] for of in ("unknown", "named"))
     return [
-        _at_least(
-            "not in the catalogue: unknown",
-            count([one.verdict == "unknown" for one in verdicts]),
-            "unknown_least",
-        ),
-        Row(
-            "not in the catalogue: one confident wrong name",
-            str(count([one.verdict == "named" for one in verdicts])),
-            "shown",
-            None,
-        ),
+        _at_least("not in the catalogue: unknown", unknown, "unknown_least"),
+        _shown("not in the catalogue: one confident wrong name", named),
     ]
 
 
@@ -157,7 +147,7 @@ def _ablation(verdicts: list[Verdict]) -> list[Row]:
     pulls = [abs(pull) for one in verdicts for _, _, pull in one.pulls]
     most = THRESHOLDS["ablation_sigmas_most"]
     return [
-        _at_least("steps left out: class found", count(seen), "ablation_class_least"),
+        _at_least("steps left out: class found", seen, "ablation_class_least"),
         Row(
             "steps left out: coefficients from nature's",
             f"{', '.join(f'{pull:.1f}' for pull in pulls)} sigma" if pulls else "none",
@@ -167,41 +157,23 @@ def _ablation(verdicts: list[Verdict]) -> list[Row]:
     ]
 
 
-def _weeks(verdicts: list[Verdict]) -> list[Row]:
-    """Return from how long a campaign on nutation is told from precession."""
-
-    def told(one: Verdict) -> bool:
-        return one.first and one.said == "nutation" and one.verdict == "named"
-
-    return [
-        Row(
-            f"nutation left out, {weeks:g} weeks: told from precession",
-            str(count([told(one) for one in verdicts if one.spec["weeks"] == weeks])),
-            "curve",
-            None,
-        )
-        for weeks in sorted({one.spec["weeks"] for one in verdicts})
-    ]
-
-
-def _zero(verdicts: list[Verdict]) -> list[Row]:
-    claimed = count([one.claimed for one in verdicts])
-    return [_at_most("control, amplitude zero: claims anything", claimed, "zero_claims_most")]
-
-
 _FILL: dict[str, Any] = {
     "null": _null,
     "one": _one,
-    "rows": _rows,
+    "rows": _curve("one cause, rho 0.25, {} rows: detected", "rows", _detected),
     "ablation": _ablation,
-    "weeks": _weeks,
+    "weeks": _curve(
+        "nutation left out, {:g} weeks: told from precession",
+        "weeks",
+        lambda one: one.first and one.said == "nutation" and one.verdict == "named",
+    ),
     "degenerate": _degenerate,
     "two": _two,
     "unknown": _unknown,
     "region": _placed("a region: overlap of rows", "region_iou", "region_iou_least", least=True),
     "curve": _placed("a curve: distance [deg]", "curve_deg", "curve_deg_most", least=False),
     "moment": _placed("a moment: rows between", "moment_rows", "moment_rows_most", least=False),
-    "zero": _zero,
+    "zero": lambda those: [_claims("control, amplitude zero", those, "zero_claims_most")],
 }
 
 

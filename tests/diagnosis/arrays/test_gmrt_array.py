@@ -57,6 +57,7 @@ def test_antennas_stand_where_they_were_surveyed(name):
     assert np.mean(np.abs(found.misses) <= 2) > 0.9
 
 
+@pytest.mark.slow
 def test_the_crab_follows_from_cygnus(june):
     """At another declination the parts predict better than the paper's form fits the day itself."""
     crab = diagnose(read("gmrt-2003-05-31"), load(gmrt_array.MODEL))
