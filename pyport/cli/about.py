@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from pyport.cli.manners import option
+
 
 def _pairs(_: click.Context, option: click.Parameter, given: tuple[str, ...]) -> dict[str, str]:
     """Return KEY=VALUE arguments as a dictionary."""
@@ -52,43 +54,41 @@ def about_file(command: Callable[..., Any]) -> Callable[..., Any]:
             about = about | {"mount": mount}
         return command(given=FileOptions(about, names, read_as, where, mapping), **others)
 
-    for option in reversed(_OPTIONS):
-        bundled = option(bundled)
+    for add in reversed(_OPTIONS):
+        bundled = add(bundled)
     return bundled
 
 
 _OPTIONS = (
-    click.option(
-        "--set",
-        "about",
+    option(
+        "--set about",
+        "A header key that the file lacks, such as latitude_deg=53.0955; repeat for more.",
         multiple=True,
         callback=_pairs,
         metavar="KEY=VALUE",
-        help="A header key that the file lacks, such as latitude_deg=53.0955; repeat for more.",
     ),
-    click.option(
+    option(
         "--columns",
+        "Columns by other names: 'az_deg=AZd, d_el_arcsec=-dEl, session=id|date', by number "
+        "(az_deg=8), or a MAP.toml of `pyport look`; or NAME,NAME for a CSV without a header.",
         callback=_columns,
         metavar="MAP",
-        help="Columns by other names: 'az_deg=AZd, d_el_arcsec=-dEl, session=id|date', by number "
-        "(az_deg=8), or a MAP.toml of `pyport look`; or NAME,NAME for a CSV without a header.",
     ),
-    click.option(
-        "--from",
-        "read_as",
-        default="",
+    option(
+        "--from read_as",
+        "The file's format, where its suffix does not say it: see `pyport convert`.",
         metavar="FORMAT",
-        help="The file's format, where its suffix does not say it: see `pyport convert`.",
-    ),
-    click.option(
-        "--mount",
-        metavar="KIND,KIND",
-        help="What the mount is: wheel-and-track, bearing, ...; as '# mount:' in the file.",
-    ),
-    click.option(
-        "--where",
         default="",
+    ),
+    option(
+        "--mount",
+        "What the mount is: wheel-and-track, bearing, ...; as '# mount:' in the file.",
+        metavar="KIND,KIND",
+    ),
+    option(
+        "--where",
+        'Use only these: --where "wind_speed_m_s < 5 and sun_el_deg < 0".',
         metavar="EXPRESSION",
-        help='Use only these: --where "wind_speed_m_s < 5 and sun_el_deg < 0".',
+        default="",
     ),
 )

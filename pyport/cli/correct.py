@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import in_json, models, say
+from pyport.cli.manners import FILE, flag, in_json, models, option, say
 
 if TYPE_CHECKING:
     from pyport.correction.apply import Applied
@@ -26,14 +26,13 @@ if TYPE_CHECKING:
 )
 @click.argument("model", shell_complete=models)
 @click.argument("targets")
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="File to write: .csv, .ecsv or .parquet.  [default: CSV on standard output]",
+@option(
+    "-o --out",
+    "File to write: .csv, .ecsv or .parquet.  [default: CSV on standard output]",
+    type=FILE,
 )
-@click.option("--inverse", is_flag=True, help="From the mount's az_deg, el_deg to the sky's.")
-@click.option("--residuals", is_flag=True, help="TARGETS are recordings: add their residuals.")
+@flag("--inverse", "From the mount's az_deg, el_deg to the sky's.")
+@flag("--residuals", "TARGETS are recordings: add their residuals.")
 @about_file
 @in_json
 def apply(
@@ -118,24 +117,15 @@ def _words(done: Applied) -> list[str]:
 )
 @click.argument("old", shell_complete=models)
 @click.argument("new", shell_complete=models)
-@click.option("--recordings", help="Measured offsets, by which both models are judged.")
-@click.option(
-    "--beam",
-    "beam_arcsec",
+@option("--recordings", "Measured offsets, by which both models are judged.")
+@option(
+    "--beam beam_arcsec",
+    "Beam width: report where commanded positions move by more than this.",
     type=click.FloatRange(min=0, min_open=True),
     metavar="ARCSEC",
-    help="Beam width: report where commanded positions move by more than this.",
 )
-@click.option(
-    "--picture",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Draw the differences over the sky: .png, .svg or .pdf.",
-)
-@click.option(
-    "--accept",
-    is_flag=True,
-    help="Accept terms without significance that move the horizon or the zenith.",
-)
+@option("--picture", "Draw the differences over the sky: .png, .svg or .pdf.", type=FILE)
+@flag("--accept", "Accept terms without significance that move the horizon or the zenith.")
 @about_file
 @in_json
 def compare(
@@ -191,22 +181,22 @@ def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # 
 @click.argument("source")
 @click.argument("target", type=click.Path(path_type=Path, dir_okay=False))
 @about_file
-@click.option("--to", default="", metavar="FORMAT", help="Write this format, whatever the suffix.")
-@click.option("--model", default="", help="For the Field System's err: the mdlpo.ctl to fit.")
-@click.option("--leave-out", is_flag=True, help="Leave out terms that the target cannot name.")
-@click.option(
+@option("--to", "Write this format, whatever the suffix.", metavar="FORMAT", default="")
+@option("--model", "For the Field System's err: the mdlpo.ctl to fit.", default="")
+@flag("--leave-out", "Leave out terms that the target cannot name.")
+@option(
     "--rest-as",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="CSV file for the corrections, on a grid, by terms that the target cannot name.",
+    "CSV file for the corrections, on a grid, by terms that the target cannot name.",
+    type=FILE,
 )
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
-@click.option(
+@flag("--quiet", "Print nothing but errors.")
+@option(
     "--signs",
+    "Print the terms of every program, with their signs, and exit.",
     is_flag=True,
     expose_value=False,
     is_eager=True,
     callback=_signs,
-    help="Print the terms of every program, with their signs, and exit.",
 )
 @in_json
 def convert(
@@ -233,9 +223,9 @@ def convert(
     """
     from pyport.formats.convert import FORMATS, convert
 
-    for option, name in (("--from", given.format), ("--to", to)):
+    for asked, name in (("--from", given.format), ("--to", to)):
         if name and name not in FORMATS:
-            raise click.UsageError(f"{option}: no format {name!r}, known: {', '.join(FORMATS)}")
+            raise click.UsageError(f"{asked}: no format {name!r}, known: {', '.join(FORMATS)}")
     done = convert(
         source, target, to=to, given=given, model=model, leave_out=leave_out, rest_as=rest_as
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import PATH, in_json, option, say
 
 #: The paper left physics out of these; each is diagnosed against the paper's own model.
 RECORDINGS = (
@@ -24,13 +24,7 @@ EQUATORIAL = ("german", "one", 16, 1)
 
 
 @click.command("demo", epilog="Example: pyport demo --out out")
-@click.option(
-    "--out",
-    default="out",
-    show_default=True,
-    type=click.Path(path_type=Path),
-    help="Folder for the table, the reports and the pictures.",
-)
+@option("--out", "Folder for the table, the reports and the pictures.", "out", type=PATH)
 @in_json
 def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, table, recordings, an equatorial session, a night watched."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import beside_model
+from pyport.cli.manners import FILE, PATH, beside_model, flag, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -24,36 +24,33 @@ from pyport.cli.manners import models
 )
 @click.argument("recordings", nargs=-1, required=True, shell_complete=named)
 @beside_model
-@click.option(
+@option(
     "--refit",
-    default="all",
-    show_default=True,
+    "Which of the model's effects are refitted together with those under test.",
+    "all",
     metavar="all|none|NAME,NAME",
-    help="Which of the model's effects are refitted together with those under test.",
 )
-@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
-@click.option("--jobs", default=1, show_default=True, help="Processes that share the work.")
-@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the work.")
-@click.option(
+@option("--seed", "Seed of everything random.", 0)
+@option("--jobs", "Processes that share the work.", 1)
+@option("--cluster", "A Dask scheduler whose workers share the work.", metavar="ADDRESS")
+@option(
     "--each",
+    "Diagnose each value of a label by itself, from folders LABEL=VALUE: antenna, ...",
     metavar="LABEL",
-    help="Diagnose each value of a label by itself, from folders LABEL=VALUE: antenna, ...",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder to write the reports to.")
-@click.option(
+@option("--out", "Folder to write the reports to.", type=PATH)
+@option(
     "--save",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Write the model completed by all findings: .toml, or another format that can hold it.",
+    "Write the model completed by all findings: .toml, or another format that can hold it.",
+    type=FILE,
 )
-@click.option(
-    "--antennas",
-    type=click.Path(path_type=Path),
-    help="CSV file of surveyed antenna positions to compare with: name,east_m.",
+@option(
+    "--antennas", "CSV file of surveyed antenna positions to compare with: name,east_m.", type=PATH
 )
 @about_file
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
-@click.option("--timings", is_flag=True, help="Print how long each stage took.")
-@click.option("--json", "as_json", is_flag=True, help="Print the reports as JSON lines.")
+@flag("--quiet", "Print nothing but errors.")
+@flag("--timings", "Print how long each stage took.")
+@flag("--json as_json", "Print the reports as JSON lines.")
 def diagnose(
     recordings: tuple[str, ...],
     model: str,
@@ -108,38 +105,33 @@ def diagnose(
     epilog="Example: pyport predict offsets.csv --against published.mod --on another-night.csv",
 )
 @click.argument("recordings", shell_complete=named)
-@click.option(
+@option(
     "--model",
-    default="altaz",
-    show_default=True,
+    "The model that waves over the sky are added to: built-in, or a file.",
+    "altaz",
     shell_complete=models,
-    help="The model that waves over the sky are added to: built-in, or a file.",
 )
-@click.option(
-    "--against", multiple=True, shell_complete=models, help="A model to judge; repeat for more."
-)
-@click.option(
-    "--on",
-    "nights",
+@option("--against", "A model to judge; repeat for more.", multiple=True, shell_complete=models)
+@option(
+    "--on nights",
+    "Recordings of another night to predict; repeat for more.",
     multiple=True,
     shell_complete=named,
-    help="Recordings of another night to predict; repeat for more.",
 )
-@click.option(
+@flag(
     "--rehearse",
-    is_flag=True,
-    help="Rehearse on simulated nights of telescopes that follow each of the models exactly.",
+    "Rehearse on simulated nights of telescopes that follow each of the models exactly.",
 )
-@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
+@option("--seed", "Seed of everything random.", 0)
 @about_file
-@click.option(
+@option(
     "--grid",
-    type=click.Path(path_type=Path),
+    "Write the model with waves over the sky, with its errors, as CSV.",
+    type=PATH,
     metavar="FILE",
-    help="Write the model with waves over the sky, with its errors, as CSV.",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for prediction.json.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@option("--out", "Folder for prediction.json.", type=PATH)
+@flag("--json as_json", "Print JSON.")
 def predict(
     recordings: str,
     model: str,
@@ -203,36 +195,22 @@ def predict(
 )
 @click.argument("recordings", shell_complete=named)
 @beside_model
-@click.option(
-    "--of",
-    "what",
-    type=click.Choice(["diagnosis", "fit"]),
-    default="diagnosis",
-    show_default=True,
-    help="Draw what a diagnosis finds, or a fit alone.",
+@option(
+    "--of what", "Draw what a diagnosis finds, or a fit alone.", "diagnosis", of="diagnosis fit"
 )
-@click.option(
-    "--panel",
-    "names",
+@option(
+    "--panel names",
+    "A panel such as sky, azel, against-el, against-time, distributions; repeat for more. "
+    "Without it, all of them.",
     multiple=True,
     metavar="NAME",
-    help="A panel such as sky, azel, against-el, against-time, distributions; repeat for more. "
-    "Without it, all of them.",
 )
-@click.option(
-    "--format",
-    "kinds",
-    type=click.Choice(["pdf", "png", "svg"]),
-    multiple=True,
-    default=("pdf",),
-    show_default=True,
-    help="Repeat for more than one.",
-)
-@click.option("--seed", default=0, show_default=True, help="Seed of everything random.")
+@option("--format kinds", "Repeat for more than one.", ("pdf",), of="pdf png svg", multiple=True)
+@option("--seed", "Seed of everything random.", 0)
 @about_file
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write to.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
-@click.option("--json", "as_json", is_flag=True, help="Print the files' names as JSON.")
+@option("--out", "Folder to write to.", type=PATH, required=True)
+@flag("--quiet", "Print nothing but errors.")
+@flag("--json as_json", "Print the files' names as JSON.")
 def plot(
     recordings: str,
     model: str,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import PATH, flag, in_json, option, say
 
 if TYPE_CHECKING:
     from pyport.recordings.raw import FileOptions, Raw
@@ -28,13 +28,11 @@ if TYPE_CHECKING:
     "mask", epilog='Example: pyport mask night.csv --where "wind_speed_m_s > 15" --reason wind'
 )
 @click.argument("recordings", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--lines", default="", metavar="12,40-44", help="Lines (rows) of the file.")
-@click.option(
-    "--outliers", default="", metavar="MODEL", help="Mask the outliers of a fit of MODEL."
-)
-@click.option("--reason", default="", help="Why; listed with the excluded lines.")
-@click.option("--unmask", is_flag=True, help="Use the lines again instead of masking them.")
-@click.option("--undo", is_flag=True, help="Undo the last step.")
+@option("--lines", "Lines (rows) of the file.", metavar="12,40-44", default="")
+@option("--outliers", "Mask the outliers of a fit of MODEL.", metavar="MODEL", default="")
+@option("--reason", "Why; listed with the excluded lines.", default="")
+@flag("--unmask", "Use the lines again instead of masking them.")
+@flag("--undo", "Undo the last step.")
 @about_file
 @in_json
 def mask(
@@ -108,12 +106,7 @@ def _chosen(raw: Raw, lines: str, outliers: str, given: FileOptions) -> tuple[in
 
 @click.command("offsets", epilog="Example: pyport offsets scans.csv -o offsets.csv")
 @click.argument("scans", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path),
-    help="File for the recordings: .csv, .ecsv or .parquet.",
-)
+@option("-o --out", "File for the recordings: .csv, .ecsv or .parquet.", type=PATH)
 @in_json
 def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
     """Fit the beam in each of SCANS, print the averages to load, write the recordings."""
@@ -156,19 +149,15 @@ def _told(one: Average) -> dict[str, object]:
     "tail -f targets | pyport lookup 3model.bin --batch -",
 )
 @click.argument("table", type=click.Path(exists=True, dir_okay=False))
-@click.option("--az", type=float, help="Azimuth as the table has it, unwrapped [deg].")
-@click.option("--zd", type=float, help="Zenith distance [deg].")
-@click.option(
+@option("--az", "Azimuth as the table has it, unwrapped [deg].", type=float)
+@option("--zd", "Zenith distance [deg].", type=float)
+@option(
     "--batch",
+    "File of azimuth and zenith distance, a pair a line; - for standard input.",
     type=click.File("r"),
-    help="File of azimuth and zenith distance, a pair a line; - for standard input.",
 )
-@click.option(
-    "--errors",
-    is_flag=True,
-    help="State the errors of interpolation against the model, all over the sky.",
-)
-@click.option("--json", "as_json", is_flag=True, help="Print each answer as a line of JSON.")
+@flag("--errors", "State the errors of interpolation against the model, all over the sky.")
+@flag("--json as_json", "Print each answer as a line of JSON.")
 def lookup(
     table: str,
     az: float | None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import models
+from pyport.cli.manners import PATH, flag, models, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -25,46 +25,37 @@ if TYPE_CHECKING:
 
 @click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
 @click.argument("recordings", shell_complete=named)
-@click.option("--model", required=True, shell_complete=models, help="A built-in model or a file.")
-@click.option(
-    "--method",
-    help="For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.",
-)
-@click.option(
+@option("--model", "A built-in model or a file.", required=True, shell_complete=models)
+@option("--method", "For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.")
+@option(
     "--box-step",
-    default="known",
-    show_default=True,
-    help="With --method: the box offset before 2004 less that after; known, fit or degrees.",
+    "With --method: the box offset before 2004 less that after; known, fit or degrees.",
+    "known",
 )
-@click.option(
-    "--level",
-    "level_deg",
+@option(
+    "--level level_deg",
+    "With --method document: exclude residuals beyond this many degrees.",
+    0.007,
     type=click.FloatRange(min=0, min_open=True),
-    default=0.007,
-    show_default=True,
-    help="With --method document: exclude residuals beyond this many degrees.",
 )
-@click.option("--fix", multiple=True, metavar="NAME=VALUE", help="Hold a term: IE=0, P7=0.06deg.")
-@click.option("--add", multiple=True, metavar="NAME", help="Fit a further term: TF, P11, sag_sine.")
-@click.option("--drop", multiple=True, metavar="NAME", help="Leave a term of the model out.")
-@click.option(
+@option("--fix", "Hold a term: IE=0, P7=0.06deg.", multiple=True, metavar="NAME=VALUE")
+@option("--add", "Fit a further term: TF, P11, sag_sine.", multiple=True, metavar="NAME")
+@option("--drop", "Leave a term of the model out.", multiple=True, metavar="NAME")
+@option(
     "--weights",
-    type=click.Choice(["robust", "equal"]),
-    default="robust",
-    show_default=True,
-    help="Weight by the noise estimated with the fit, or all readings equally, as TPOINT does.",
+    "Weight by the noise estimated with the fit, or all readings equally, as TPOINT does.",
+    "robust",
+    of="robust equal",
 )
-@click.option(
+@option(
     "--per",
+    "Fit separate coefficients for each value of these labels.  [default: antenna]",
     metavar="LABEL,LABEL",
-    help="Fit separate coefficients for each value of these labels.  [default: antenna]",
 )
 @about_file
-@click.option("--save", type=click.Path(path_type=Path), help="Write the model: .mod, .ctl, ...")
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder: fit.json, report.html, residuals.csv."
-)
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@option("--save", "Write the model: .mod, .ctl, ...", type=PATH)
+@option("--out", "Folder: fit.json, report.html, residuals.csv.", type=PATH)
+@flag("--json as_json", "Print JSON.")
 def command(
     recordings: str,
     model: str,

@@ -26,19 +26,43 @@ STATUSES = (
 )
 
 
+PATH = click.Path(path_type=Path)
+FILE = click.Path(path_type=Path, dir_okay=False)
+
+
+def option(
+    names: str,
+    says: str,
+    default: object = None,
+    *,
+    of: str = "",
+    **settings: Any,  # noqa: ANN401 - click's
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return click's option of some names; help shows its default, `of` are all it may be."""
+    if of:
+        settings["type"] = click.Choice(of.split())
+    if default is not None:
+        settings = {"show_default": default != ""} | settings | {"default": default}
+    return click.option(*names.split(), help=says, **settings)
+
+
+def flag(names: str, says: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return click's option that is given or not."""
+    return click.option(*names.split(), is_flag=True, help=says)
+
+
 def in_json(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add `--json` (as `as_json`) to a command."""
-    return click.option("--json", "as_json", is_flag=True, help="Print JSON.")(command)
+    return flag("--json as_json", "Print JSON.")(command)
 
 
 def resumable(folder: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Return what adds `--out` to a long command: where its results so far are, `folder` if not."""
-    return click.option(
+    return option(
         "--out",
+        "Folder of the results so far; an interrupted run continues there.",
+        Path(folder),
         type=click.Path(path_type=Path, file_okay=False),
-        default=Path(folder),
-        show_default=True,
-        help="Folder of the results so far; an interrupted run continues there.",
     )
 
 
@@ -128,21 +152,10 @@ def _completed(names: list[str], typed: str) -> list[CompletionItem]:
 
 
 #: The model beside which recordings are looked at.
-beside_model = click.option(
-    "--model",
-    default="altaz",
-    show_default=True,
-    shell_complete=models,
-    help="A built-in model or a file.",
-)
+beside_model = option("--model", "A built-in model or a file.", "altaz", shell_complete=models)
 #: How rare the watch's false alarms are to be, where it is examined.
-as_promised = click.option(
-    "--false-alarm-every",
-    "rarity",
-    default=10_000.0,
-    show_default=True,
-    metavar="POINTINGS",
-    help="What the watch promises.",
+as_promised = option(
+    "--false-alarm-every rarity", "What the watch promises.", 10_000.0, metavar="POINTINGS"
 )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import beside_model
+from pyport.cli.manners import FILE, PATH, beside_model, flag, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -55,39 +55,31 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")
 @click.argument("recordings", shell_complete=named)
 @beside_model
-@click.option(
-    "--noise",
-    "noise_arcsec",
+@option(
+    "--noise noise_arcsec",
+    "One-sigma error of an offset, instead of the estimate from the scatter.",
     type=click.FloatRange(min=0, min_open=True),
     metavar="ARCSEC",
-    help="One-sigma error of an offset, instead of the estimate from the scatter.",
 )
-@click.option(
-    "--next",
-    "count",
-    type=click.IntRange(0, 100),
-    default=6,
-    show_default=True,
-    help="Number of directions to suggest.",
-)
-@click.option("--sources", is_flag=True, help="Suggest the recorded sources, not directions.")
-@click.option(
+@option("--next count", "Number of directions to suggest.", 6, type=click.IntRange(0, 100))
+@flag("--sources", "Suggest the recorded sources, not directions.")
+@option(
     "--elevations",
-    nargs=2,
+    "Limits of the suggested elevations [deg].",
     type=click.FloatRange(0, 90),
+    nargs=2,
     metavar="LOW HIGH",
-    help="Limits of the suggested elevations [deg].",
 )
-@click.option(
+@option(
     "--save-columns",
-    type=click.Path(path_type=Path, dir_okay=False),
+    "Keep the map of columns, given or proposed, for --columns of any command.",
+    type=FILE,
     metavar="MAP.toml",
-    help="Keep the map of columns, given or proposed, for --columns of any command.",
 )
 @about_file
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for look.json.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@option("--out", "Folder for look.json.", type=PATH)
+@flag("--quiet", "Print nothing but errors.")
+@flag("--json as_json", "Print JSON.")
 def look(
     recordings: str,
     model: str,
@@ -154,54 +146,44 @@ _J2000_S, _YEAR_S = 946_728_000.0, 365.25 * 86400
 @click.argument("recordings", shell_complete=named)
 @beside_model
 @click.option("--count", type=click.IntRange(1, 500), default=20, show_default=True)
-@click.option("--start", metavar="TIME", help="ISO 8601 UTC; now by default.")
-@click.option(
-    "--hours", type=click.FloatRange(min=0, min_open=True), help="Time left; until sunrise if not."
-)
-@click.option(
+@option("--start", "ISO 8601 UTC; now by default.", metavar="TIME")
+@option("--hours", "Time left; until sunrise if not.", type=click.FloatRange(min=0, min_open=True))
+@option(
     "--catalogue",
+    "Sources: radio, stars, or a CSV file name,ra_deg,dec_deg; without, directions.",
     metavar="NAME",
-    help="Sources: radio, stars, or a CSV file name,ra_deg,dec_deg; without, directions.",
 )
-@click.option(
+@option(
     "--elevations",
-    nargs=2,
+    "Nothing outside these [deg].",
+    (15.0, 80.0),
     type=click.FloatRange(0, 90),
-    default=(15.0, 80.0),
-    show_default=True,
-    metavar="LOW HIGH",
-    help="Nothing outside these [deg].",
-)
-@click.option(
-    "--slew",
     nargs=2,
+    metavar="LOW HIGH",
+)
+@option(
+    "--slew",
+    "Rates [deg/s].",
+    (0.5, 0.5),
     type=click.FloatRange(min=0, min_open=True),
-    default=(0.5, 0.5),
-    show_default=True,
+    nargs=2,
     metavar="AZ EL",
-    help="Rates [deg/s].",
 )
-@click.option(
-    "--dwell",
-    "dwell_s",
+@option(
+    "--dwell dwell_s",
+    "What a pointing takes.",
+    180.0,
     type=click.FloatRange(min=0),
-    default=180.0,
-    show_default=True,
     metavar="SECONDS",
-    help="What a pointing takes.",
 )
-@click.option(
-    "--sun", "sun_deg", default=0.0, show_default=True, metavar="DEG", help="No nearer to the Sun."
+@option("--sun sun_deg", "No nearer to the Sun.", 0.0, metavar="DEG")
+@option(
+    "--format form",
+    "CSV; Field System; TPOINT's grid; names and places.",
+    "csv",
+    of="csv snap tpoint radec",
 )
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["csv", "snap", "tpoint", "radec"]),
-    default="csv",
-    show_default=True,
-    help="CSV; Field System; TPOINT's grid; names and places.",
-)
-@click.option("-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="File to write.")
+@option("-o --out", "File to write.", type=FILE)
 @about_file
 @in_json
 def targets(

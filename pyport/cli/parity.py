@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import FILE, flag, in_json, option, say
 
 if TYPE_CHECKING:
     from pyport.parity.described.description import Description
 
-_CONFIG = click.option(
-    "--config",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="A parity.toml; that of the RT32's published routines by default.",
+_CONFIG = option(
+    "--config", "A parity.toml; that of the RT32's published routines by default.", type=FILE
 )
 
 
@@ -37,23 +35,22 @@ def _described(config: Path | None) -> Description:
     "Example: pyport parity --config parity.toml --points 100000 --report PARITY.md",
 )
 @_CONFIG
-@click.option(
+@option(
     "--points",
+    "Random points, beside the edges and the description's own (with a compiler).",
+    20_000,
     type=click.IntRange(min=0),
-    default=20_000,
-    show_default=True,
-    help="Random points, beside the edges and the description's own (with a compiler).",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random points.")
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes; all cores by default.")
-@click.option("--stored", is_flag=True, help="Ask the stored answers even where a compiler is.")
-@click.option("--report", type=click.Path(dir_okay=False), help="Write a page of Markdown here.")
-@click.option(
+@option("--seed", "Seed of the random points.", 0, type=int)
+@option("--jobs", "Processes; all cores by default.", type=click.IntRange(min=1))
+@flag("--stored", "Ask the stored answers even where a compiler is.")
+@option("--report", "Write a page of Markdown here.", type=click.Path(dir_okay=False))
+@option(
     "--summary",
+    "Append a short summary in Markdown here, such as to $GITHUB_STEP_SUMMARY.",
     type=click.Path(dir_okay=False),
-    help="Append a short summary in Markdown here, such as to $GITHUB_STEP_SUMMARY.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
+@flag("--json as_json", "Print JSON instead of text.")
 @click.pass_context
 def command(
     context: click.Context,
@@ -154,12 +151,11 @@ def matrix(config: Path | None, points: int, *, as_json: bool) -> None:
 @command.command("mutants", epilog="Example: pyport parity mutants --config parity.toml")
 @_CONFIG
 @click.option("--points", type=click.IntRange(min=0), default=100_000, show_default=True)
-@click.option(
+@option(
     "--fortran",
+    "Mutants of the Fortran, where the description names none.",
+    40,
     type=click.IntRange(min=0),
-    default=40,
-    show_default=True,
-    help="Mutants of the Fortran, where the description names none.",
 )
 @in_json
 @click.pass_context
@@ -196,16 +192,9 @@ def coverage(context: click.Context, config: Path | None, points: int, *, as_jso
 
 @command.command("init", epilog="Example: pyport parity init refraction.f --out parity.toml")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
-    default="parity.toml",
-    show_default=True,
-    help="The description to write.",
-)
-@click.option("--routine", "routines", multiple=True, help="Only this routine; may be repeated.")
-@click.option("--force", is_flag=True, help="Write over a description that is there.")
+@option("-o --out", "The description to write.", "parity.toml", type=FILE)
+@option("--routine routines", "Only this routine; may be repeated.", multiple=True)
+@flag("--force", "Write over a description that is there.")
 @in_json
 def init(
     files: tuple[Path, ...], out: Path, routines: tuple[str, ...], *, force: bool, as_json: bool

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import PATH, flag, in_json, option, say
 
 if TYPE_CHECKING:
     from pyport.studies.gmrt.curves import Track
@@ -22,14 +22,14 @@ def command() -> None:
 
 
 @command.command("gmrt", epilog="Example: pyport study gmrt --out gmrt")
-@click.option(
-    "--garble",
-    "seeds",
+@option(
+    "--garble seeds",
+    "How often to garble good rows on purpose, to measure the realignment.",
+    0,
     type=click.IntRange(min=0),
-    default=0,
-    help="How often to garble good rows on purpose, to measure the realignment.",
+    show_default=False,
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for figures 1 to 4.")
+@option("--out", "Folder for figures 1 to 4.", type=PATH)
 @in_json
 def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
     """Repeat the GMRT paper's analysis on its own tables, shipped with pyport.
@@ -84,13 +84,11 @@ def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
 @command.command(
     "gmrt-array", epilog="Example: pyport study gmrt-array --antennas antennas.csv --out array"
 )
-@click.option(
-    "--antennas",
-    type=click.Path(path_type=Path),
-    help="CSV file of surveyed antenna positions to compare with: name,east_m.",
+@option(
+    "--antennas", "CSV file of surveyed antenna positions to compare with: name,east_m.", type=PATH
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the picture.")
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
+@option("--out", "Folder for the picture.", type=PATH)
+@flag("--json as_json", "Print the numbers as JSON.")
 def gmrt_array(antennas: Path | None, out: Path | None, *, as_json: bool) -> None:
     """Analyse the GMRT's days of 2003 as those of one array.
 
@@ -116,21 +114,19 @@ def gmrt_array(antennas: Path | None, out: Path | None, *, as_json: bool) -> Non
 
 @command.command("rt32", epilog="Example: pyport study rt32 --out rt32")
 @click.argument("recordings", required=False)
-@click.option("--seed", default=0, show_default=True, help="Seed of the simulated campaign.")
-@click.option(
+@option("--seed", "Seed of the simulated campaign.", 0)
+@option(
     "--campaigns",
+    "Number of simulated campaigns, from --seed on, to see how well Model3 is recovered.",
+    1,
     type=click.IntRange(min=1),
-    default=1,
-    show_default=True,
-    help="Number of simulated campaigns, from --seed on, to see how well Model3 is recovered.",
 )
-@click.option(
+@option(
     "--box-step",
-    default="known",
-    show_default=True,
-    help="The box offset before 2004 less that after; known (0.017 deg), fit or degrees.",
+    "The box offset before 2004 less that after; known (0.017 deg), fit or degrees.",
+    "known",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for figures 3 to 5.")
+@option("--out", "Folder for figures 3 to 5.", type=PATH)
 @in_json
 def rt32(
     recordings: str | None,

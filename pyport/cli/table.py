@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import flag, in_json, option, say
 
 if TYPE_CHECKING:
     from pyport.steering import Table
@@ -18,50 +18,39 @@ if TYPE_CHECKING:
     epilog="Examples: pyport table -o 3model.txt; pyport table --check; "
     "pyport table --model rt32-approximate --against 3model.txt --picture difference.png",
 )
-@click.option("--model", default="rt32-3model", show_default=True, help="A model, or a TOML file.")
-@click.option("--refraction", help="A formula of mean refraction; see --refractions.")
-@click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
-@click.option(
-    "--format",
-    "layout",
-    type=click.Choice(["ascii", "binary"]),
-    default="ascii",
-    show_default=True,
-    help="Layout of the file.",
-)
-@click.option(
+@option("--model", "A model, or a TOML file.", "rt32-3model")
+@option("--refraction", "A formula of mean refraction; see --refractions.")
+@option("-o --output", "The file to write.", type=click.Path(dir_okay=False))
+@option("--format layout", "Layout of the file.", "ascii", of="ascii binary")
+@option(
     "--reading",
-    type=click.Choice(["as-written", "routine", "float64"]),
-    default="as-written",
-    show_default=True,
-    help="How an RT32 table is computed: as the published one was, by the printed routines with "
+    "How an RT32 table is computed: as the published one was, by the printed routines with "
     "azimuth as the cable has it, or in double precision.",
+    "as-written",
+    of="as-written routine float64",
 )
-@click.option(
+@option(
     "--azimuth-zero",
-    type=click.Choice(["north", "south"]),
-    help="Zero of the table's azimuth.  [default: south for the RT32's models]",
+    "Zero of the table's azimuth.  [default: south for the RT32's models]",
+    of="north south",
 )
-@click.option(
-    "--set",
-    "conditions",
+@option(
+    "--set conditions",
+    "A condition of the whole table, where the model depends on it: temperature_c=8.",
     multiple=True,
     metavar="COLUMN=VALUE",
-    help="A condition of the whole table, where the model depends on it: temperature_c=8.",
 )
-@click.option("--az", help="Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
-@click.option("--zd", help="Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
-@click.option("--check", is_flag=True, help="Compare with every published number of 3model.")
-@click.option("--against", metavar="OLD", help="Compare with another table or model.")
-@click.option("--picture", type=click.Path(dir_okay=False), help="Draw the comparison (PNG).")
-@click.option(
+@option("--az", "Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
+@option("--zd", "Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
+@flag("--check", "Compare with every published number of 3model.")
+@option("--against", "Compare with another table or model.", metavar="OLD")
+@option("--picture", "Draw the comparison (PNG).", type=click.Path(dir_okay=False))
+@option(
     "--recordings",
+    "Write the published extracts as recordings (CSV), for pyport diagnose.",
     type=click.Path(dir_okay=False),
-    help="Write the published extracts as recordings (CSV), for pyport diagnose.",
 )
-@click.option(
-    "--refractions", is_flag=True, help="Compare every refraction with the published digits."
-)
+@flag("--refractions", "Compare every refraction with the published digits.")
 @in_json
 def command(
     model: str,

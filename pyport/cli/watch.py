@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import beside_model, in_json
+from pyport.cli.manners import beside_model, flag, in_json, option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,54 +28,48 @@ ALARMED = 3
 )
 @click.argument("log", type=click.Path(path_type=Path))
 @beside_model
-@click.option(
+@option(
     "--history",
+    "Past recordings to compare with; without, the first ones of LOG.",
     metavar="RECORDINGS",
-    help="Past recordings to compare with; without, the first ones of LOG.",
 )
-@click.option(
+@option(
     "--burn-in",
+    "So many at the beginning of LOG stand for the past; ten for each coefficient if not.",
     type=click.IntRange(min=1),
     metavar="POINTINGS",
-    help="So many at the beginning of LOG stand for the past; ten for each coefficient if not.",
 )
-@click.option(
-    "--false-alarm-every",
-    "rarity",
+@option(
+    "--false-alarm-every rarity",
+    "At most one false alarm in so many, on average.",
+    10_000,
     type=click.FloatRange(min=1, min_open=True),
-    default=10_000,
-    show_default=True,
     metavar="POINTINGS",
-    help="At most one false alarm in so many, on average.",
 )
-@click.option(
+@option(
     "--out",
+    "Folder of the state, events.jsonl, status.json and metrics.prom.",
+    Path("watch"),
     type=click.Path(path_type=Path, file_okay=False),
-    default=Path("watch"),
-    show_default=True,
-    help="Folder of the state, events.jsonl, status.json and metrics.prom.",
 )
-@click.option(
-    "--every",
-    "every_s",
+@option(
+    "--every every_s",
+    "Look at LOG so often.",
+    2.0,
     type=click.FloatRange(min=0.05),
-    default=2.0,
-    show_default=True,
     metavar="SECONDS",
-    help="Look at LOG so often.",
 )
-@click.option("--once", is_flag=True, help="Stop at the end of LOG instead of waiting for more.")
-@click.option(
-    "--on-alarm",
-    "command_line",
-    default="",
+@flag("--once", "Stop at the end of LOG instead of waiting for more.")
+@option(
+    "--on-alarm command_line",
+    "Run for whatever happens to an alarm; gets it as JSON on standard input.",
     metavar="COMMAND",
-    help="Run for whatever happens to an alarm; gets it as JSON on standard input.",
+    default="",
 )
-@click.option("--exit-on-alarm", is_flag=True, help="Stop at the first alarm, with exit status 3.")
-@click.option("--serve", "served", is_flag=True, help="Serve a live page.")
-@click.option("--host", default="127.0.0.1", show_default=True, help="Serve it there.")
-@click.option("--port", default=8765, show_default=True, help="On this port.")
+@flag("--exit-on-alarm", "Stop at the first alarm, with exit status 3.")
+@flag("--serve served", "Serve a live page.")
+@option("--host", "Serve it there.", "127.0.0.1")
+@option("--port", "On this port.", 8765)
 @about_file
 @in_json
 def command(

@@ -12,7 +12,7 @@ from types import FrameType
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import in_json, option, say
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
@@ -151,7 +151,7 @@ def met(package: Path, recordings: str) -> list[str]:
 
 
 @click.command("imports", epilog="Example: pyport dev imports")
-@click.option("--met-by", metavar="RECORDINGS", help="List what these meet on their way to a page.")
+@option("--met-by", "List what these meet on their way to a page.", metavar="RECORDINGS")
 @in_json
 def command(met_by: str | None, *, as_json: bool) -> None:
     """Print which part of the program imports which, from the top floor down.

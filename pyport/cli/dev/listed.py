@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 
 from pyport.cli.manners import effects as completed
-from pyport.cli.manners import in_json, plain, say
+from pyport.cli.manners import flag, in_json, option, plain, say
 from pyport.errors import BadInput
 
 _COMMENT = re.compile(
@@ -95,7 +95,7 @@ def rewrite(page: Path, mark: str, table: str) -> None:
 
 
 @click.command("thresholds", epilog="Example: pyport dev thresholds")
-@click.option("--into", type=click.Path(exists=True, dir_okay=False), help="The page to rewrite.")
+@option("--into", "The page to rewrite.", type=click.Path(exists=True, dir_okay=False))
 @in_json
 def thresholds(into: str | None, *, as_json: bool) -> None:
     """List the numbers that decide what a diagnosis says: unit, reason, both wrong sides.
@@ -111,9 +111,9 @@ def thresholds(into: str | None, *, as_json: bool) -> None:
 
 @click.command("effects", epilog="Example: pyport dev effects refraction")
 @click.argument("names", nargs=-1, metavar="[EFFECT]...", shell_complete=completed)
-@click.option("--mount", "kind", default="altaz", show_default=True, help="Whose words are said.")
-@click.option("--markdown", "page", is_flag=True, help="The document on the physics, not a list.")
-@click.option("-o", "--output", type=click.Path(dir_okay=False), help="The file to write.")
+@option("--mount kind", "Whose words are said.", "altaz")
+@flag("--markdown page", "The document on the physics, not a list.")
+@option("-o --output", "The file to write.", type=click.Path(dir_okay=False))
 @in_json
 def effects(
     names: tuple[str, ...], kind: str, output: str | None, *, page: bool, as_json: bool
@@ -138,7 +138,7 @@ def effects(
 
 
 @click.command("keys", epilog="Example: pyport dev keys -o docs/report.md")
-@click.option("-o", "--out", type=click.Path(dir_okay=False), help="File to write.")
+@option("-o --out", "File to write.", type=click.Path(dir_okay=False))
 @in_json
 def keys(out: str | None, *, as_json: bool) -> None:
     """List the keys of report.json, as the page of the manual has them."""

@@ -10,26 +10,25 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import as_promised, in_json, plain, resumable, say
+from pyport.cli.manners import PATH, as_promised, in_json, option, plain, resumable, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
     from pyport.examiner.acceptance.drawn import Line
 
-_public = click.option(
+_public = option(
     "--data",
-    type=click.Path(path_type=Path),
-    default=Path("../shared/data"),
-    show_default=True,
-    help="Folder of public recordings; missing sets are listed.",
+    "Folder of public recordings; missing sets are listed.",
+    Path("../shared/data"),
+    type=PATH,
 )
-_jobs = click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
+_jobs = option("--jobs", "Cases at the same time.", 1)
 
 
 @click.command("acceptance", epilog="Example: pyport dev acceptance --jobs 2 --data ../shared/data")
-@click.option("--data", type=click.Path(path_type=Path), help="Folder of others' recordings.")
+@option("--data", "Folder of others' recordings.", type=PATH)
 @_jobs
-@click.option("--seed", default=10_000, show_default=True, help="Where the cases' seeds begin.")
+@option("--seed", "Where the cases' seeds begin.", 10_000)
 @in_json
 def acceptance(data: Path | None, jobs: int, seed: int, *, as_json: bool) -> None:
     """Measure what is promised of a diagnosis, on real and simulated recordings.
@@ -62,11 +61,11 @@ def _lines(there: Path | None, data: Path | None, jobs: int, seed: int) -> Itera
 
 @click.command("real", epilog="Example: pyport dev real --data ../shared/data --jobs 2")
 @_public
-@click.option("--sets", help="Sets whose names begin so, separated by commas; all by default.")
-@click.option("--subsets", default=200, show_default=True, help="Subsets of few rows of each set.")
+@option("--sets", "Sets whose names begin so, separated by commas; all by default.")
+@option("--subsets", "Subsets of few rows of each set.", 200)
 @_jobs
 @resumable("out/real")
-@click.option("--markdown", type=click.Path(path_type=Path), help="Write the table as a page.")
+@option("--markdown", "Write the table as a page.", type=PATH)
 @in_json
 def real(
     data: Path,
@@ -184,7 +183,7 @@ def sizes(*, as_json: bool) -> None:
 )
 @click.argument("recordings")
 @click.argument("out", type=click.Path(path_type=Path))
-@click.option("--steps", help="Names with commas between; the document's six when not given.")
+@option("--steps", "Names with commas between; the document's six when not given.")
 @in_json
 def apply(recordings: str, out: Path, steps: str | None, *, as_json: bool) -> None:
     """Write RECORDINGS to OUT with offsets free of what the steering program left out."""

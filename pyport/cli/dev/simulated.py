@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from pyport.cli.manners import as_promised, counted, in_json, resumable, say
+from pyport.cli.manners import as_promised, counted, in_json, option, resumable, say
 from pyport.errors import BadInput
 
 Outcomes = list[dict[str, Any]]
@@ -20,16 +20,14 @@ def _drawn(folder: str, cases: int, each: str, seed: int) -> Callable[[Callable[
     """Return what adds the options of commands that draw cases: how many, from where, into what."""
 
     def add(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in (
+        for one in (
             in_json,
             resumable(folder),
-            click.option("--jobs", default=1, show_default=True, help="Cases at the same time."),
-            click.option(
-                "--seed", default=seed, show_default=True, help="Seed of everything random."
-            ),
-            click.option("--cases", default=cases, show_default=True, help=f"Cases of {each}."),
+            option("--jobs", "Cases at the same time.", 1),
+            option("--seed", "Seed of everything random.", seed),
+            option("--cases", f"Cases of {each}.", cases),
         ):
-            command = option(command)
+            command = one(command)
         return command
 
     return add
@@ -70,7 +68,7 @@ def _run(
     type=click.Choice(["FAMILY_ERROR", "CONVINCING", "coverage"]),
     metavar="[NAME]...",
 )
-@click.option("--into", type=click.Path(exists=True, dir_okay=False), help="The page to rewrite.")
+@option("--into", "The page to rewrite.", type=click.Path(exists=True, dir_okay=False))
 @_drawn("out/calibrate", 20, "each kind of noise", 7)
 def calibrate(
     names: tuple[str, ...],
@@ -104,9 +102,9 @@ def calibrate(
 
 
 @click.command("efficiency", epilog="Example: pyport dev efficiency --rows 100,300 --rho 0.5")
-@click.option("--effects", help="Causes, separated by commas; all by default.")
-@click.option("--rows", help="Numbers of recordings, separated by commas; 60 to 2400 by default.")
-@click.option("--rho", help="Visible rms over the noise, separated by commas; 0.25, 0.5 and 1.")
+@option("--effects", "Causes, separated by commas; all by default.")
+@option("--rows", "Numbers of recordings, separated by commas; 60 to 2400 by default.")
+@option("--rho", "Visible rms over the noise, separated by commas; 0.25, 0.5 and 1.")
 @_drawn("out/efficiency", 1, "each cause in each cell", 4000)
 def efficiency(
     effects: str | None,
@@ -141,8 +139,8 @@ def efficiency(
 
 
 @click.command("mounts", epilog="Example: pyport dev mounts --cases 60 --jobs 2")
-@click.option("--mounts", "named", help="Mounts, separated by commas; all by default.")
-@click.option("--parts", help="empty, one, two, unknown, separated by commas; all by default.")
+@option("--mounts named", "Mounts, separated by commas; all by default.")
+@option("--parts", "empty, one, two, unknown, separated by commas; all by default.")
 @_drawn("out/mounts", 60, "each mount and part", 1)
 def mounts(
     named: str | None,
@@ -170,9 +168,9 @@ def mounts(
 
 
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
-@click.option("--nulls", default=1000, show_default=True, help="Nights without any change.")
-@click.option("--steps", default=1000, show_default=True, help="Steps of one to five sigmas.")
-@click.option("--seed", default=1, show_default=True, help="Seed of everything random.")
+@option("--nulls", "Nights without any change.", 1000)
+@option("--steps", "Steps of one to five sigmas.", 1000)
+@option("--seed", "Seed of everything random.", 1)
 @as_promised
 @resumable("out/nights")
 @in_json
@@ -197,18 +195,12 @@ def nights(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_js
 
 
 @click.command("nulls", epilog="Example: pyport dev nulls --cases 100 --jobs 2")
-@click.option("--kinds", help="Kinds of noise, separated by commas; all by default.")
-@click.option(
-    "--part",
-    type=click.Choice(["all", "null", "cause"]),
-    default="all",
-    show_default=True,
-    help="Nothing hidden, one cause, or both.",
-)
-@click.option(
+@option("--kinds", "Kinds of noise, separated by commas; all by default.")
+@option("--part", "Nothing hidden, one cause, or both.", "all", of="all null cause")
+@option(
     "--by",
-    type=click.Choice(["rows", "sessions", "sky", "cause"]),
-    help="Another table: one line for each of these, over all kinds.",
+    "Another table: one line for each of these, over all kinds.",
+    of="rows sessions sky cause",
 )
 @_drawn("out/nulls", 100, "each kind and part", 1)
 def nulls(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import in_json, say
+from pyport.cli.manners import in_json, option, say
 
 if TYPE_CHECKING:
     from pyport.examiner.sealed.examine import Score
@@ -19,21 +19,10 @@ LEDGER = Path("docs/proof/ledger.md")
 PAGE = Path("docs/proof.md")
 
 _A_PATH = click.Path(path_type=Path)
-_jobs = click.option("--jobs", default=1, show_default=True, help="Cases at the same time.")
-_ledger = click.option(
-    "--ledger",
-    type=_A_PATH,
-    default=LEDGER,
-    show_default=True,
-    help="The ledger of all sets.",
-)
-_which = click.option(
-    "--set",
-    "which",
-    type=click.Choice(["small", "full"]),
-    default="small",
-    show_default=True,
-    help="About a hundred cases, or near a thousand.",
+_jobs = option("--jobs", "Cases at the same time.", 1)
+_ledger = option("--ledger", "The ledger of all sets.", LEDGER, type=_A_PATH)
+_which = option(
+    "--set which", "About a hundred cases, or near a thousand.", "small", of="small full"
 )
 
 
@@ -46,23 +35,16 @@ def command() -> None:
 
 
 @command.command(epilog="Example: pyport dev trials make --kind one --effect refraction -o cases")
-@click.option("--kind", required=True, help="null, one, two, held, unknown, degenerate, ...")
-@click.option("--effect", help="Which cause, by its name; drawn when not given.")
-@click.option(
-    "--rho", default=0.5, show_default=True, help="Rms of the cause over that of the noise."
-)
-@click.option("--rows", type=int, help="Recordings of each case.")
-@click.option("--noise", help="white, drift, heavy, outliers or gappy.")
-@click.option("--site", help="rt32, gmrt or south.")
-@click.option("--weeks", type=float, help="Length of an ablation's campaign.")
-@click.option(
-    "--seed",
-    default=0,
-    show_default=True,
-    help="Seed of the first case; each next one has one more.",
-)
-@click.option("--count", default=1, show_default=True, help="How many cases.")
-@click.option("-o", "--out", type=_A_PATH, required=True, help="Folder to write to.")
+@option("--kind", "null, one, two, held, unknown, degenerate, ...", required=True)
+@option("--effect", "Which cause, by its name; drawn when not given.")
+@option("--rho", "Rms of the cause over that of the noise.", 0.5)
+@option("--rows", "Recordings of each case.", type=int)
+@option("--noise", "white, drift, heavy, outliers or gappy.")
+@option("--site", "rt32, gmrt or south.")
+@option("--weeks", "Length of an ablation's campaign.", type=float)
+@option("--seed", "Seed of the first case; each next one has one more.", 0)
+@option("--count", "How many cases.", 1)
+@option("-o --out", "Folder to write to.", type=_A_PATH, required=True)
 @in_json
 def make(
     *,
@@ -114,7 +96,7 @@ def seal(folder: Path, which: str, ledger: Path, *, as_json: bool = False) -> No
 @command.command(epilog="Example: pyport dev trials run out/set --jobs 2")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_jobs
-@click.option("--cluster", metavar="ADDRESS", help="A Dask scheduler whose workers share the work.")
+@option("--cluster", "A Dask scheduler whose workers share the work.", metavar="ADDRESS")
 @in_json
 def run(folder: Path, jobs: int, cluster: str | None, *, as_json: bool = False) -> None:
     """Solve what is not solved yet, each case in a process that cannot see the truth."""
@@ -182,7 +164,7 @@ def prove(
 
 @command.command(epilog="Example: pyport dev trials page out/set -o docs/proof.md")
 @click.argument("folders", metavar="SET...", type=_A_PATH, nargs=-1, required=True)
-@click.option("-o", "--out", type=_A_PATH, default=PAGE, show_default=True, help="The page.")
+@option("-o --out", "The page.", PAGE, type=_A_PATH)
 @in_json
 def page(folders: tuple[Path, ...], out: Path, *, as_json: bool) -> None:
     """Write the public record of sets that were scored: numbers, pictures, one case by hand."""
