@@ -39,9 +39,9 @@ $(VENV)/test: $(BIN)/pyport
 	$(BIN)/python -m pip install --quiet --editable '.[test]'
 	@touch $@
 
-# The quick tests alone, while you work.
+# The quick tests alone, while you work, on two cores.
 quick: $(VENV)/test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q tests --ignore tests/reliability \
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 tests --ignore tests/reliability \
 	  -m 'not slow and not browser and not oracle'
 
 lint: $(BIN)/tox
