@@ -47,14 +47,14 @@ def diagnosed(
 
 
 def fitted(
-    table: Table, header: Header | None = None, model: str = "altaz"
+    table: Table, header: Header | None = None, model: str = "altaz", weights: str = "robust"
 ) -> dict[str, Any] | Refused:
     """Return a fit, as fit.json holds it."""
     import pyport
     from pyport.errors import BadInput
 
     try:
-        return pyport.fit(_given(table), model, header=header).report
+        return pyport.fit(_given(table), model, header=header, weights=weights).report
     except BadInput as error:
         return Refused(str(error))
 

@@ -206,13 +206,16 @@ _MORE: dict[str, Callable[[Recordings], tuple[Array | float, Array | float]]] = 
 
 
 def _sky_rms(recordings: Recordings, _: Report, __: Report, fact: Fact) -> Outcome:
-    """Fit the published terms, given as a TPOINT model, and compare the rms on the sky."""
+    """Fit the published terms, given as a TPOINT model, and compare the rms on the sky.
+
+    With equal weights, as what was published was fitted.
+    """
     lines = ["published terms", f"T {len(recordings)} 0.0 0.0 0.0"]
     lines += [f"  {name} +0.0 1.0" for name in fact["terms"]]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "published.mod"
         file.write_text("\n".join([*lines, "END", ""]), encoding="utf-8")
-        fit = program.fitted(recordings.table, recordings.header, str(file))
+        fit = program.fitted(recordings.table, recordings.header, str(file), "equal")
     if isinstance(fit, program.Refused):
         return f"refused: {fit.why}", False
     base = dict(zip(recordings.names, np.moveaxis(recordings.columns(), 2, 0), strict=True))
