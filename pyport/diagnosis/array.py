@@ -20,7 +20,7 @@ class Split:
     sessions, common, common_sigma
         The part that all antennas share, session by session, shape (S,).
     antennas, own, own_sigma
-        Each antenna's own part, shape (A,), zero on weighted average.
+        Each antenna's own part, shape (A,), zero on average.
     spread
         Scatter of the own parts beyond their errors.
     chi_squared, dof

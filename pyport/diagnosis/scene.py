@@ -18,7 +18,7 @@ from pyport.diagnosis.settle import unseen
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination
-from pyport.thresholds import AXIS_SHARE, GROSS, SEVERAL
+from pyport.thresholds import AXIS_SHARE, GROSS
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,6 @@ def noisy_antennas(setup: Problem, floor: Array) -> list[str]:
     """Name the antennas whose noise drowns whatever the others show."""
     antennas = setup.blocks.antenna[setup.block]
     names = np.unique(antennas)
-    if len(names) < SEVERAL:
-        return []
     own = np.array([np.median(floor[antennas == name]) for name in names])
     return [str(name) for name in names[own > GROSS * np.median(own)]]
 

@@ -27,7 +27,7 @@ def family_p_value(trials: Sequence[CandidateFit]) -> float:
     above = (1 + int((drawn <= best).sum())) / (1 + len(drawn))
     if above > 5 / (1 + len(drawn)):
         return float(above)
-    independent = max(1.0, np.log(2) / np.exp(float(np.median(drawn))))
+    independent = max(1.0, np.log(2) / -np.log1p(-np.exp(float(np.median(drawn)))))
     return float(min(above, -np.expm1(-independent * np.exp(best))))
 
 

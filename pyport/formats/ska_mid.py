@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ def read(path: Path) -> ModelFile:
         tree = json.loads(read_text(path), parse_float=Decimal, parse_int=Decimal)
     except json.JSONDecodeError as error:
         raise BadInput(f"not JSON: {error.msg}", path, error.lineno) from None
-    except RecursionError as error:
+    except (RecursionError, InvalidOperation) as error:
         raise BadInput(f"not SKA-Mid's JSON: {error}", path) from None
     held = tree.get("coefficients") if isinstance(tree, dict) else None
     if not isinstance(held, dict):

@@ -1,5 +1,6 @@
 """Fits recover what was put in, and the GMRT's published curves."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit
 from pyport.formats import models
+from pyport.least_squares.gram import Solution
 from pyport.models.model import CLASSICAL_TERMS
 from pyport.recordings.schema import Recordings
 
@@ -46,3 +48,67 @@ def test_too_few_offsets_are_refused():
     """Seven coefficients cannot come from six numbers."""
     with pytest.raises(BadInput, match="6 measured offsets cannot determine 7"):
         fit(simulated(3, 1, 0), models.load("altaz"))
+
+
+def test_a_fit_starts_from_the_values_that_the_model_has():
+    """And ends where it does from nothing."""
+    data, altaz = simulated(60, 1, 0), models.load("altaz")
+    given = [
+        replace(one, values=(300 * ARCSEC,) * len(one.effect.coefficients)) for one in altaz.terms
+    ]
+
+    first, second = fit(data, altaz), fit(data, replace(altaz, terms=tuple(given)))
+
+    for one, other in zip(first.coefficients, second.coefficients, strict=True):
+        np.testing.assert_allclose(one.value, other.value, atol=1e-6 * ARCSEC)
+
+
+def test_each_antenna_has_coefficients_of_its_own():
+    """Those of the readings that are its."""
+    first, second = simulated(60, 1, 0), simulated(60, 1, 1)
+    at = Circumstances(
+        np.concatenate([first.at.az, second.at.az]),
+        np.concatenate([first.at.el, second.at.el]),
+        None,
+        {"antenna": np.repeat(["A", "B"], 60)},
+    )
+    nothing = np.full(120, np.nan)
+    both = Recordings(
+        at,
+        np.concatenate([first.x, second.x]),
+        np.concatenate([first.y, second.y + 100 * ARCSEC]),
+        nothing,
+        nothing,
+        np.arange(120),
+        Path("both"),
+    )
+    found = {
+        one.labels: float(one.value[0])
+        for one in fit(both, models.load("altaz")).coefficients
+        if one.term.effect.id == "elevation_zero"
+    }
+
+    assert (found["B",] - found["A",]) / ARCSEC == pytest.approx(100, abs=3)
+
+
+def test_what_the_data_do_not_determine_has_no_value():
+    """Zero, sag and skew at one elevation."""
+    data = simulated(60, 1, 0)
+    level = replace(data, at=Circumstances(data.at.az, np.full(60, 0.7)))
+    values = {
+        one.term.effect.id: one.value for one in fit(level, models.load("altaz")).coefficients
+    }
+
+    assert np.isnan(values["elevation_zero"]).all()
+    assert np.isnan(values["sag_cosine"]).all()
+    assert np.isfinite(values["tilt"]).all()
+
+
+def test_what_is_left_is_less_than_what_was_there():
+    """The sum of squares without what the columns take."""
+    rng = np.random.default_rng(0)
+    columns, data = rng.normal(size=(50, 3)), rng.normal(size=50)
+    both = np.concatenate([columns, data[:, None]], axis=1)
+    left = data - columns @ np.linalg.lstsq(columns, data)[0]
+
+    assert Solution.of(both.T @ both).residual == pytest.approx(left @ left)

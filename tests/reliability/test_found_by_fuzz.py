@@ -12,6 +12,7 @@ from pyarrow import parquet
 
 from pyport.cli import pyport
 from pyport.errors import BadInput
+from pyport.formats import ska_mid
 from pyport.formats.models import load
 from pyport.models.conditions import columns_of
 from pyport.recordings import read
@@ -117,3 +118,11 @@ def test_cells_that_are_arrays():
     numbers = {name: [1.0, 2.0] for name in ROWS.splitlines()[0].split(",")}
     with pytest.raises(BadInput, match="column 'session'"):
         from_table({**numbers, "session": cells})
+
+
+def test_an_exponent_beyond_any_in_ska_mid(tmp_path):
+    """A number that decimal arithmetic has no room for."""
+    path = tmp_path / "a.json"
+    path.write_text('{"coefficients": {"IA": {"value": 1e99999999999999999999}}}')
+    with pytest.raises(BadInput, match="not SKA-Mid's JSON"):
+        ska_mid.read(path)

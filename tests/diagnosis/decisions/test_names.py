@@ -240,7 +240,7 @@ def test_a_rival_out_of_reach_does_not_compete(behind, competes):
 
 def test_the_four_nearest_names_compete():
     """Once each, the best member of a family, and none that is taken or has no name."""
-    names = ("skew", "tilt", "sag_sine", "sag_cosine", "collimation", "tilt")
+    names = ("skew", "tilt", "sag_sine", "sag_cosine", "collimation", "tilt", "azimuth_zero")
     trials = [trial(name, 190.0 - n) for n, name in enumerate(names)]
     turn = step(trial("refraction", 200.0), trials=trials)
     found = resampling._rivals(turn, {"refraction", "skew"})
@@ -287,6 +287,7 @@ def test_evidence_on_resampled_data_is_that_of_the_blocks():
     """What one column gains beside the model, twice the drawn products, half with an excess."""
     rng = np.random.default_rng(0)
     model, one, data = rng.normal(size=(200, 1)), rng.normal(size=(200, 1)), rng.normal(size=200)
+    one += 2 * model
     data = data + one[:, 0]
     columns = np.concatenate([model, one, data[:, None]], axis=1)
     products = columns.T @ columns

@@ -13,7 +13,7 @@ from pyport.noise import common_mode, departures, drift, estimate, scatter
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Noise, Series
+from pyport.noise.whitening import Noise, Series, variance_of_means
 from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, stack
 
@@ -406,7 +406,31 @@ def test_data_that_are_fitted_exactly_have_no_departures():
 
     possible = departures.Possible((one,), known.parts)
 
-    assert departures.estimate(known, 1e-6 * normal(150), np.ones((150, 1)), possible) == ()
+    for size in (1e-6, 1e-12):
+        left = one.columns @ normal(5) + 0.01 * normal(150)
+        assert departures.estimate(known, size * left, np.ones((150, 1)), possible) == ()
+
+
+def test_a_variance_that_earns_nothing_is_left_out(monkeypatch):
+    """However the likeliest one was found."""
+    known, value, one = projected(np.random.default_rng(5), 20, 0.0)
+    monkeypatch.setattr(departures, "_fitted", lambda *_: np.array([1e-6]))
+    possible = departures.Possible((one,), known.parts)
+
+    assert departures.estimate(known, value, np.ones((600, 1)), possible) == ()
+
+
+@pytest.mark.parametrize("readings", [1, 2])
+def test_an_outlier_says_nothing_whatever_the_noise(readings):
+    """Its variance does not move with that of the others."""
+    part = replace(series(6), pointing=np.arange(6) // readings)
+    weights = np.array([1.0, 1, 1, 1, 1e-4, 1e-4])
+    one, other = (
+        variance_of_means(weights, np.ones(6), part, Noise(0.1, size)) for size in (1.0, 3.0)
+    )
+
+    assert one[-1] == other[-1]
+    assert other[0] > 5 * one[0]
 
 
 @pytest.mark.parametrize(("nights", "there"), [(3, True), (2, False), (1, False), (5, True)])

@@ -134,6 +134,11 @@ def test_a_field_has_a_place_where_it_stands_out(wide, placed):
     """In two to thirty-five hundredths of the readings."""
     values = np.arange(100.0)
     curve = np.where(np.abs(values - 50) < wide / 2, 3.0, 0.1)
+    # A shoulder of a third of the peak is none of the place.
+    curve[5:15] = curve[86:96] = 1.0
+    curve[np.abs(values - 50) < wide / 2 + 2] = np.maximum(
+        curve[np.abs(values - 50) < wide / 2 + 2], 1.0
+    )
     found = fields.region(Field("", "", np.ones((100, 1)), along=("x", values)), curve)
 
     assert bool(found) == placed
@@ -202,6 +207,15 @@ def test_parts_of_antennas_are_about_what_they_share():
         np.repeat(ANTENNAS[:4], 2), np.tile(["a", "b"], 4), np.tile([0.0, 1.0], 4), np.full(8, 0.1)
     )
     assert moved.changes
+    # Each weighs by its error and the scatter of antennas together, and own parts have no mean.
+    uneven = array.split(
+        np.array(["A", "B", "A", "B"]),
+        np.array(["a", "a", "b", "b"]),
+        np.array([0.0, 10.0, 0.0, 4.0]),
+        np.array([0.5, 1.0, 1.0, 1.0]),
+    )
+    assert uneven.own.mean() == pytest.approx(0.0, abs=1e-9)
+    assert uneven.common[0] - uneven.common[1] == pytest.approx(3.0, abs=0.5)
     assert not parts(np.array([1.0, 2, 3, 6]), 0.1, sessions=2).changes
 
 
