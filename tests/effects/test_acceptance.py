@@ -9,7 +9,7 @@ from effects.cases import AT
 from effects.sky import INSIDE, without
 
 from pyport.angles import ARCSEC
-from pyport.effects import CATALOGUE, MissingColumn
+from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 
 CASES = [*mechanics.CASES, *heavens.CASES]
 IDS = [str(case) for case in CASES]
@@ -151,3 +151,15 @@ def test_needs_are_complete():
             at = without(at, name)
 
         assert effect.missing(at) is None, effect.id
+
+
+def test_the_sun_heats_by_its_height_and_never_from_below():
+    """A lean away from a Sun in the north, at azimuth zero: by what it heats, in elevation."""
+    sun_el = np.array([0.5, -0.5])
+    at = Circumstances(
+        np.zeros(2), np.full(2, 0.7), None, {"sun_az": np.zeros(2), "sun_el": sun_el}
+    )
+    family = CATALOGUE["thermal_tilt"].variants(at)
+    (effect,) = [one for one in family if one.variant == "as the Sun is high"]
+
+    np.testing.assert_allclose(np.abs(effect.columns(at)[1][:, 0]), [np.sin(0.5), 0.0])
