@@ -268,6 +268,7 @@ def test_the_environment_can_ask_for_an_older_instruction_set(monkeypatch, level
 def test_an_older_kernel_is_left_out(monkeypatch):
     """One that lacks what this version calls is as good as none."""
     monkeypatch.setattr(compiled, "INTERFACE", 1)
+    monkeypatch.delenv("PYPORT_KERNEL", raising=False)
     lookup = SOURCE.parent / "compiled.py"
     assert runpy.run_path(str(lookup))["KERNEL"] is None
 
