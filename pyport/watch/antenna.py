@@ -11,8 +11,9 @@ from scipy.special import logsumexp
 from pyport.angles import Array, Codes
 from pyport.watch import detector
 from pyport.watch.baseline import Baseline
+from pyport.watch.composite import Composite, log_omitted
 from pyport.watch.detector import Detector, Layout
-from pyport.watch.null import Null, States
+from pyport.watch.null import Null
 
 
 @dataclass
@@ -43,9 +44,9 @@ class Antenna:
 
     Attributes
     ----------
-    baseline, states, layout
+    baseline, layout
         What does not change.
-    null, detector
+    nulls, detector
         The running state.
     threshold
         Logarithm of what the mixture must reach.
@@ -62,11 +63,9 @@ class Antenna:
     """
 
     baseline: Baseline
-    states: States
     layout: Layout
-    null: Null
+    nulls: Composite
     detector: Detector
-    standing: Detector
     threshold: float
     slots: list[Slot] = field(default_factory=list)
     pending: int | None = None
@@ -77,29 +76,34 @@ class Antenna:
     left: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
 
     @property
+    def null(self) -> Null:
+        """Return the filter that the detector follows."""
+        return self.nulls.levels[0].null
+
+    @property
+    def standing(self) -> Detector:
+        """Return the effects that may have stood all along."""
+        return self.nulls.levels[0].standing
+
+    @property
     def evidence(self) -> float:
         """Return the logarithm of the mixture."""
-        return detector.evidence(self.detector, self.layout, self.standing)
+        return detector.evidence(self.detector, self.layout, self.nulls.log_ratio)
 
     @property
     def omitted(self) -> float:
         """Return the logarithm of the mixture of what may have stood all along."""
-        return float(logsumexp(detector.log_omitted(self.standing, self.layout)))
+        return float(logsumexp(log_omitted(self.nulls, self.layout)))
 
 
 def begin(
-    baseline: Baseline,
-    known: States,
-    start: Null,
-    stands: Detector,
-    pointings_per_false_alarm: float,
+    baseline: Baseline, placed: Layout, nulls: Composite, pointings_per_false_alarm: float
 ) -> Antenna:
     """Return the watch at its beginning; the threshold keeps one false alarm in so many."""
-    placed = detector.layout(baseline.changes)
-    empty = detector.fresh(placed, len(start.mean))
-    home = start.mean * np.array([of == "model" for of in known.of])
-    threshold = log(pointings_per_false_alarm)
-    return Antenna(baseline, known, placed, start, empty, stands, threshold, home=home)
+    first = nulls.levels[0]
+    home = first.null.mean * np.array([of == "model" for of in first.states.of])
+    empty = detector.fresh(placed, len(home))
+    return Antenna(baseline, placed, nulls, empty, log(pointings_per_false_alarm), home=home)
 
 
 def state_columns(watch: Antenna) -> list[Codes]:
@@ -117,4 +121,4 @@ def first_state(watch: Antenna, slot: Slot) -> int:
     """Return where the states of a slot begin among all."""
     before = watch.slots[: watch.slots.index(slot)]
     behind = sum(len(watch.baseline.changes[one.change].prior) for one in before)
-    return len(watch.states) + behind
+    return len(watch.nulls.levels[0].states) + behind

@@ -8,21 +8,19 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.noise.scatter import tails
+from pyport.watch import composite
 from pyport.watch.baseline import LEAST_DOF, Past
-from pyport.watch.detector import Detector, forget, layout, standing, update
+from pyport.watch.composite import Composite
+from pyport.watch.detector import Layout, layout
 from pyport.watch.null import (
     LEAST_GROSS,
     NIGHT_DOF,
     NIGHT_DOF_LEAST,
     NIGHT_DOF_MOST,
     OUTLIER,
-    Null,
     States,
-    advance,
-    begin,
     outlying,
     states,
-    take,
 )
 from pyport.watch.prepare import prepare
 
@@ -33,54 +31,41 @@ DOUBTFUL = 0.5
 FEWEST_NIGHTS, FEWEST_IN_NIGHT = 3, 8
 
 
-def calibrated(past: Past) -> tuple[Null, States, Detector]:
-    """Return the filter after the past recordings, its distribution that of their innovations.
-
-    With it what each effect comes to that may have stood all along.
-    """
-    known = states(past.baseline)
+def calibrated(past: Past) -> tuple[Layout, Composite]:
+    """Return the null after the past recordings, its distribution that of their innovations."""
+    known, placed = states(past.baseline), layout(past.baseline.changes)
     rows = prepare(past.baseline, past.recordings)
     weights = past.weights[rows.order]
-    null = begin(known)
-    placed = layout(past.baseline.changes)
-    stands = standing(placed, null)
+    nulls = composite.begin(known, placed)
     found: list[tuple[float, str]] = []
     for n in range(len(rows)):
-        forget(stands, advance(null, known, rows, n)[0], null, night=False)
+        composite.advance(nulls, rows, n)
         for axis in (0, 1):
             if not np.isfinite(rows.value[n, axis]):
                 continue
-            before = float(null.scale[axis]), null.degrees(axis), null.share, null.tail
-            one = take(
-                null,
-                axis,
-                float(rows.value[n, axis]),
-                rows.nuisance[n, axis],
-                float(rows.variance[n, axis]),
-                float(weights[n, axis]),
-            )
-            update(stands, placed, one, rows.nuisance[n, axis], rows.change[n, axis], before)
-            if one.sigma**2 * DOUBTFUL < rows.variance[n, axis] + _fresh(
-                known, rows.nuisance[n, axis]
-            ):
+            held = float(weights[n, axis])
+            one, _, column = composite.take(nulls, placed, rows, n, axis, held=held)
+            if one.sigma**2 * DOUBTFUL < rows.variance[n, axis] + _fresh(known, column):
                 found.append((one.value, rows.labels["session"][n]))
     value = np.array([one for one, _ in found])
     shape, scale = tails(value)
     tail = 0.0 if shape.gross > 0 else shape.inverse
-    degrees = 1 / (tail + 1 / max(len(value) / 2, NIGHT_DOF_LEAST))
+    dof = max(len(value) / 2, NIGHT_DOF_LEAST)
+    degrees = 1 / (tail + 1 / dof)
     outliers = float(sum(outlying(one, degrees) for one in (value / scale) ** 2))
-    null = replace(
-        null,
-        scale=np.full(2, scale**2),
-        dof=np.full(2, max(len(value) / 2, NIGHT_DOF_LEAST)),
-        tail=tail,
-        outliers=max(outliers, shape.gross * len(value)) + LEAST_GROSS * 100,
-        readings=len(value) + 100.0,
-    )
-    null.night_dof = _night_dof(value / scale, [name for _, name in found])
+    for level in nulls.levels:
+        level.null = replace(
+            level.null,
+            scale=np.full(2, scale**2),
+            dof=np.full(2, dof),
+            tail=tail,
+            outliers=max(outliers, shape.gross * len(value)) + LEAST_GROSS * 100,
+            readings=len(value) + 100.0,
+            night_dof=_night_dof(value / scale, [name for _, name in found]),
+        )
     # what they come to from now on is evidence, what they came to is none
-    stands.stood = stands.log_mass[:, : placed.members].copy()
-    return null, known, stands
+    nulls.log_ratio[:] = 0.0
+    return placed, nulls
 
 
 def _fresh(known: States, column: Array) -> float:

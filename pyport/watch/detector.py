@@ -11,12 +11,6 @@ How large a change is, is learnt as it goes: the density after the change is tha
 with the coefficients as further states, first of them those readings that came since k. What the
 filter makes of the change meanwhile is followed exactly (Willsky & Jones 1976, IEEE Trans. Autom.
 Control 21, 108), whatever it is: the null is filtered once.
-
-No model is complete: any one effect may have stood all along, too small or too little moved for
-the past to show. The null is composite, the model alone or with one of them. Each is followed from
-the first reading of the past on, and the ratio of a start is taken to the one that explains the
-readings since best (universal inference: Wasserman, Ramdas & Balakrishnan 2020, PNAS 117, 16880):
-its expectation is then one at most under every one of them.
 """
 
 from __future__ import annotations
@@ -34,6 +28,7 @@ from pyport.watch.null import (
     OUTLIER,
     Innovation,
     Null,
+    Predictive,
     learnt,
     log_density,
     log_gross,
@@ -117,7 +112,7 @@ class Detector:
     before
         Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
     stood
-        Logarithm of the likelihood ratio of each standing effect at each start, (S, M).
+        What each member of the composite null had come to at each start, (S, M + 1).
     row, clock
         When each start was, (S,).
     begun
@@ -189,7 +184,7 @@ def fresh(known: Layout, states: int) -> Detector:
         np.zeros(0),
         np.zeros(0),
         np.zeros((0, 4)),
-        np.zeros((0, members)),
+        np.zeros((0, members + 1)),
         np.zeros(0),
         np.zeros(0),
     )
@@ -198,7 +193,7 @@ def fresh(known: Layout, states: int) -> Detector:
 def standing(known: Layout, null: Null) -> Detector:
     """Return the effects that may have stood all along, from here on."""
     found = fresh(known, len(null.mean))
-    start(found, known, null, 0, 0.0, np.zeros(known.members))
+    start(found, known, null, 0, 0.0, np.zeros(known.members + 1))
     return found
 
 
@@ -207,7 +202,7 @@ def start(
 ) -> None:
     """Let a change begin at this pointing; where there are too many, merge two.
 
-    `stood` (M,) is what standing effects have come to by now.
+    `stood` (M + 1,) is what the members of the composite null have come to by now.
     """
     detector.begun += 1
     if len(detector.row) == STARTS:
@@ -248,15 +243,10 @@ def _merge(detector: Detector, known: Layout, row: int) -> None:
     detector.keep(np.delete(np.arange(len(age)), gone))
 
 
-def forget(detector: Detector, kept: Array, null: Null, *, night: bool) -> None:
-    """Let the biases go on to another row with the states that they are of.
-
-    In another night the scatter is another one, changed or not.
-    """
+def forget(detector: Detector, kept: Array) -> None:
+    """Let the biases go on to another row with the states that they are of."""
     if len(detector.row) and (kept < 1).any():
         detector.bias *= kept
-    if night:
-        detector.spread_dof = np.minimum(detector.spread_dof, null.night_dof)
 
 
 def update(
@@ -265,7 +255,7 @@ def update(
     one: Innovation,
     nuisance: Array,
     change: Array,
-    before: tuple[float, float, float, float],
+    before: Predictive,
 ) -> None:
     """Take in an innovation.
 
@@ -274,8 +264,7 @@ def update(
     nuisance, change
         The reading's columns of states (D,) and of coefficients (C,).
     before
-        Scale, degrees of freedom, share of gross errors and tail that the innovation was predicted
-        with, the null having taken it in since.
+        What the innovation was predicted with, the null having taken it in since.
     """
     if not len(detector.row):
         return
@@ -341,24 +330,17 @@ def _outlying(detector: Detector, members: int, before: float, *, outlier: bool)
     detector.readings = detector.readings + 1
 
 
-def log_odds(detector: Detector, known: Layout, stands: Detector) -> Array:
+def log_odds(detector: Detector, known: Layout, null: Array) -> Array:
     """Return what each start and change has come to beside the best of the null, (S, M + 3).
 
-    `stands` are the effects that may have stood all along.
+    `null` (M + 1,) is what the members of the composite null have come to by now.
     """
-    since = stands.log_mass[0, : known.members] - detector.stood
-    best = np.maximum(since.max(axis=1, initial=0.0), 0.0)
+    best = (null - detector.stood).max(axis=1, initial=0.0)
     return np.asarray(detector.log_mass + known.log_share - best[:, None])
 
 
-def log_omitted(stands: Detector, known: Layout) -> Array:
-    """Return what each effect that may have stood all along has come to in the watch, (M,)."""
-    members = known.members
-    return np.asarray(stands.log_mass[0, :members] - stands.stood[0] + known.log_share[:members])
-
-
-def evidence(detector: Detector, known: Layout, stands: Detector) -> float:
+def evidence(detector: Detector, known: Layout, null: Array) -> float:
     """Return the logarithm of the mixture; minus infinity before any start."""
     if not len(detector.row):
         return -np.inf
-    return float(logsumexp(log_odds(detector, known, stands)))
+    return float(logsumexp(log_odds(detector, known, null)))

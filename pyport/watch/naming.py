@@ -9,7 +9,8 @@ from pyport.angles import ARCSEC, Array
 from pyport.watch import alarms
 from pyport.watch.alarms import Alarm
 from pyport.watch.antenna import Antenna
-from pyport.watch.detector import SPREADS, Detector, log_odds, log_omitted
+from pyport.watch.composite import log_omitted
+from pyport.watch.detector import SPREADS, Detector, log_odds
 
 #: A name with this much of the probability is preferred if it has already been given to a
 #: standing alarm: what comes back is the same thing.
@@ -21,7 +22,7 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     if alarm.stood:
         return 0, _name_omitted(watch, alarm)
     own, layout = watch.detector, watch.layout
-    joint = log_odds(own, layout, watch.standing)
+    joint = log_odds(own, layout, watch.nulls.log_ratio)
     total = float(logsumexp(joint))
     chance = np.exp(joint - total)
     some = watch.baseline.changes
@@ -50,7 +51,7 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
 def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
     """Say what may have stood all along; return the likeliest."""
     own = watch.standing
-    joint = log_omitted(own, watch.layout)
+    joint = log_omitted(watch.nulls, watch.layout)
     alarm.log_ratio = float(logsumexp(joint))
     chance = np.exp(joint - alarm.log_ratio)
     changes = watch.baseline.changes

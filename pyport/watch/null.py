@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import cos, exp, hypot, isnan, log, log1p, pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,6 +102,11 @@ class States:
         """Return D."""
         return len(self.mean)
 
+    def scaled(self, factor: float) -> Array:
+        """Return by what covariances change where all that is not the model's is larger, (D, D)."""
+        size = np.where(np.array(self.of) == "model", 1.0, factor)
+        return np.asarray(size[:, None] * size)
+
 
 def states(baseline: Baseline) -> States:
     """Return the states of a baseline."""
@@ -177,6 +182,25 @@ def begins(rows: Rows, n: int, null: Null) -> bool:
     turn = abs((rows.az[n] - az + pi) % (2 * pi) - pi) * cos(rows.el[n])
     late = rows.timed and abs(rows.clock[n] - clock) > SAME_S
     return bool(late or hypot(turn, rows.el[n] - el) > reach)
+
+
+class Predictive(NamedTuple):
+    """What an innovation is predicted with: its scale, degrees of freedom, gross errors, tail."""
+
+    scale: float
+    degrees: float
+    share: float
+    tail: float
+
+    def log_density(self, square: float) -> float:
+        """Return the log-density of an innovation of this squared distance."""
+        wide = log_gross(square, self.scale, self.share)
+        return float(log_density(square, self.scale, self.degrees, self.share, wide))
+
+
+def predictive(null: Null, axis: int) -> Predictive:
+    """Return what the next innovation of an axis is predicted with."""
+    return Predictive(float(null.scale[axis]), null.degrees(axis), null.share, null.tail)
 
 
 def log_usual(square: Number, scale: Number, degrees: Number) -> Number:

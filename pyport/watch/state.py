@@ -27,6 +27,7 @@ _TOLD, _KEY = "told", "key"
 _OF_WATCH = ("row", "raised", "happened", "last", "session")
 _OF_NULL = ("tail", "outliers", "readings", "night_dof", "learning", "clock", "labels", "pointing")
 _ARRAYS_OF_NULL = ("mean", "covariance", "scale", "dof")
+_ARRAYS_OF_NULLS = ("log_weight", "log_ratio")
 
 
 def key(watch: Watch) -> str:
@@ -65,18 +66,23 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
     arrays: dict[str, NDArray[Any]] = {}
     for n, (name, own) in enumerate(watch.antennas.items()):
         told["antennas"][name] = {
-            "null": {one: getattr(own.null, one) for one in _OF_NULL},
+            "levels": [
+                {one: getattr(level.null, one) for one in _OF_NULL} for level in own.nulls.levels
+            ],
+            "nights": own.nulls.nights,
             "open": own.detector.open,
             "begun": own.detector.begun,
             "pending": own.pending,
             "rows": own.rows,
             "slots": [asdict(one) for one in own.slots],
         }
-        arrays |= {f"{n}/null/{one}": getattr(own.null, one) for one in _ARRAYS_OF_NULL}
         arrays |= {f"{n}/unchanged/{k}": one for k, one in enumerate(own.unchanged)}
-        for kind in ("detector", "standing"):
-            some = getattr(own, kind).arrays()
-            arrays |= {f"{n}/{kind}/{one}": values for one, values in some.items()}
+        arrays |= {f"{n}/nulls/{one}": getattr(own.nulls, one) for one in _ARRAYS_OF_NULLS}
+        arrays |= {f"{n}/detector/{one}": each for one, each in own.detector.arrays().items()}
+        for k, level in enumerate(own.nulls.levels):
+            some = {one: getattr(level.null, one) for one in _ARRAYS_OF_NULL}
+            some |= level.standing.arrays()
+            arrays |= {f"{n}/{k}/{one}": each for one, each in some.items()}
     texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
     with write_whole(path, "wb") as file:
         np.savez(file, **(texts | arrays))
@@ -126,17 +132,21 @@ def _alarm(one: dict[str, Any]) -> Alarm:
 
 
 def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:
-    for name, value in told["null"].items():
-        setattr(own.null, name, tuple(value) if name == "pointing" else value)
-    for name in _ARRAYS_OF_NULL:
-        setattr(own.null, name, arrays[f"{n}/null/{name}"])
+    for k, level in enumerate(own.nulls.levels):
+        for name, value in told["levels"][k].items():
+            setattr(level.null, name, tuple(value) if name == "pointing" else value)
+        for name in _ARRAYS_OF_NULL:
+            setattr(level.null, name, arrays[f"{n}/{k}/{name}"])
+        for name in level.standing.arrays():
+            setattr(level.standing, name, arrays[f"{n}/{k}/{name}"])
     own.unchanged = tuple(
         arrays[f"{n}/unchanged/{k}"] for k in range(3) if f"{n}/unchanged/{k}" in arrays
     )
-    for kind in ("detector", "standing"):
-        one = getattr(own, kind)
-        for name in one.arrays():
-            setattr(one, name, arrays[f"{n}/{kind}/{name}"])
+    for name in _ARRAYS_OF_NULLS:
+        setattr(own.nulls, name, arrays[f"{n}/nulls/{name}"])
+    for name in own.detector.arrays():
+        setattr(own.detector, name, arrays[f"{n}/detector/{name}"])
+    own.nulls.nights = told["nights"]
     own.detector.begun = told["begun"]
     own.detector.open, own.pending, own.rows = told["open"], told["pending"], told["rows"]
     own.slots = [Slot(**one) for one in told["slots"]]

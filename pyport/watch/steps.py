@@ -6,13 +6,13 @@ from math import log
 
 import numpy as np
 
-from pyport.watch import detector, null
+from pyport.watch import composite, detector, null
 from pyport.watch.adopt import adopt, adopt_omitted, adopt_spread, release
 from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm
 from pyport.watch.antenna import Antenna, Slot, first_state, state_columns
 from pyport.watch.detector import SPREADS
 from pyport.watch.naming import name, resize
-from pyport.watch.null import Innovation
+from pyport.watch.null import Innovation, Predictive
 from pyport.watch.prepare import Rows
 
 #: Pointings after an alarm in which it is named; where it then has one name it is confirmed.
@@ -31,21 +31,17 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
     every
         Alarms by number, to which a new one is added, as `number`.
     """
-    night = rows.labels["session"][n] != watch.null.labels.get("session")
-    kept, new = null.advance(watch.null, watch.states, rows, n)
-    for own in (watch.detector, watch.standing):
-        detector.forget(own, kept, watch.null, night=night)
+    kept, new, night = composite.advance(watch.nulls, rows, n)
+    detector.forget(watch.detector, kept)
+    if night:
+        # in another night the scatter is another one, changed or not
+        own = watch.detector
+        own.spread_dof = np.minimum(own.spread_dof, watch.null.night_dof)
     if new:
         watch.rows += 1
         if watch.detector.open:
-            detector.start(
-                watch.detector,
-                watch.layout,
-                watch.null,
-                watch.rows,
-                float(rows.clock[n]),
-                watch.standing.log_mass[0, : watch.layout.members],
-            )
+            now, clock = watch.nulls.log_ratio, float(rows.clock[n])
+            detector.start(watch.detector, watch.layout, watch.null, watch.rows, clock, now)
     white = np.sqrt(rows.variance[n] * watch.null.scale)
     watch.left = np.stack([rows.off[n], white], axis=1)
     for axis in (0, 1):
@@ -56,14 +52,10 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
 
 
 def _reading(watch: Antenna, rows: Rows, n: int, axis: int) -> None:
-    own = watch.null
     change = rows.change[n, axis]
     columns = [change[places] for places in state_columns(watch)]
-    nuisance = np.concatenate([rows.nuisance[n, axis], *columns])
-    before = (float(own.scale[axis]), own.degrees(axis), own.share, own.tail)
-    one = null.take(own, axis, float(rows.value[n, axis]), nuisance, float(rows.variance[n, axis]))
-    for each in (watch.detector, watch.standing):
-        detector.update(each, watch.layout, one, nuisance, change, before)
+    one, before, nuisance = composite.take(watch.nulls, watch.layout, rows, n, axis, columns)
+    detector.update(watch.detector, watch.layout, one, nuisance, change, before)
     _spreads(watch, one, before)
 
 
@@ -102,18 +94,20 @@ def _raise(
     watch.unchanged = watch.standing.known()
     every[number] = Alarm(number, watch.baseline.antenna, clock, watch.rows, stood=stood)
     start, _ = name(watch, every[number], every)
-    if not stood:
-        watch.null.scale = watch.detector.before[start, :2].copy()
-        watch.null.outliers, watch.null.readings = map(float, watch.detector.before[start, 2:])
-    watch.null.learning = False
+    for level in watch.nulls.levels:
+        if not stood:
+            level.null.scale = watch.detector.before[start, :2].copy()
+            level.null.outliers, level.null.readings = map(float, watch.detector.before[start, 2:])
+        level.null.learning = False
     return [f"raised {number}"]
 
 
 def _afresh(watch: Antenna) -> None:
     watch.pending = None
-    watch.null.learning = True
+    for level in watch.nulls.levels:
+        level.null.learning = True
     watch.detector = detector.fresh(watch.layout, len(watch.null.mean))
-    watch.standing.stood = watch.standing.log_mass[:, : watch.layout.members].copy()
+    watch.nulls.log_ratio = np.zeros_like(watch.nulls.log_ratio)
 
 
 def _confirm(
@@ -137,11 +131,12 @@ def _confirm(
         adopt(watch, start, change, again, watch.detector)
     else:
         adopt_spread(watch, alarm, start, change, again)
+    composite.settle(watch.nulls)
     _afresh(watch)
     return happened
 
 
-def _spreads(watch: Antenna, one: Innovation, before: tuple[float, float, float, float]) -> None:
+def _spreads(watch: Antenna, one: Innovation, before: Predictive) -> None:
     """Let a reading speak for or against a confirmed change of scatter or outliers."""
     scale, degrees, share, _ = before
     square = one.value**2
@@ -172,6 +167,7 @@ def _stand(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm]) -> list[
             alarm.state = WITHDRAWN
             alarm.ended = float(rows.clock[n])
             release(watch, slot)
+            composite.settle(watch.nulls)
             happened.append(f"withdrawn {alarm.number}")
     return happened
 

@@ -130,9 +130,9 @@ class Watch:
             except TooFew as few:
                 self.unwatched[str(name)] = few.message
                 continue
-            null, known, stands = calibrated(of_it)
+            placed, nulls = calibrated(of_it)
             each = per * len(names)
-            self.antennas[str(name)] = one_antenna.begin(of_it.baseline, known, null, stands, each)
+            self.antennas[str(name)] = one_antenna.begin(of_it.baseline, placed, nulls, each)
         if not self.antennas:
             raise BadInput(next(iter(self.unwatched.values())), history.file)
         time = np.asarray(history.at.columns.get("time", np.full(len(history), np.nan)), float)

@@ -1,0 +1,130 @@
+"""The null: the telescope as it was, its model and its noise known no better than the past tells.
+
+No model is complete: any one effect may have stood all along, too small or too little moved for
+the past to show. Nor does a past of n nights say how wild the next one is: if nights are alike,
+one is wilder than all n before it with a probability of 1 / (n + 1). The null is therefore
+composite: the model alone or with any one effect, and for each of them the noise of each night a
+mixture of that of the past and of wilder ones, weighed anew by every reading (the fixed share of
+Herbster & Warmuth 1998, Machine Learning 32, 151). A change is compared with the best of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from math import log
+
+import numpy as np
+from scipy.special import logsumexp
+
+from pyport.angles import Array
+from pyport.watch import detector, null
+from pyport.watch.detector import Detector, Layout
+from pyport.watch.null import Innovation, Null, Predictive, States
+from pyport.watch.prepare import Rows
+
+#: Drifts and departures of a wilder night, over those of the past: octaves, so that what lies
+#: between is within a factor of 1.4 of one. Nights wilder still are not in the promise.
+WILDER = (2.0, 4.0)
+
+
+@dataclass
+class Level:
+    """The filter at one level of noise, and on it the effects that may have stood all along."""
+
+    states: States
+    null: Null
+    standing: Detector
+
+
+@dataclass
+class Composite:
+    """The null.
+
+    Attributes
+    ----------
+    levels
+        The noise of the past, then the wilder ones.
+    log_weight
+        Probability of each level tonight, for each effect and, last, the model alone,
+        (1 + W, M + 1).
+    log_ratio
+        What each effect and the model alone have come to, beside the model alone with the
+        noise of the past, (M + 1,).
+    nights
+        Until now, tonight among them.
+    """
+
+    levels: tuple[Level, ...]
+    log_weight: Array = field(default_factory=lambda: np.zeros(0))
+    log_ratio: Array = field(default_factory=lambda: np.zeros(0))
+    nights: int = 0
+
+
+def begin(known: States, placed: Layout) -> Composite:
+    """Return the null before any reading."""
+    levels = []
+    for factor in (1.0, *WILDER):
+        states = replace(known, covariance=known.covariance * known.scaled(factor))
+        start = null.begin(states)
+        levels.append(Level(states, start, detector.standing(placed, start)))
+    return Composite(tuple(levels), log_ratio=np.zeros(placed.members + 1))
+
+
+def advance(own: Composite, rows: Rows, n: int) -> tuple[Array, bool, bool]:
+    """Let the filters go on to a row; return what the first keeps, and if a pointing, a night begin."""
+    night = rows.labels["session"][n] != own.levels[0].null.labels.get("session")
+    if night:
+        own.nights += 1
+        wilder = 1 / max(own.nights, 2)
+        share = np.log([1 - wilder, *[wilder / len(WILDER)] * len(WILDER)])
+        own.log_weight = np.repeat(share[:, None], len(own.log_ratio), axis=1)
+    kept, new = np.zeros(0), False
+    for level in reversed(own.levels):
+        kept, new = null.advance(level.null, level.states, rows, n)
+        detector.forget(level.standing, kept)
+    return kept, new, night
+
+
+def take(
+    own: Composite,
+    placed: Layout,
+    rows: Rows,
+    n: int,
+    axis: int,
+    columns: Sequence[Array] = (),
+    held: float | None = None,
+) -> tuple[Innovation, Predictive, Array]:
+    """Take in a reading; return what the first filter made of it, and the columns of its states.
+
+    `columns` are those of states that alarms added; see `null.take` for `held`.
+    """
+    nuisance = np.concatenate([rows.nuisance[n, axis], *columns])
+    found = []
+    log_density = np.zeros_like(own.log_weight)
+    for k, level in enumerate(own.levels):
+        before = null.predictive(level.null, axis)
+        reading, variance = float(rows.value[n, axis]), float(rows.variance[n, axis])
+        one = null.take(level.null, axis, reading, nuisance, variance, held)
+        was = level.standing.log_mass[0, : placed.members].copy()
+        detector.update(level.standing, placed, one, nuisance, rows.change[n, axis], before)
+        log_density[k, :-1] = level.standing.log_mass[0, : placed.members] - was
+        log_density[k] += before.log_density(one.value**2) - log(one.sigma)
+        found.append((one, before, nuisance))
+    joint = own.log_weight + log_density - log_density[0, -1]
+    total = logsumexp(joint, axis=0)
+    own.log_ratio, own.log_weight = own.log_ratio + total, joint - total
+    return found[0]
+
+
+def log_omitted(own: Composite, placed: Layout) -> Array:
+    """Return what each effect that may have stood all along has come to in the watch, (M,)."""
+    return np.asarray(own.log_ratio[:-1] - own.log_ratio[-1] + placed.log_share[: placed.members])
+
+
+def settle(own: Composite) -> None:
+    """Let the filters of wilder noise go on from where the first is: what it has become is known."""
+    first = own.levels[0]
+    for level in own.levels[1:]:
+        level.null, level.standing = deepcopy((first.null, first.standing))
