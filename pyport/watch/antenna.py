@@ -71,7 +71,8 @@ class Antenna:
     pending: int | None = None
     rows: int = 0
     #: What was known of standing effects when the pending alarm was raised.
-    unchanged: tuple[Array, ...] = ()
+    unchanged_mean: Array = field(default_factory=lambda: np.zeros(0))
+    unchanged_covariance: Array = field(default_factory=lambda: np.zeros(0))
     home: Array = field(default_factory=lambda: np.zeros(0))
     left: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
 

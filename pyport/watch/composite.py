@@ -1,7 +1,7 @@
 """The null: the telescope as it was, its model and its noise known no better than the past tells.
 
 No model is complete: any one effect may have stood all along, too small or too little moved for
-the past to show. Nor does a past of n nights say how wild the next one is: if nights are alike,
+the past to show. Nor does a past of n nights say how far the next one drifts: if nights are alike,
 one is wilder than all n before it with a probability of 1 / (n + 1). The null is therefore
 composite: the model alone or with any one effect, and for each of them the noise of each night a
 mixture of that of the past and of wilder ones, weighed anew by every reading (the fixed share of
@@ -73,12 +73,13 @@ def begin(known: States, placed: Layout) -> Composite:
 
 
 def advance(own: Composite, rows: Rows, n: int) -> tuple[Array, bool, bool]:
-    """Let the filters go on to a row; return what the first keeps, and if a pointing, a night begin."""
+    """Go on to a row; return what the first filter keeps, if a pointing and if a night begins."""
     night = rows.labels["session"][n] != own.levels[0].null.labels.get("session")
     if night:
         own.nights += 1
         wilder = 1 / max(own.nights, 2)
-        share = np.log([1 - wilder, *[wilder / len(WILDER)] * len(WILDER)])
+        others = len(own.levels) - 1
+        share = np.log([1 - wilder, *[wilder / others] * others] if others else [1.0])
         own.log_weight = np.repeat(share[:, None], len(own.log_ratio), axis=1)
     kept, new = np.zeros(0), False
     for level in reversed(own.levels):
@@ -124,7 +125,7 @@ def log_omitted(own: Composite, placed: Layout) -> Array:
 
 
 def settle(own: Composite) -> None:
-    """Let the filters of wilder noise go on from where the first is: what it has become is known."""
+    """Let the filters of wilder noise go on from where the first one is."""
     first = own.levels[0]
     for level in own.levels[1:]:
         level.null, level.standing = deepcopy((first.null, first.standing))

@@ -15,7 +15,7 @@ Control 21, 108), whatever it is: the null is filtered once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import log, log1p
 
 import numpy as np
@@ -135,40 +135,15 @@ class Detector:
     clock: Array
     begun: int = 0
     open: bool = True
-    _names: tuple[str, ...] = field(
-        default=(
-            "log_mass",
-            "bias",
-            "mean",
-            "covariance",
-            "spread",
-            "spread_dof",
-            "outliers",
-            "readings",
-            "before",
-            "stood",
-            "row",
-            "clock",
-        ),
-        repr=False,
-    )
 
     def arrays(self) -> dict[str, Array]:
         """Return everything that one start holds, an array for each."""
-        return {name: getattr(self, name) for name in self._names}
-
-    def known(self) -> tuple[Array, Array, Array]:
-        """Return what the readings have taught: masses, means and covariances."""
-        return self.log_mass.copy(), self.mean.copy(), self.covariance.copy()
-
-    def forget_since(self, known: tuple[Array, ...]) -> None:
-        """Go back to what the readings had taught."""
-        self.log_mass, self.mean, self.covariance = known
+        return {k: one for k, one in vars(self).items() if isinstance(one, np.ndarray)}
 
     def keep(self, index: NDArray[np.intp]) -> None:
         """Keep some of the starts."""
-        for name in self._names:
-            setattr(self, name, getattr(self, name)[index])
+        for name, values in self.arrays().items():
+            setattr(self, name, values[index])
 
 
 def fresh(known: Layout, states: int) -> Detector:

@@ -19,15 +19,30 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.watch.alarms import Alarm
 from pyport.watch.antenna import Antenna, Slot
+from pyport.watch.composite import Composite
+from pyport.watch.detector import Detector
+from pyport.watch.null import Null
 from pyport.watch.watch import Event, Seen, Watch
 
 #: What reading an archive raises that is none, or is spoilt.
 _NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, NotImplementedError, tokenize.TokenError)
 _TOLD, _KEY = "told", "key"
 _OF_WATCH = ("row", "raised", "happened", "last", "session")
-_OF_NULL = ("tail", "outliers", "readings", "night_dof", "learning", "clock", "labels", "pointing")
-_ARRAYS_OF_NULL = ("mean", "covariance", "scale", "dof")
-_ARRAYS_OF_NULLS = ("log_weight", "log_ratio")
+#: What is kept of each part of an antenna's watch.
+_KEPT: dict[type, tuple[str, ...]] = {
+    Antenna: ("pending", "rows", "unchanged_mean", "unchanged_covariance"),
+    Composite: ("log_weight", "log_ratio", "nights"),
+    Null: tuple(one.name for one in fields(Null)),
+    Detector: tuple(one.name for one in fields(Detector)),
+}
+
+
+def _parts(own: Antenna) -> dict[str, Any]:
+    """Return the parts of an antenna's watch that change, by name."""
+    found: dict[str, Any] = {"antenna": own, "nulls": own.nulls, "detector": own.detector}
+    for k, level in enumerate(own.nulls.levels):
+        found |= {f"null {k}": level.null, f"standing {k}": level.standing}
+    return found
 
 
 def key(watch: Watch) -> str:
@@ -65,24 +80,12 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
     told["antennas"] = {}
     arrays: dict[str, NDArray[Any]] = {}
     for n, (name, own) in enumerate(watch.antennas.items()):
-        told["antennas"][name] = {
-            "levels": [
-                {one: getattr(level.null, one) for one in _OF_NULL} for level in own.nulls.levels
-            ],
-            "nights": own.nulls.nights,
-            "open": own.detector.open,
-            "begun": own.detector.begun,
-            "pending": own.pending,
-            "rows": own.rows,
-            "slots": [asdict(one) for one in own.slots],
-        }
-        arrays |= {f"{n}/unchanged/{k}": one for k, one in enumerate(own.unchanged)}
-        arrays |= {f"{n}/nulls/{one}": getattr(own.nulls, one) for one in _ARRAYS_OF_NULLS}
-        arrays |= {f"{n}/detector/{one}": each for one, each in own.detector.arrays().items()}
-        for k, level in enumerate(own.nulls.levels):
-            some = {one: getattr(level.null, one) for one in _ARRAYS_OF_NULL}
-            some |= level.standing.arrays()
-            arrays |= {f"{n}/{k}/{one}": each for one, each in some.items()}
+        told["antennas"][name] = {"slots": [asdict(one) for one in own.slots]}
+        for part, one in _parts(own).items():
+            values = {each: getattr(one, each) for each in _KEPT[type(one)]}
+            some = {each: value for each, value in values.items() if isinstance(value, np.ndarray)}
+            arrays |= {f"{n}/{part}/{each}": value for each, value in some.items()}
+            told["antennas"][name][part] = {k: v for k, v in values.items() if k not in some}
     texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
     with write_whole(path, "wb") as file:
         np.savez(file, **(texts | arrays))
@@ -132,21 +135,10 @@ def _alarm(one: dict[str, Any]) -> Alarm:
 
 
 def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:
-    for k, level in enumerate(own.nulls.levels):
-        for name, value in told["levels"][k].items():
-            setattr(level.null, name, tuple(value) if name == "pointing" else value)
-        for name in _ARRAYS_OF_NULL:
-            setattr(level.null, name, arrays[f"{n}/{k}/{name}"])
-        for name in level.standing.arrays():
-            setattr(level.standing, name, arrays[f"{n}/{k}/{name}"])
-    own.unchanged = tuple(
-        arrays[f"{n}/unchanged/{k}"] for k in range(3) if f"{n}/unchanged/{k}" in arrays
-    )
-    for name in _ARRAYS_OF_NULLS:
-        setattr(own.nulls, name, arrays[f"{n}/nulls/{name}"])
-    for name in own.detector.arrays():
-        setattr(own.detector, name, arrays[f"{n}/detector/{name}"])
-    own.nulls.nights = told["nights"]
-    own.detector.begun = told["begun"]
-    own.detector.open, own.pending, own.rows = told["open"], told["pending"], told["rows"]
     own.slots = [Slot(**one) for one in told["slots"]]
+    for part, one in _parts(own).items():
+        for name in _KEPT[type(one)]:
+            value = told[part].get(name, arrays.get(f"{n}/{part}/{name}"))
+            if name not in told[part] and value is None:
+                raise KeyError(name)
+            setattr(one, name, tuple(value) if isinstance(value, list) else value)

@@ -91,7 +91,8 @@ def _raise(
 ) -> list[str]:
     watch.pending = number
     watch.detector.open = False
-    watch.unchanged = watch.standing.known()
+    watch.unchanged_mean = watch.standing.mean.copy()
+    watch.unchanged_covariance = watch.standing.covariance.copy()
     every[number] = Alarm(number, watch.baseline.antenna, clock, watch.rows, stood=stood)
     start, _ = name(watch, every[number], every)
     for level in watch.nulls.levels:
@@ -127,7 +128,10 @@ def _confirm(
         adopt_omitted(watch, change, again)
     elif change < watch.layout.members:
         # what was seen since was the change's
-        watch.standing.forget_since(watch.unchanged)
+        watch.standing.mean, watch.standing.covariance = (
+            watch.unchanged_mean,
+            watch.unchanged_covariance,
+        )
         adopt(watch, start, change, again, watch.detector)
     else:
         adopt_spread(watch, alarm, start, change, again)

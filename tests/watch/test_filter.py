@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 
 from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
-from pyport.watch import adopt, antenna, detector, null, steps
+from pyport.watch import adopt, antenna, composite, detector, null, steps
 from pyport.watch.baseline import past
 from pyport.watch.calibrate import calibrated
 from pyport.watch.prepare import prepare
@@ -17,16 +17,11 @@ from pyport.watch.prepare import prepare
 
 @pytest.fixture(scope="module")
 def known():
-    """Return a baseline, its filter and states, and the rows of a night."""
+    """Return a baseline, the null after the past, and the rows of a night."""
     drawn = world()
     before = past(from_table(drawn.past, drawn.header), load("altaz"))
-    start, states, _ = calibrated(before)
-    return (
-        before.baseline,
-        start,
-        states,
-        prepare(before.baseline, from_table(drawn.watched, drawn.header)),
-    )
+    _, nulls = calibrated(before)
+    return before.baseline, nulls, prepare(before.baseline, from_table(drawn.watched, drawn.header))
 
 
 def gaussian(start, monkeypatch):
@@ -38,11 +33,13 @@ def gaussian(start, monkeypatch):
 
 def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known, monkeypatch):
     """The biases that are followed give the joint state exactly, whatever else is filtered."""
-    baseline, _, states, rows = known
-    start = null.begin(states)
-    gaussian(start, monkeypatch)
+    baseline, past_nulls, rows = known
+    states = past_nulls.levels[0].states
     layout = detector.layout(baseline.changes)
-    watch = antenna.begin(baseline, states, start, detector.standing(layout, start), 1e300)
+    nulls = composite.begin(states, layout)
+    start = nulls.levels[0].null
+    gaussian(start, monkeypatch)
+    watch = antenna.begin(baseline, layout, nulls, 1e300)
     monkeypatch.setattr(detector, "learnt", lambda scale, *_: scale)
     monkeypatch.setattr(detector, "log_density", lambda square, *_: 0 * square)
     monkeypatch.setattr(detector, "log_usual", lambda square, *_: 0 * square)
@@ -81,12 +78,13 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
 
 def test_every_likelihood_ratio_has_the_expectation_one(known):
     """Whatever came before, the mean of what a reading multiplies a ratio by is one at most."""
-    baseline, start, states, rows = known
+    baseline, nulls, rows = known
+    start, states = nulls.levels[0].null, nulls.levels[0].states
     layout = detector.layout(baseline.changes)
     scale, degrees, share, tail = 1.3, 20.0, 0.01, 0.05
-    before = scale, degrees, share, tail
+    before = null.Predictive(scale, degrees, share, tail)
     own = detector.fresh(layout, len(states))
-    detector.start(own, layout, start, 1, 0.0, np.zeros(layout.members))
+    detector.start(own, layout, start, 1, 0.0, np.zeros(layout.members + 1))
 
     def told(own, value, n, axis):
         one = null.Innovation(axis, value, 3e-5, np.zeros(len(states)))
@@ -114,36 +112,62 @@ def test_every_likelihood_ratio_has_the_expectation_one(known):
 
 def test_starts_are_kept_near_and_thinned_far(known):
     """However long one watches there are as many starts, the newest ones without a gap."""
-    baseline, start, states, _ = known
+    baseline, nulls, _ = known
+    start, states = nulls.levels[0].null, nulls.levels[0].states
     layout = detector.layout(baseline.changes)
     own = detector.fresh(layout, len(states))
     for row in range(1, 2000):
-        detector.start(own, layout, start, row, float(row), np.zeros(layout.members))
+        detector.start(own, layout, start, row, float(row), np.zeros(layout.members + 1))
 
     assert len(own.row) == detector.STARTS
     assert np.all(np.diff(own.row) > 0)
     assert own.row[-1] == 1999
     assert own.row[0] < 1000
     # the mass of what was merged is kept: one for each pointing
-    stands = detector.standing(layout, start)
-    assert np.exp(detector.evidence(own, layout, stands)) == pytest.approx(1999, rel=1e-9)
+    none = np.zeros(layout.members + 1)
+    assert np.exp(detector.evidence(own, layout, none)) == pytest.approx(1999, rel=1e-9)
 
 
 def test_a_ratio_is_taken_to_the_best_of_what_may_have_stood(known):
     """Nothing that an effect explains that was always there counts for a change since."""
-    baseline, start, states, rows = known
-    layout = detector.layout(baseline.changes)
-    own, stands = detector.fresh(layout, len(states)), detector.standing(layout, start)
-    for row in range(1, 5):
-        detector.start(own, layout, start, row, float(row), stands.log_mass[0, : layout.members])
-        one = null.Innovation(row % 2, 4.0, 3e-5, np.zeros(len(states)))
-        columns = rows.nuisance[row, row % 2], rows.change[row, row % 2]
-        for each in (own, stands):
-            detector.update(each, layout, one, *columns, (1.0, 20.0, 0.01, 0.05))
+    baseline, nulls, rows = deepcopy(known)
+    first, layout = nulls.levels[0], detector.layout(baseline.changes)
+    own = detector.fresh(layout, len(first.states))
+    for n in range(4):
+        composite.advance(nulls, rows, n)
+        detector.start(own, layout, first.null, n, float(n), nulls.log_ratio)
+        rows.value[n, n % 2] += 6 * np.sqrt(rows.variance[n, n % 2])
+        one, before, nuisance = composite.take(nulls, layout, rows, n, n % 2)
+        detector.update(own, layout, one, nuisance, rows.change[n, n % 2], before)
     alone = own.log_mass + layout.log_share
-    beside = detector.log_odds(own, layout, stands)
-    since = stands.log_mass[0, : layout.members] - own.stood
+    beside = detector.log_odds(own, layout, nulls.log_ratio)
+    since = np.maximum((nulls.log_ratio - own.stood).max(1), 0)
 
-    assert since.max() > 5
-    np.testing.assert_allclose(alone - beside, np.repeat(since.max(1)[:, None], alone.shape[1], 1))
-    assert detector.evidence(own, layout, stands) < 5 < logsumexp(alone)
+    assert since.max() > 0.5
+    np.testing.assert_allclose(alone - beside, np.repeat(since[:, None], alone.shape[1], 1))
+    assert detector.evidence(own, layout, nulls.log_ratio) < logsumexp(alone) - 0.3
+
+
+def test_the_weights_of_wilder_nights_are_those_of_their_likelihoods(known):
+    """The mixture over levels of noise is the one computed from each level filtered alone."""
+    baseline, past_nulls, rows = known
+    layout = detector.layout(baseline.changes)
+    nulls = composite.begin(past_nulls.levels[0].states, layout)
+    alone = [null.begin(level.states) for level in nulls.levels]
+    log_likelihood = np.zeros(3)
+    for n in range(12):
+        composite.advance(nulls, rows, n)
+        for k, one in enumerate(alone):
+            null.advance(one, nulls.levels[k].states, rows, n)
+        for axis in (0, 1):
+            composite.take(nulls, layout, rows, n, axis)
+            for k, one in enumerate(alone):
+                before = null.predictive(one, axis)
+                column, variance = rows.nuisance[n, axis], rows.variance[n, axis]
+                seen = null.take(one, axis, rows.value[n, axis], column, variance)
+                log_likelihood[k] += before.log_density(seen.value**2) - np.log(seen.sigma)
+    joint = np.log([1 / 2, 1 / 4, 1 / 4]) + log_likelihood
+
+    assert nulls.nights == 1
+    np.testing.assert_allclose(nulls.log_weight[:, -1], joint - logsumexp(joint), atol=1e-9)
+    assert nulls.log_ratio[-1] == pytest.approx(logsumexp(joint) - log_likelihood[0])

@@ -9,6 +9,7 @@ import pytest
 from pyport.examiner.nights import nights, replays
 from pyport.examiner.nights.nights import Case, Step
 from pyport.examiner.real import sets
+from pyport.watch import composite
 
 DATA = Path(os.environ.get("PYPORT_SHARED_DATA", "../shared/data"))
 
@@ -68,30 +69,68 @@ def test_outcomes_are_kept_and_summed_up(tmp_path):
     assert "2/2" in replays.of_steps([one for one in found if one["step"]])
 
 
-@pytest.mark.parametrize(
-    ("name", "past", "delays"),
-    [("IRAM 2015-03", 80, [24]), ("MMT together", None, [5, 3, 31])],
-)
-def test_known_events_of_public_recordings_are_raised(name, past, delays):
-    """Within as many pointings as the manual says, and some to spare."""
+def real(name):
+    """Return public recordings as the examiner reads them."""
     if not DATA.is_dir():
         pytest.skip(f"no public recordings in {DATA}: PYPORT_SHARED_DATA names their folder")
-    entry = next(one for one in sets.catalogue() if one["name"] == name)
-    found = replays._replayed(sets.read(entry, DATA), 10_000.0, past)
+    return sets.read(next(one for one in sets.catalogue() if one["name"] == name), DATA)
 
-    assert [what for what, delay in found.known if delay is None] == []
+
+def test_known_events_of_public_recordings_are_raised():
+    """Within as many pointings as the manual says, and some to spare."""
+    found = replays._replayed(real("MMT together"), 10_000.0)
+
     said = [delay for _, delay in found.known]
-    assert all(one <= other + 2 for one, other in zip(said, delays, strict=True))
+    assert all(one <= most + 2 for one, most in zip(said, [9, 3, 11], strict=True))
     assert "known: " in replays.text(found)
+
+
+@pytest.mark.parametrize(
+    ("name", "delays"), [("IRAM 2015-03", [None]), ("MMT together", [4, 2, 3])]
+)
+def test_what_the_best_rule_makes_of_known_events(name, delays):
+    """Knowing shape, size, moment and noise: the dampers do not show in the drift of the nights."""
+    found, promise = real(name), 10_000.0
+    known = [(replays._seconds(since), effect) for since, _, effect in replays.KNOWN[name]]
+    best = replays.best(found.table, found.header, found.model, known, promise)
+
+    assert [one.delay for one in best] == delays
+    assert all((one.delay is None) == (one.most < np.log10(promise)) for one in best)
+
+
+def test_the_best_rule_needs_what_wald_says():
+    """In white noise a known step is seen after the logarithm of the rate over its information."""
+    rng = np.random.default_rng(4)
+    az, el = rng.uniform(0, 360, 300), rng.uniform(20, 80, 300)
+    table = {
+        "time_utc": np.datetime64("2024-01-01") + np.arange(300) * np.timedelta64(60, "s"),
+        "az_deg": az,
+        "el_deg": el,
+        "d_xel_arcsec": 5 * rng.standard_normal(300),
+        "d_el_arcsec": 5 * rng.standard_normal(300) + 5 * (np.arange(300) >= 150),
+    }
+    since = float(table["time_utc"][150].astype("datetime64[s]").astype(float))
+    header = {"latitude_deg": 30.0, "longitude_deg": 0.0, "height_m": 0.0}
+    (one,) = replays.best(table, header, "altaz", [(since, "elevation_zero")], 10_000.0)
+
+    assert one.delay == pytest.approx(np.log(10_000) / 0.5, rel=0.5)
+    # what the zero was before must be learnt too
+    assert 4 < one.most < 150 * 0.5 / np.log(10)
+
+
+@pytest.mark.slow
+def test_a_wilder_night_is_no_change(monkeypatch):
+    """A drift four times that of the past is none; by the noise of the past alone it would be."""
+    case = Case("drift-2h", 0, 1, wilder=4.0)
+    assert nights.examine(case, 10_000.0)["raised"] == []
+    monkeypatch.setattr(composite, "WILDER", ())
+    assert len(nights.examine(case, 10_000.0)["raised"]) > 1
 
 
 @pytest.mark.parametrize("name", ["IRAM 2013-10"])
 def test_what_a_model_leaves_out_is_no_change(name):
     """The collimation follows the focus: in 437 pointings not one alarm of a change."""
-    if not DATA.is_dir():
-        pytest.skip(f"no public recordings in {DATA}: PYPORT_SHARED_DATA names their folder")
-    entry = next(one for one in sets.catalogue() if one["name"] == name)
-    found = replays._replayed(sets.read(entry, DATA), 10_000.0)
+    found = replays._replayed(real(name), 10_000.0)
 
     assert (found.nights, found.pointings, found.changes) == (3, 437, 0)
     assert any("collimation follows focus_z_mm" in one["sentence"] for one in found.alarms)

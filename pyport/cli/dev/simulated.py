@@ -170,11 +170,14 @@ def mounts(
 @click.command("nights", epilog="Example: pyport dev nights --nulls 1000 --steps 1000")
 @option("--nulls", "Nights without any change.", 1000)
 @option("--steps", "Steps of one to five sigmas.", 1000)
+@option("--wilder", "Nights that drift twice and four times as far.", 200)
 @option("--seed", "Seed of everything random.", 1)
 @as_promised
 @resumable("out/nights")
 @in_json
-def nights(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_json: bool) -> None:
+def nights(
+    nulls: int, steps: int, wilder: int, seed: int, rarity: float, out: Path, *, as_json: bool
+) -> None:
     """Count false alarms in twenty kinds of noise, and measure delays beside the best possible.
 
     Five nights of each case are the past, five are watched. The best possible delay is that of
@@ -184,14 +187,18 @@ def nights(nulls: int, steps: int, seed: int, rarity: float, out: Path, *, as_js
     from pyport.examiner.nights import replays
 
     cases = [*drawn.null_cases(nulls, seed), *drawn.step_cases(steps, seed)]
+    cases += drawn.wilder_cases(wilder, seed)
     found = list(counted(replays.outcomes(cases, out / "nights.jsonl", rarity), len(cases)))
     if as_json:
         click.echo(json.dumps(found))
         return
+    still = [one for one in found if not one["step"]]
     if nulls:
-        click.echo(replays.of_nulls((one for one in found if not one["step"]), rarity))
+        click.echo(replays.of_nulls((one for one in still if one["wilder"] == 1), rarity))
     if steps:
         click.echo("\n" + replays.of_steps(one for one in found if one["step"]))
+    if wilder:
+        click.echo("\n" + replays.of_nulls((one for one in still if one["wilder"] > 1), rarity))
 
 
 @click.command("nulls", epilog="Example: pyport dev nulls --cases 100 --jobs 2")

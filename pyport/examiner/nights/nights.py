@@ -28,6 +28,8 @@ SIGMA_ARCSEC = (3.0, 10.0)
 STEP_WITHIN = (0.1, 0.3)
 #: Sizes of steps in turn [white sigmas, rms over the axes that it acts on].
 SIZES = (1.0, 2.0, 3.0, 4.0, 5.0)
+#: Kinds of noise whose drifts are larger in nights that are watched, and how many times.
+DRIFTS, WILDER = ("drift-20min", "drift-2h", "drift-12h", "drift-3d"), (2.0, 4.0)
 #: Pointings after the alarm of a step that are still watched: until then it is named.
 NAMING = 40
 #: The overshoot of a random walk over a boundary, in its standard deviations: Siegmund 1985,
@@ -37,12 +39,16 @@ OVERSHOOT = 1.166
 
 @dataclass(frozen=True)
 class Case:
-    """Which nights: their kind of noise, number, the seed, and whether there is a step."""
+    """Which nights: their kind of noise, number, the seed, and whether there is a step.
+
+    The drifts of the watched nights are `wilder` times those of the past.
+    """
 
     kind: str
     number: int
     seed: int
     step: bool = False
+    wilder: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ def draw(case: Case) -> World:
     at = schedule.draw(rng, rows, NIGHTS, sky)
     sigma = float(rng.uniform(*SIGMA_ARCSEC))
     truth = causes.TERM_ARCSEC * rng.standard_normal(len(scores.ALTAZ))
-    drawn = kind.draw(rng, at)
+    drawn = kind.draw(rng, at) if case.wilder == 1 else _wilder(rng, at, kind, case.wilder)
     offset = causes.columns(at) @ truth + sigma * drawn.value
     watched = at.night >= NIGHTS // 2
     step = None
@@ -132,6 +138,17 @@ def draw(case: Case) -> World:
         drawn.value[watched],
         step if step is None else _of_watched(step, watched),
     )
+
+
+def _wilder(
+    rng: np.random.Generator, at: schedule.Pointings, kind: noises.Kind, factor: float
+) -> noises.Drawn:
+    """Return white noise and the drift of a kind, so many times larger once it is watched."""
+    if kind.memory_s is None or not math.isfinite(kind.memory_s):
+        raise ValueError("this kind of noise has no drift of one memory")
+    drift = np.stack([schedule.ou(rng, at.time_s, kind.memory_s) for _ in range(2)], axis=1)
+    larger = np.where(at.night < NIGHTS // 2, 1.0, factor)[:, None] * rng.uniform(0.5, 1.5, 2)
+    return noises.Drawn(rng.standard_normal((len(at), 2)) + larger * drift)
 
 
 def _step(
@@ -270,6 +287,14 @@ def null_cases(nights: int, seed: int) -> list[Case]:
     count = math.ceil(nights / (NIGHTS - NIGHTS // 2))
     kinds = list(noises.KINDS)
     return [Case(kinds[n % len(kinds)], n // len(kinds), seed) for n in range(count)]
+
+
+def wilder_cases(nights: int, seed: int) -> list[Case]:
+    """Return cases without change whose watched nights drift twice and four times as far."""
+    count = math.ceil(nights / (NIGHTS - NIGHTS // 2))
+    kinds = [(kind, factor) for kind in DRIFTS for factor in WILDER]
+    some = [(*kinds[n % len(kinds)], n // len(kinds)) for n in range(count)]
+    return [Case(kind, number, seed, wilder=factor) for kind, factor, number in some]
 
 
 def step_cases(count: int, seed: int) -> list[Case]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from pyport.examiner import program
 from pyport.examiner.nights import nights
+from pyport.examiner.nights.best import Best, best
 from pyport.examiner.nights.nights import Case
 from pyport.examiner.real import sets
 
@@ -26,10 +28,10 @@ def outcomes(
     for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else []:
         one = json.loads(line)
         if one["program"] == [program.version(), pointings_per_false_alarm]:
-            kept[one["kind"], one["number"], one["seed"], one["step"]] = one
+            kept[_case(one)] = one
     file.parent.mkdir(parents=True, exist_ok=True)
     for case in cases:
-        found = kept.get((case.kind, case.number, case.seed, case.step))
+        found = kept.get(_case(dataclasses.asdict(case)))
         if found is None:
             found = nights.examine(case, pointings_per_false_alarm)
             found["program"] = [program.version(), pointings_per_false_alarm]
@@ -38,15 +40,20 @@ def outcomes(
         yield found
 
 
+def _case(one: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(one[field.name] for field in dataclasses.fields(Case))
+
+
 def of_nulls(found: Iterable[dict[str, Any]], pointings_per_false_alarm: float) -> str:
     """Return the table of nights without change: pointings and alarms in each kind of noise."""
     some = list(found)
     lines = ["noise                   pointings  alarms  of what"]
-    for kind in dict.fromkeys(one["kind"] for one in some):
-        own = [one for one in some if one["kind"] == kind]
+    for kind, wilder in dict.fromkeys((one["kind"], one["wilder"]) for one in some):
+        own = [one for one in some if (one["kind"], one["wilder"]) == (kind, wilder)]
         pointings = sum(one["pointings"] for one in own)
         raised = [each["is"]["effect"] for one in own for each in one["raised"]]
-        lines.append(f"{kind:22} {pointings:10d} {len(raised):7d}  {', '.join(raised)}")
+        name = kind if wilder == 1 else f"{kind}, {wilder:.0f} times"
+        lines.append(f"{name:22} {pointings:10d} {len(raised):7d}  {', '.join(raised)}")
     total = sum(one["pointings"] for one in some)
     raised_all = sum(len(one["raised"]) for one in some)
     count = len(some) * (nights.NIGHTS - nights.NIGHTS // 2)
@@ -89,17 +96,17 @@ PAST_SHARE = 0.6
 NIGHTS, IN_NIGHT = 3, 8
 #: Pasts of other lengths that a known event is looked for with: none was chosen by what it shows.
 PASTS = range(60, 121, 10)
-#: What is known to have changed, and when. [UTC]
+#: What is known to have changed, and when [UTC], and the effect; none for all terms of the model.
 KNOWN = {
     "GMRT Cygnus A": (
-        ("2003-06-02T06:00:00", "time tag of the scans: 5.9 s, then 1.5 s"),
-        ("2003-06-05T06:00:00", "time tag of the scans: 1.5 s, then -6.0 s"),
+        ("2003-06-02T06:00:00", "time tag of the scans: 5.9 s, then 1.5 s", "scan_direction"),
+        ("2003-06-05T06:00:00", "time tag of the scans: 1.5 s, then -6.0 s", "scan_direction"),
     ),
-    "IRAM 2015-03": (("2015-03-01T12:00:00", "vibration dampers softened"),),
+    "IRAM 2015-03": (("2015-03-01T12:00:00", "vibration dampers softened", "nasmyth"),),
     "MMT together": (
-        ("2023-07-01T12:00:00", "another epoch: tilt, azimuth zero, sag"),
-        ("2023-09-23T12:00:00", "another epoch: tilt"),
-        ("2025-03-25T12:00:00", "another epoch: tilt"),
+        ("2023-07-01T12:00:00", "another epoch: tilt, azimuth zero, sag", ""),
+        ("2023-09-23T12:00:00", "another epoch: tilt", ""),
+        ("2025-03-25T12:00:00", "another epoch: tilt", ""),
     ),
 }
 #: More alarms than this are counted, not listed.
@@ -123,6 +130,8 @@ class Replay:
     #: What is known to have changed, and how many pointings after it an alarm was raised; None
     #: where none was.
     known: list[tuple[str, int | None]] = field(default_factory=list)
+    #: Of each, after how many pointings a rule that knows all about it raises it; of one telescope.
+    best: list[Best] = field(default_factory=list)
     #: For pasts of other lengths the delays of the known events.
     others: dict[int, list[int | None]] = field(default_factory=dict)
     nights: int = 0  #: nights in the past that tell how nights differ
@@ -148,6 +157,9 @@ def replays(data: Path | None, pointings_per_false_alarm: float) -> Iterator[Rep
                 for past in PASTS:
                     other = _replayed(found, pointings_per_false_alarm, past)
                     replay.others[past] = [delay for _, delay in other.known]
+                moments = [(_seconds(since), what) for since, _, what in KNOWN[found.name]]
+                some = found.table, found.header, found.model
+                replay.best = best(*some, moments, pointings_per_false_alarm)
             yield replay
 
 
@@ -185,11 +197,15 @@ def _replayed(
                 raised[event.alarm["number"]] = one.row
     last = {number: one.as_json(timed=time is not None) for number, one in watch.alarms.items()}
     out.alarms = [{"row": row, **last.get(number, {})} for number, row in raised.items()]
-    for moment, what in KNOWN.get(found.name, ()):
-        first = int(np.searchsorted(clock[order], np.datetime64(moment, "s").astype(float))) - past
+    for moment, what, _ in KNOWN.get(found.name, ()):
+        first = int(np.searchsorted(clock[order], _seconds(moment))) - past
         after = [one["row"] for one in out.alarms if one["row"] > first and not one["stood"]]
         out.known.append((what, after[0] - first if after else None))
     return out
+
+
+def _seconds(moment: str) -> float:
+    return float(np.datetime64(moment, "s").astype(float))
 
 
 def _three_nights(night: NDArray[Any]) -> int:
@@ -233,9 +249,13 @@ def text(found: Replay) -> str:
         since = "as if always so" if one["stood"] else f"since {one['since']}"
         lines.append(f"  alarm at {one['row']}{whose}, {one['state']}, {since}:")
         lines.append(f"    {one['sentence']}")
-    for what, delay in found.known:
+    for n, (what, delay) in enumerate(found.known):
         when = "no alarm" if delay is None else f"an alarm within {delay} pointings"
         lines.append(f"  known: {what}: {when}")
+        if found.best:
+            one = found.best[n]
+            least = "none" if one.delay is None else f"{one.delay} pointings"
+            lines.append(f"    best possible delay: {least}; evidence of 10^{one.most:.1f} at most")
     for past, delays in found.others.items():
         some = ", ".join("none" if one is None else str(one) for one in delays)
         lines.append(f"  after a past of {past}: an alarm within {some} pointings")
