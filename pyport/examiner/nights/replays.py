@@ -253,9 +253,9 @@ def text(found: Replay) -> str:
         when = "no alarm" if delay is None else f"an alarm within {delay} pointings"
         lines.append(f"  known: {what}: {when}")
         if found.best:
-            one = found.best[n]
-            least = "none" if one.delay is None else f"{one.delay} pointings"
-            lines.append(f"    best possible delay: {least}; evidence of 10^{one.most:.1f} at most")
+            rule = found.best[n]
+            least = "none" if rule.delay is None else f"{rule.delay} pointings"
+            lines.append(f"    best possible delay: {least}; evidence of 10^{rule.most:.1f} at most")
     for past, delays in found.others.items():
         some = ", ".join("none" if one is None else str(one) for one in delays)
         lines.append(f"  after a past of {past}: an alarm within {some} pointings")
