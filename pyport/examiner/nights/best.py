@@ -22,8 +22,8 @@ from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.models.model import Model, Term
 from pyport.recordings.from_table import from_table
-from pyport.recordings.nights import with_nights
 from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import with_nights
 from pyport.watch import null
 from pyport.watch.baseline import past
 from pyport.watch.changes import together
