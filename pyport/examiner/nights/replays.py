@@ -255,9 +255,7 @@ def text(found: Replay) -> str:
         if found.best:
             rule = found.best[n]
             least = "none" if rule.delay is None else f"{rule.delay} pointings"
-            lines.append(
-                f"    best possible delay: {least}; evidence of 10^{rule.most:.1f} at most"
-            )
+            lines.append(f"    best possible delay: {least}; likelihood ratio 10^{rule.most:.1f}")
     for past, delays in found.others.items():
         some = ", ".join("none" if one is None else str(one) for one in delays)
         lines.append(f"  after a past of {past}: an alarm within {some} pointings")
