@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
-#: Scatter that differs by less than a quarter between low and high is not worth a word.
+#: Scatter that differs by less than a quarter between low and high, or that a drift widens by
+#: less, is not worth a word.
 GROWS = 1.25
 #: The lowest and the highest share of the readings that are compared.
 END = 0.2
@@ -63,6 +64,60 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return found
 
 
+def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return what a single antenna drifts by in each axis, and the sessions furthest from usual.
+
+    Rms and memory of the drift, and the mean residual of the lowest and the highest session,
+    everything found fitted; only where a drift widens the scatter by a quarter and more.
+    """
+    setup = diagnosis.setup
+    if setup.blocks.antennas > 1:
+        return []
+    of_order = ORDER in setup.recordings.meta
+    left = setup.residual - diagnosis.after.predicted
+    session = setup.recordings.label("session").astype(str)[setup.stack.row]
+    found = []
+    for part, noise in zip(setup.parts, diagnosis.weighed.noises, strict=True):
+        white = float(np.hypot(noise.within, noise.between))
+        if noise.time_s is None or np.hypot(white, noise.drift) < GROWS * white:
+            continue
+        rows = part.rows[diagnosis.weighed.used[part.rows]]
+        means = {one: float(left[rows][session[rows] == one].mean()) for one in set(session[rows])}
+        low, high = (end(means, key=lambda one: (means[one], one)) for end in (min, max))
+        found.append(
+            {
+                "axis": setup.recordings.at.mount.names[part.is_y],
+                "rms_arcsec": noise.drift / ARCSEC,
+                "memory_s": None if of_order else noise.time_s,
+                "memory_rows": noise.time_s if of_order else None,
+                "lowest_session": low,
+                "lowest_arcsec": means[low] / ARCSEC,
+                "highest_session": high,
+                "highest_arcsec": means[high] / ARCSEC,
+            }
+        )
+    return found
+
+
+def _of_drift(one: dict[str, Any]) -> str:
+    several = one["lowest_session"] != one["highest_session"]
+    if one["memory_s"] is None:
+        along, memory = "along the rows", f"{one['memory_rows']:.0f} rows"
+    else:
+        along, hours = "with date" if several else "with time", one["memory_s"] / 3600
+        memory = f"{hours:.2g} h" if hours < 48 else f"{hours / 24:.2g} days"
+    said = (
+        f"{one['axis'].capitalize()} drifts {along}: {one['rms_arcsec']:.2g} arcsec rms with a "
+        f"memory of {memory}"
+    )
+    if not several:
+        return said
+    low, high = (
+        f"{one[f'{end}_arcsec']:.2g} ({one[f'{end}_session']})" for end in ("lowest", "highest")
+    )
+    return f"{said}; means of sessions run from {low} to {high} arcsec"
+
+
 def sentences(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence for everything that the noise does beyond scattering evenly."""
     said = [
@@ -70,6 +125,7 @@ def sentences(diagnosis: Diagnosis) -> list[str]:
         f"({len(one['labels'])} {one['of']}s)"
         for one in departures(diagnosis)
     ]
+    said += map(_of_drift, drifts(diagnosis))
     said += [
         f"Scatter in {one['axis']} is {one['low_arcsec']:.2g} arcsec near "
         f"{one['low_el_deg']:.0f} deg of elevation and {one['high_arcsec']:.2g} near "

@@ -30,6 +30,7 @@ from pyport.report.typed import (
     Cause,
     Correlation,
     Departure,
+    Drift,
     Dropped,
     Excluded,
     Figures,
@@ -155,6 +156,7 @@ def _noise(diagnosis: Diagnosis) -> Noise:
         max(times, default=None),
         parts[0][1].how if parts else "reml",
         tuple(Departure(**one) for one in noise_words.departures(diagnosis)),
+        tuple(Drift(**one) for one in noise_words.drifts(diagnosis)),
         tuple(Growth(**one) for one in noise_words.by_elevation(diagnosis)),
         tuple(noise_words.sentences(diagnosis)),
     )

@@ -83,6 +83,20 @@ class Growth:
 
 
 @dataclass(frozen=True)
+class Drift:
+    """An axis of a single antenna that drifts, and the sessions furthest from usual."""
+
+    axis: Annotated[str, "which"]
+    rms_arcsec: Annotated[float, "of the drift"]
+    memory_s: Annotated[float | None, "how long it remembers; null where rows have no time"]
+    memory_rows: Annotated[float | None, "the same in rows; null where they have"]
+    lowest_session: Annotated[str, "session of the lowest mean"]
+    lowest_arcsec: Annotated[float, "that mean, everything found fitted"]
+    highest_session: Annotated[str, "session of the highest mean"]
+    highest_arcsec: Annotated[float, "and that mean"]
+
+
+@dataclass(frozen=True)
 class Noise:
     """Scatter about any model."""
 
@@ -91,6 +105,7 @@ class Noise:
     correlation_time_s: Annotated[float | None, "longest time that a drift remembers"]
     how: Annotated[str, "`replicates`, `neighbours` or `reml`"]
     departures: Annotated[tuple[Departure, ...], "of sessions and sources"]
+    drifts: Annotated[tuple[Drift, ...], "axes that drift noticeably"]
     by_elevation: Annotated[tuple[Growth, ...], "where scatter changes with elevation"]
     sentences: Annotated[tuple[str, ...], "all this in words"]
 

@@ -51,6 +51,40 @@ def test_what_nights_do_is_a_size(wandering):
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
 
 
+def test_what_drifts_is_said_with_its_memory(drifting):
+    """In arcseconds and hours, with the nights furthest from usual; the steady axis is not."""
+    (one,) = told(report_of(drifting))["noise"]["drifts"]
+    (said,) = [words for words in sentences(drifting) if "drifts" in words]
+
+    assert one["axis"] == "elevation"
+    assert one["rms_arcsec"] == pytest.approx(10, rel=0.5)
+    assert 0.3 * 12 < one["memory_s"] / 3600 < 3 * 12
+    assert one["lowest_arcsec"] < -3 < 3 < one["highest_arcsec"]
+    assert said.startswith("Elevation drifts with date: ")
+    assert f"({one['lowest_session']}) to " in said
+
+
+@pytest.fixture(scope="module")
+def drifting():
+    """Diagnose eight nights whose elevation zero wanders by 10 arcsec, with a memory of 12 h."""
+    rng = np.random.default_rng(3)
+    night = np.arange(400) // 50
+    time = 86400.0 * night + 500.0 * (np.arange(400) % 50)
+    zero = [10 * rng.normal()]
+    for gap in np.diff(time):
+        kept = np.exp(-gap / 43200)
+        zero.append(kept * zero[-1] + 10 * np.sqrt(1 - kept**2) * rng.normal())
+    made = recordings(
+        400,
+        3,
+        noise_arcsec=2,
+        y=lambda _: np.array(zero),
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + time,
+    )
+    return diagnose(made, load("altaz"))
+
+
 def test_scatter_that_grows_toward_the_horizon_is_said():
     """As one over sin E, by so much; even scatter is not worth a word."""
     rng = np.random.default_rng(5)

@@ -82,16 +82,6 @@ def _lacks(_: Recordings, report: Report, __: Report, fact: Fact) -> Outcome:
     return ", ".join(found) or "none", not found
 
 
-def _finds(_: Recordings, report: Report, __: Report, fact: Fact) -> Outcome:
-    """Look for a finding by its effect or its words, on an axis."""
-    for one in report["findings"]:
-        words = " ".join(str(one.get(key) or "") for key in ("sentence", "looks_like", "variant"))
-        there = one["effect"] in fact["effects"] or re.search(fact["words"], words, re.IGNORECASE)
-        if there and fact["axis"] in one["where"]["axes"]:
-            return f"{one['effect']}: {one['sentence']}", True
-    return "not found", False
-
-
 def _rms_below(recordings: Recordings, _: Report, fit: Report, fact: Fact) -> Outcome:
     """Give the rms of each axis of the program's own coefficients."""
     left = recordings.offsets() - recordings.columns() @ _values(recordings.names, fit)
@@ -261,7 +251,6 @@ KINDS: dict[str, Callable[[Recordings, Report, Report, Fact], Outcome]] = {
     "step": _step,
     "only": _only,
     "lacks": _lacks,
-    "finds": _finds,
     "rms_below": _rms_below,
     "change": _change,
     "change_or_asked": _change_or_asked,
