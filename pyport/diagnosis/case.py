@@ -115,10 +115,16 @@ class Problem:
     def possible(self) -> tuple[Array, ...]:
         """Return for each series the columns of all lasting candidates that are not empty in it.
 
-        What changes with time is not among them: the noise holds what nights and drifts do, and
-        an effect of time has to stand out of that.
+        What changes with time, or belongs to sources, is not among them: the noise holds what
+        nights, drifts and sources do, and such an effect has to stand out of that.
         """
-        return self.shown_by([c for c in self.candidates if not temporal(self, c.effect)])
+        return self.shown_by(
+            [
+                one
+                for one in self.candidates
+                if not (temporal(self, one.effect) or one.effect.belongs_to)
+            ]
+        )
 
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""

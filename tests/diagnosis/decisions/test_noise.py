@@ -6,8 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from diagnosis.decisions.stubs import candidate
 
 from pyport.angles import DEG
+from pyport.diagnosis.case import Problem
 from pyport.effects import Circumstances
 from pyport.noise import common_mode, departures, drift, estimate, scatter
 from pyport.noise.coefficients import tempered
@@ -591,3 +593,17 @@ def test_without_times_only_the_same_place_is_one_pointing(degrees, one):
     at = replace(given.at, az=np.array([0.0, degrees * DEG]) / np.cos(0.7), el=np.full(2, 0.7))
 
     assert (len(np.unique(pointings(replace(given, at=at)))) == 1) == one
+
+
+@pytest.mark.parametrize(
+    ("effect", "projected"),
+    [("refraction", True), ("epoch_tilt", False), ("source_position", False)],
+)
+def test_what_nights_and_sources_do_is_noise_to_the_search(effect, projected):
+    """A change, or a source's place, has to stand out of what the others do."""
+    one = candidate(effect)
+    case = SimpleNamespace(
+        candidates=[one], blocks=SimpleNamespace(antennas=1), shown_by=lambda some: some
+    )
+
+    assert Problem.possible.func(case) == [one] * projected
