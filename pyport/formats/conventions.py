@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from pyport.effects import CATALOGUE
 from pyport.formats.model_file import NAMES, WORDS
-from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms import field_system, tpoint
 from pyport.models.terms.shapes import PRODUCT, Shape
 
 #: Vocabularies in the order of the columns, and what heads them.
@@ -28,7 +28,7 @@ def shapes() -> list[Shape]:
             word = WORDS[vocabulary](name)
             if word is not None and word.parts:
                 found[word.parts[0][0]] = None
-    for name in (*ska_mid.UNITS, *EXAMPLES):
+    for name in (*field_system.UNITS, *EXAMPLES):
         word = tpoint.word(name)
         if word is not None:
             found[word.parts[0][0]] = None

@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
-from pyport.models.terms import editing, field_system, ska_mid, tpoint, tpoint_polar
+from pyport.models.terms import editing, field_system, tpoint, tpoint_polar
 from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
 from pyport.mounts import BY_MODEL
@@ -29,7 +29,7 @@ WORDS: dict[str, Callable[[str], Word | None]] = {
     "field-system-hadc": field_system.word_on_leaning,
     "field-system-xy": field_system.word_on_leaning,
     "katpoint": field_system.katpoint_word,
-    "ska-mid": ska_mid.word,
+    "ska-mid": field_system.ska_mid_word,
 }
 NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
@@ -38,7 +38,7 @@ NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "field-system-hadc": field_system.name_on_leaning,
     "field-system-xy": field_system.name_on_leaning,
     "katpoint": partial(field_system.name_of, last=field_system.KATPOINT_NUMBER),
-    "ska-mid": ska_mid.name_of,
+    "ska-mid": field_system.ska_mid_name_of,
 }
 
 #: The vocabularies of mounts other than alt-azimuth ones, and the model of those.

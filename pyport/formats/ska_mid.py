@@ -10,7 +10,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.models.terms.ska_mid import UNITS
+from pyport.models.terms.field_system import UNITS
 from pyport.recordings.formats.csv import read_text
 
 INTERFACE = "https://schema.skao.int/ska-mid-dish-gpm/1.2"

@@ -9,7 +9,7 @@ from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.convert import convert
 from pyport.formats.models import load
-from pyport.models.terms.ska_mid import UNITS
+from pyport.models.terms.field_system import UNITS
 
 
 def coefficients(**values):

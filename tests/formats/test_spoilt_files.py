@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats import models
-from pyport.models.terms.ska_mid import UNITS, UNPUBLISHED
+from pyport.models.terms.field_system import UNITS, UNPUBLISHED
 from pyport.recordings import read
 
 TABLES = {

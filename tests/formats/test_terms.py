@@ -12,7 +12,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats.model_file import NAMES, WORDS, Entry, ModelFile, in_unit, translated
-from pyport.models.terms import field_system, ska_mid, tpoint
+from pyport.models.terms import field_system, tpoint
 from pyport.models.terms.shapes import Wave
 
 AT = Circumstances(np.linspace(-3, 4, 60), 0.1 + np.linspace(0, 1.3, 60))
@@ -51,12 +51,12 @@ def test_each_parameter_is_the_name_of_its_shape(name):
     assert field_system.name_of(shape) == (name, sign)
 
 
-@pytest.mark.parametrize("name", sorted(set(ska_mid.UNITS) - ska_mid.UNPUBLISHED))
+@pytest.mark.parametrize("name", sorted(set(field_system.UNITS) - field_system.UNPUBLISHED))
 def test_ska_mid_has_the_signs_of_tpoint(name):
     """The names follow TPOINT's convention."""
-    assert ska_mid.word(name) == tpoint.word(name)
-    ((shape, sign),) = ska_mid.word(name).parts
-    assert ska_mid.name_of(shape) == (name, sign)
+    assert field_system.ska_mid_word(name) == tpoint.word(name)
+    ((shape, sign),) = field_system.ska_mid_word(name).parts
+    assert field_system.ska_mid_name_of(shape) == (name, sign)
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_a_term_without_formula_may_only_be_zero():
 
 def test_every_vocabulary_names_what_it_knows():
     """The name of a shape is a word of that vocabulary, with this shape and sign."""
-    everything = [*tpoint.NAMED, *(f"P{n}" for n in range(1, 31)), *ska_mid.UNITS]
+    everything = [*tpoint.NAMED, *(f"P{n}" for n in range(1, 31)), *field_system.UNITS]
     for vocabulary, name in itertools.product(WORDS, everything):
         word = WORDS[vocabulary](name)
         for shape, _ in word.parts if word else ():

@@ -11,6 +11,7 @@ import seeds
 from asked import COMMANDS, ask, asked_seeds, call
 from seeds import ECSV, NIGHT, parquet
 
+from pyport.cli import pyport as program
 from pyport.effects import Circumstances
 from pyport.examiner.sealed.judge import judge, place
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
@@ -175,13 +176,13 @@ def readers() -> dict[str, Reader]:
     """Return all readers by name."""
     raw = ("recordings.interpret", "recordings.raw", "columns")
     lines = ("recordings.formats.lines",)
-    field_system = ("recordings.formats.xtr", "recordings.formats.sections", *lines)
+    field_system = ("recordings.formats.xtr", *lines)
     terms = ("formats.model_file", *lines)
     katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "recordings.formats.katpoint_csv"
     tpoint_dat = "recordings.formats.tpoint_dat"
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
-    scans = ("recordings.scans.measure", "recordings.scans.beam")
+    scans = ("recordings.scans",)
     judges = ("examiner.sealed.judge",)
     all_of_them = (
         ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *raw)),
@@ -209,7 +210,13 @@ def readers() -> dict[str, Reader]:
         ("catalogue", ".csv", (seeds.CATALOGUE,), read_catalogue, ("planning.target_lists",)),
         ("completed-model", ".toml", (seeds.completed(),), model, ("formats.toml_model", *terms)),
         *(
-            (f"options-{name}", ".txt", asked_seeds(name), ask(name), (f"cli.{name}",))
+            (
+                f"options-{name}",
+                ".txt",
+                asked_seeds(name),
+                ask(name),
+                (f"cli.{program.shared.get(name, name)}",),
+            )
             for name in COMMANDS
         ),
         ("python", ".txt", tuple(b"%d" % n for n in range(8)), call, ("arguments", "api")),
@@ -217,7 +224,7 @@ def readers() -> dict[str, Reader]:
         ("fs-err", ".err", (seeds.fit(),), recordings, (*field_system, *raw)),
         ("katpoint-csv", ".csv", (seeds.KATPOINT_CSV,), recordings, (katpoint_csv, *lines, *raw)),
         ("scans", ".csv", (seeds.SCANS,), measure, scans),
-        ("survey", ".csv", (seeds.SURVEY,), read_survey, ("recordings.antennas",)),
+        ("survey", ".csv", (seeds.SURVEY,), read_survey, ("recordings.files",)),
         ("mask", ".mask", (seeds.mask(),), mask, ("recordings.masks",)),
         ("filter", ".txt", (seeds.FILTER,), filtered, ("recordings.where",)),
         ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("models.toml",)),

@@ -14,7 +14,7 @@ import numpy as np
 import pyport
 from pyport.correction.use import PointingModel
 from pyport.formats.convert import convert
-from pyport.models.terms.ska_mid import UNITS, UNPUBLISHED
+from pyport.models.terms.field_system import UNITS, UNPUBLISHED
 from pyport.recordings import masks
 from pyport.recordings.files import read_raw
 from pyport.steering import Grid, Table, write_ascii, write_binary

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from pyport.models.terms import tpoint
 from pyport.models.terms.shapes import Shape, Wave, product
 from pyport.models.terms.words import Word
 from pyport.mounts import ALTAZ
@@ -132,3 +133,49 @@ def name_of(shape: Shape, last: int = NUMBER) -> tuple[str, int] | None:
     """Return the parameter of an alt-azimuth mount for a shape and its sign, None without one."""
     number, sign = _NUMBER_OF.get(shape, (NUMBER + 1, 0))
     return (f"P{number}", sign) if number <= last else None
+
+
+#: In the order in which the dish structure takes them, each with its unit.
+UNITS = {
+    "IA": "arcsec",
+    "CA": "arcsec",
+    "NPAE": "arcsec",
+    "AN": "arcsec",
+    "AN0": "arcsec",
+    "AW": "arcsec",
+    "AW0": "arcsec",
+    "ACEC": "arcsec",
+    "ACES": "arcsec",
+    "ABA": "arcsec",
+    "ABphi": "deg",
+    "IE": "arcsec",
+    "ECEC": "arcsec",
+    "ECES": "arcsec",
+    "HECE4": "arcsec",
+    "HESE4": "arcsec",
+    "HECE8": "arcsec",
+    "HESE8": "arcsec",
+}
+
+#: Names whose formula has not been published.
+UNPUBLISHED = frozenset({"AN0", "AW0", "ABA", "ABphi"})
+
+
+def ska_mid_word(name: str) -> Word | None:
+    """Return the word of one of the eighteen, without a part where no formula is known."""
+    if name not in UNITS:
+        return None
+    return Word(name, (), UNITS[name]) if name in UNPUBLISHED else tpoint.word(name)
+
+
+_NAME_OF = {
+    one.parts[0]: name for name in UNITS if (one := ska_mid_word(name)) is not None and one.parts
+}
+
+
+def ska_mid_name_of(shape: Shape) -> tuple[str, int] | None:
+    """Return SKA-Mid's name for a shape and its sign, None where there is none."""
+    for sign in (1, -1):
+        if (shape, sign) in _NAME_OF:
+            return _NAME_OF[shape, sign], sign
+    return None
