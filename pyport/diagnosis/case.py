@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis import shapes
-from pyport.diagnosis.blocks import Blocks
-from pyport.diagnosis.candidates import Candidate, Untestable
+from pyport.diagnosis.candidates import Blocks, Candidate, Untestable
 from pyport.diagnosis.evidence import Evidence
 from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis import enough, holdout, joint
 from pyport.diagnosis import findings as reading
+from pyport.diagnosis import guards, holdout, joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Problem, WhitenedData, prepare, weigh
@@ -88,7 +88,7 @@ class Diagnosis:
     steps: tuple[Step, ...] = ()
     two_axes: tuple[Disagreement, ...] = ()
     combinations: tuple[Combination, ...] = ()
-    too_few: enough.TooFew | None = None
+    too_few: guards.TooFew | None = None
 
     @property
     def mismatch(self) -> bool:
@@ -135,7 +135,7 @@ def diagnose(
     setup = prepare(recordings, model, refit, seed)
     if not len(setup.residual):
         raise BadInput("no offset that can be used, expected some", recordings.file)
-    few = enough.too_few(setup)
+    few = guards.too_few(setup)
     dropped: tuple[Dropped, ...] = ()
     if few is None:
         outcome, dropped = settled(averaged(search(setup, tell)))
@@ -174,7 +174,7 @@ def diagnose(
     )
 
 
-def _unsearched(setup: Problem, few: enough.TooFew) -> Outcome:
+def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
     """Return the end of a search that was not made: what would have been seen is known."""
     weighed = weigh(setup, (), searching=False)
     last: tuple[CandidateFit, ...] = ()

@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.blocks import Blocks
-from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
 from pyport.stages import stage

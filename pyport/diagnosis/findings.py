@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis import check, identify, words
+from pyport.diagnosis import array_findings, identify, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where, beyond
@@ -54,9 +54,9 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     effect = chosen.candidate.effect
     parameters = parameters_of(scene, choice)
     called = identify.name(step.winner, step.trials, step.beside)
-    checks = check.halves(setup, scene.weighed, scene.joint, choice)
+    checks = array_findings.halves(setup, scene.weighed, scene.joint, choice)
     checks += [
-        check.known(p.value, p.sigma, p.expected, p.name)
+        array_findings.known(p.value, p.sigma, p.expected, p.name)
         for p in parameters
         if p.expected is not None
     ]

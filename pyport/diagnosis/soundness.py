@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pyport.diagnosis.enough import smallest_seen
+from pyport.diagnosis.guards import smallest_seen
 from pyport.diagnosis.joint import Joint
 from pyport.fitting.soundness import doubts
 from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS

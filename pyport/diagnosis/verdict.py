@@ -1,20 +1,169 @@
-"""The verdict on a finding: can the recordings carry its name, and does that come back."""
+"""The verdict on a finding: can the recordings carry its name, and does that come back.
+
+It decides the verdict: see `finding.Stability`. Whole sessions, or blocks of time, are drawn with
+replacement. Their products add up, so a draw costs one small sum; the model, the other findings,
+the name and its rivals are fitted anew in each.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
+
+from pyport.angles import Array, Codes
 from pyport.diagnosis import identify
-from pyport.diagnosis.finding import Finding
+from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
+from pyport.diagnosis.finding import Finding, Stability
 from pyport.diagnosis.guards import Refusal, refusal
-from pyport.diagnosis.identify import decide_by
-from pyport.diagnosis.resampling import stability
+from pyport.diagnosis.identify import TIE, decide_by, fits_physics
 from pyport.diagnosis.scene import Scene
-from pyport.diagnosis.stability import Stability
 from pyport.diagnosis.steps import Step
 from pyport.effects import Effect, known
-from pyport.thresholds import MOST_MEMBERS
+from pyport.least_squares.gram import inverse_of
+from pyport.recordings.sky import clock
+from pyport.stages import stage
+from pyport.thresholds import ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
+
+DRAWS = 40
+#: So many of the nearest names compete with it.
+RIVALS = 4
+#: With more columns than this the model stands as fitted to all the data, and is not drawn anew.
+MOST_COLUMNS = 500
+#: Blocks of time that are drawn where there are too few sessions.
+UNITS = 40
+
+
+@stage("resampling")
+def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -> Stability:
+    """Return how often the name of a choice comes first when the data are drawn anew.
+
+    Parameters
+    ----------
+    scene
+        What findings are read from.
+    choice
+        The choice's place in the joint fit.
+    step
+        The turn that it was chosen in, whose trials hold its rivals.
+    members
+        Ids of the effects that the data cannot tell from it: they count as the name itself.
+    """
+    setup, choices = scene.setup, scene.joint.choices
+    own = choices[choice]
+    others = [one for n, one in enumerate(choices) if n != choice]
+    taken = {one.candidate.effect.id for one in others} | set(members)
+    competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
+    prices = [one.candidate.price for one in competing]
+    prices[0] = step.price
+    white = scene.weighed.white
+    parts = [setup.expanded([one], of=white) for one in competing]
+    model = setup.expanded(others, of=white)
+    columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
+    if columns.shape[1] > MOST_COLUMNS:
+        columns = columns[:, model.shape[1] :] - model @ _fitted(
+            model, columns[:, model.shape[1] :]
+        )
+        model = model[:, :0]
+    resampled, unit = _units(setup, own)
+    products = _products(columns, np.resize(unit, len(columns)))
+    starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
+    slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
+    excess = [_excess(scene, one) for one in competing]
+    if temporal(setup, own.candidate.effect):
+        # What speaks for a change is also what it leaves for the noise to do, not its gain alone.
+        whole = _worths(products.sum(axis=0), model.shape[1], slices[:1], excess[:1])
+        prices[0] = float(whole[0]) - step.winner.evidence
+    rng = np.random.default_rng([setup.seed, choice])
+    first: Counter[str | None] = Counter()
+    for _ in range(DRAWS):
+        times = np.bincount(rng.integers(0, len(products), len(products)), minlength=len(products))
+        drawn = np.tensordot(times, products, axes=1)
+        worth = _worths(drawn, model.shape[1], slices, excess) - np.array(prices)
+        best = int(np.argmax(np.round(worth, TIE)))
+        first[competing[best].candidate.effect.id if worth[best] > 0 else None] += 1
+    kept = first.pop(own.candidate.effect.id, 0)
+    names = {name: count for name, count in first.most_common() if name is not None}
+    return Stability(resampled, DRAWS, kept, names)
+
+
+def _fitted(model: Array, columns: Array) -> Array:
+    """Return the coefficients of columns (n, K) in the model's (n, P), shape (P, K)."""
+    return np.asarray(inverse_of(model.T @ model)[0] @ (model.T @ columns))
+
+
+def _rivals(step: Step, taken: Collection[str]) -> list[CandidateFit]:
+    """Return the best trials of the nearest other names."""
+    found: dict[str, CandidateFit] = {}
+    for trial in sorted(step.trials, key=lambda one: -round(one.evidence, TIE)):
+        effect = trial.candidate.effect
+        if trial.evidence < step.winner.evidence - OUT_OF_REACH or len(found) == RIVALS:
+            break
+        if not effect.physical or effect.id in taken or effect.id in found:
+            continue
+        if fits_physics(trial):
+            found[effect.id] = trial
+    return list(found.values())
+
+
+def _excess(scene: Scene, one: Chosen) -> float:
+    return scene.weighed.evidence.common.factor if "antenna" not in one.scope else 1.0
+
+
+def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
+    """Return what is drawn together, and the number of the unit of each reading, shape (m,)."""
+    sessions = setup.session
+    effect = own.candidate.effect
+    of_session = "session" in own.scope or effect.is_change or own.candidate.of_time
+    if len(np.unique(sessions)) >= ENOUGH_TO_RESAMPLE and not of_session:
+        return "sessions", sessions
+    at = setup.recordings.at
+    time = clock(at)
+    if not np.isfinite(time).all():
+        rng = np.random.default_rng(setup.seed)
+        distinct, pointing = np.unique(setup.pointing, return_inverse=True)
+        deal = rng.permutation(len(distinct)) % min(UNITS, len(distinct))
+        return "pointings", deal[pointing]
+    # Moments in the order of sessions and time; what was measured at one moment stays together.
+    keys = np.stack([sessions, time[setup.stack.row]])
+    moments, moment = np.unique(keys, axis=1, return_inverse=True)
+    session = moments[0].astype(np.intp)
+    rank = np.arange(len(session)) * UNITS // len(session)
+    unit = np.unique(np.stack([session, rank]), axis=1, return_inverse=True)[1]
+    return f"blocks of {'time' if 'time' in at else 'rows'}", unit.ravel()[moment.ravel()]
+
+
+def _products(columns: Array, unit: Codes) -> Array:
+    """Return the products of columns (n, K) within each unit, shape (units, K, K)."""
+    count, size = int(unit.max()) + 1, columns.shape[1]
+    out = np.zeros((count, size, size))
+    order = np.argsort(unit, kind="stable")
+    edges = np.searchsorted(unit[order], np.arange(count + 1))
+    for one, (low, high) in enumerate(pairwise(edges)):
+        rows = columns[order[low:high]]
+        out[one] = rows.T @ rows
+    return out
+
+
+def _worths(drawn: Array, model: int, slices: list[slice], excess: list[float]) -> Array:
+    """Return the evidence for each of some blocks of columns beside the model, its price unpaid."""
+    inverse = inverse_of(drawn[:model, :model])[0]
+    cross = drawn[:model, model:]
+    left = drawn[model:, model:] - cross.T @ inverse @ cross
+    found = []
+    for one, factor in zip(slices, excess, strict=True):
+        own = slice(one.start - model, one.stop - model)
+        power = np.diag(drawn)[one]
+        length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
+        values, vectors = np.linalg.eigh(left[own, own] / np.outer(length, length))
+        good = values > VISIBLE**2 * max(1.0, float(values[-1]))
+        along = vectors[:, good].T @ (left[own, -1] / length)
+        found.append(at_best(values[good] / factor, along / factor)[0] if good.any() else -np.inf)
+    return np.array(found)
 
 
 def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> list[Finding]:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.diagnosis import identify
-from pyport.diagnosis.blocks import Blocks
-from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
 from pyport.diagnosis.changes import proposed
 from pyport.diagnosis.confirm import confirmed

@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.diagnosis import finding as found
-from pyport.diagnosis import stability
+from pyport.diagnosis import finding as stability
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import sigmas

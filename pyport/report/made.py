@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import noise_words, two_axes_words
+from pyport.diagnosis import noise_words, words
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import Joint, rms
@@ -92,7 +92,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
 
 
 def _two_axes(one: Disagreement, names: tuple[str, str]) -> TwoAxes:
-    told = two_axes_words.as_json(one, names)
+    told = words.two_axes_json(one, names)
     return TwoAxes(
         **told
         | {

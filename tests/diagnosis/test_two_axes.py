@@ -3,7 +3,7 @@
 import numpy as np
 from diagnosis.made import recordings
 
-from pyport.diagnosis import two_axes_words
+from pyport.diagnosis import words
 from pyport.diagnosis.diagnose import diagnose
 from pyport.fitting import soundness
 from pyport.fitting.fit import fit
@@ -33,13 +33,13 @@ def test_a_wave_in_one_axis_alone_is_told_with_its_place_and_its_cause():
 
     setup = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))
     (one,) = disagreements(setup, weigh(setup), ())
-    said = two_axes_words.sentence(one)
+    said = words.two_axes_sentence(one)
 
     assert one.chosen.candidate.effect.id == "tilt"
     assert one.found.sigmas > 5
     assert "It lies in cross-elevation" in said
     assert "azimuth_eccentricity" in [name for name, _ in one.causes]
-    assert two_axes_words.as_json(one)["parameters"][0]["name"] == "tilt_north"
+    assert words.two_axes_json(one)["parameters"][0]["name"] == "tilt_north"
 
 
 def test_a_tilt_of_the_mount_is_passed_over():

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.stability import Stability
+from pyport.diagnosis.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.verdict import judged
 from pyport.thresholds import NOTICEABLE, STABLE
 

@@ -14,12 +14,11 @@ from hypothesis import strategies as st
 from pyport.diagnosis import joint
 from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.finding import Stability
 from pyport.diagnosis.guards import carriers
-from pyport.diagnosis.resampling import DRAWS, stability
 from pyport.diagnosis.search import search
 from pyport.diagnosis.soundness import warnings
-from pyport.diagnosis.stability import Stability
-from pyport.diagnosis.verdict import judged
+from pyport.diagnosis.verdict import DRAWS, judged, stability
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
 from pyport.report.made import report_of

@@ -8,9 +8,9 @@ import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import check, enough, guards, identify, resampling
-from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.stability import Stability
+from pyport.diagnosis import array_findings, guards, identify
+from pyport.diagnosis import verdict as resampling
+from pyport.diagnosis.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.verdict import judged
 from pyport.effects import CATALOGUE, Coefficient
 
@@ -181,7 +181,7 @@ def test_strengths_in_two_halves_refute_a_name(extra, sigma, passed):
     white[0] = [size, 0.0, size]
     white[1] = [0.0, size, extra * size]
 
-    assert check._compare(white, "the later half").passed == passed
+    assert array_findings._compare(white, "the later half").passed == passed
 
 
 NAMED = Finding(
@@ -336,7 +336,7 @@ def test_twenty_numbers_beyond_the_coefficients_are_enough(rows, rank, enough_):
     found = guards._too_few(scene, np.ones(rows))
 
     assert (found is None) == enough_
-    assert (enough.lacking(rows, rank) == 0) == enough_
+    assert (guards.lacking(rows, rank) == 0) == enough_
     assert enough_ or "too few" in found.reason
 
 
@@ -354,7 +354,7 @@ def test_four_pointings_must_carry_an_effect(carried, enough_):
 @pytest.mark.parametrize(("numbers", "known"), [(15, True), (14, False), (12, False), (22, True)])
 def test_eight_numbers_tell_the_scatter_that_a_limit_needs(numbers, known):
     """Beyond seven coefficients; fewer, and the scatter may be near zero by chance."""
-    assert enough.TooFew(numbers, numbers, 7).scatter_known == known
+    assert guards.TooFew(numbers, numbers, 7).scatter_known == known
 
 
 HOURS = 3600.0

@@ -8,7 +8,7 @@ from diagnosis.decisions.stubs import setup
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.diagnosis import array, boxes, edges, fields, refine, shapes, two_axes, two_axes_words
+from pyport.diagnosis import array, boxes, edges, fields, refine, shapes, two_axes, words
 from pyport.diagnosis.arrays import lasting, places, repeat
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.field_families import Field
@@ -300,7 +300,7 @@ def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
     """In an axis and a half."""
     half = two_axes.Half("below", apart(1.0))
     split = two_axes.Split((half, half), apart(sigmas), apart(0.5))
-    said = two_axes_words._place((split,), "tilt", ("x", "y"))
+    said = words._place((split,), "tilt", ("x", "y"))
 
     assert said.startswith("It lies in x") == placed
 
@@ -310,7 +310,7 @@ def test_halves_two_sigma_apart_agree(sigmas, same):
     """Then the other axis has one tilt in both."""
     half = two_axes.Half("below", apart(1.0))
     split = two_axes.Split((half, half), apart(8.0), apart(sigmas))
-    said = two_axes_words._place((split,), "tilt", ("x", "y"))
+    said = words._place((split,), "tilt", ("x", "y"))
 
     assert ("y has one in both" in said) == same
 
