@@ -8,7 +8,6 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.diagnosis import finding as found
-from pyport.diagnosis import finding as stability
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import sigmas
@@ -58,7 +57,7 @@ def held_out_of(one: found.HeldOut) -> HeldOut:
     )
 
 
-def _stability(one: stability.Stability) -> Stability:
+def _stability(one: found.Stability) -> Stability:
     return Stability(
         **vars(one),
         instead=one.instead,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.diagnosis import words as two_axes_words
+from pyport.diagnosis import words as explained
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.effects import CATALOGUE
 from pyport.examiner.acceptance.drawn import Line
@@ -174,7 +174,7 @@ def lmt(file: Path) -> Iterator[Line]:
         yield Line(f"LMT, {axis}: rms", told, "the same", abs(rms - _LMT_RMS[axis]) < 0.01)
     found = diagnosed(recordings, "altaz")
     apart = [one for one in found.two_axes if one.chosen.candidate.effect.id == "tilt"]
-    told = two_axes_words.two_axes_sentence(apart[0]) if apart else "nothing"
+    told = explained.two_axes_sentence(apart[0]) if apart else "nothing"
     far = bool(apart) and apart[0].found.sigmas >= 3
     yield Line("LMT: diagnose says of the tilts of both axes", told, "apart by 3 sigma", far)
     yield Line("LMT: diagnose finds", said(found), "shown", None)
