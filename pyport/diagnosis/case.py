@@ -26,7 +26,7 @@ from pyport.noise.whitening import Noise, Series
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
 from pyport.stages import stage
-from pyport.thresholds import ENOUGH_ANTENNAS
+from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST
 
 DRAWS = 300
 
@@ -223,9 +223,11 @@ def prepare(
     generic, others = shapes.design(recordings, data)
     first = base_columns.shape[1]
     own = any("session" in term.per for term in terms)
-    # Among sessions that depart at random what each has of its own is no effect but their scatter.
-    labels = ("antenna",) if departing and not own else ("antenna", "session")
-    block_of_row, names = group(recordings, labels)
+    block_of_row, names = group(recordings, ("antenna", "session"))
+    # Among sessions that depart at random what each has of its own is no effect but their scatter,
+    # and sessions of a few readings have nothing to themselves.
+    if (departing or FEWEST * len(names) > len(data)) and not own:
+        block_of_row, names = group(recordings, ("antenna",))
     return Problem(
         recordings=recordings,
         model=model,

@@ -183,7 +183,7 @@ class _Projected:
         active = np.flatnonzero(variances[self.kind])
         root = np.sqrt(variances[self.kind[active]])
         along = _solved(triangle, root * self.moments[active])
-        left = max(self.misfit - float(along @ along), 1e-300)
+        left = max(self.misfit - float(along @ along), EXACT)
         return 2 * float(np.log(np.diag(triangle)).sum()) + self.dof * float(np.log(left))
 
     def triangle(self, variances: Array) -> Array | None:
@@ -225,7 +225,7 @@ class _Projected:
         seen[active], seen[idle] = taken / root**2, self.moments[idle] - across.T @ taken
         power[active], power[idle] = np.diag(own), np.diag(others)
         left = self.misfit - float(self.moments[active] @ taken)
-        scale = max(left, 1e-300) / self.dof
+        scale = max(left, EXACT) / self.dof
         count = len(variances)
         gradient = np.asarray(np.bincount(self.kind, power - seen**2 / scale, count), float)
         curvature = _by_kind(own, self.kind[active], self.kind[active], count)
