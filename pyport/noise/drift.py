@@ -288,6 +288,10 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     return np.asarray(chance / chance.sum())
 
 
+#: What products of columns that hardly differ lose to rounding, over their squared lengths.
+ROUNDING = 1e-11
+
+
 @dataclass(frozen=True)
 class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
@@ -315,10 +319,9 @@ class _Likelihood:
             gram = white.T @ white
         else:
             d, gram = found
-        departing = np.arange(self.columns.q)
+        every, departing = np.arange(len(gram) - 1), np.arange(self.columns.q)
         gram[departing, departing] += 1.0
-        fixed = np.arange(self.columns.q, len(gram) - 1)
-        gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
+        gram[every, every] += ROUNDING * (1 + gram[every, every])
         triangle = np.linalg.cholesky(gram[:-1, :-1])
         right = np.zeros((len(triangle), 1 + self.faint.shape[1]))
         right[:, 0], right[: len(self.faint), 1:] = gram[:-1, -1], self.faint
