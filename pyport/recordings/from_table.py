@@ -58,17 +58,25 @@ def _keys(header: Header) -> dict[str, str]:
     """Return header keys as text; `location` may be astropy's EarthLocation."""
     found = {}
     for key, value in mapping("header", header).items():
-        if key == "location" and hasattr(value, "to_geodetic"):
-            place = value.to_geodetic()
-            found["latitude_deg"] = repr(float(place.lat.to_value("deg")))
-            found["longitude_deg"] = repr(float(place.lon.to_value("deg")))
-            found["height_m"] = repr(float(place.height.to_value("m")))
-        elif getattr(value, "unit", None) is not None and key.endswith("_deg"):
-            found[key] = repr(float(value.to_value("deg")))
-        else:
-            found[str(key)] = str(value)
+        try:
+            found |= _key(key, value)
+        except (TypeError, ValueError):
+            raise refusal(f"header {key}", value, "one number, angle, place or text") from None
     naming.refuse_keys(found, "header ")
     return found
+
+
+def _key(key: str, value: Any) -> dict[str, str]:  # noqa: ANN401 - whatever is given
+    if key == "location" and hasattr(value, "to_geodetic"):
+        place = value.to_geodetic()
+        return {
+            "latitude_deg": repr(float(place.lat.to_value("deg"))),
+            "longitude_deg": repr(float(place.lon.to_value("deg"))),
+            "height_m": repr(float(place.height.to_value("m"))),
+        }
+    if getattr(value, "unit", None) is not None and key.endswith("_deg"):
+        return {key: repr(float(value.to_value("deg")))}
+    return {key: str(value)}
 
 
 def _names(table: Table) -> list[str]:

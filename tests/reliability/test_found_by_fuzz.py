@@ -2,6 +2,8 @@
 
 import io
 import zipfile
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow
@@ -18,6 +20,7 @@ from pyport.models.conditions import columns_of
 from pyport.recordings import read
 from pyport.recordings.formats.mapped import propose, sheet
 from pyport.recordings.from_table import from_table
+from pyport.recordings.stream import chunk
 from pyport.watch import state
 
 ROWS = "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,20,1,2\n30,40,2,1\n"
@@ -126,3 +129,20 @@ def test_an_exponent_beyond_any_in_ska_mid(tmp_path):
     path.write_text('{"coefficients": {"IA": {"value": 1e99999999999999999999}}}')
     with pytest.raises(BadInput, match="not SKA-Mid's JSON"):
         ska_mid.read(path)
+
+
+@pytest.mark.parametrize("value", [[1.0, 2.0] * units.deg, 3 * units.m])
+def test_a_header_of_several_numbers_or_of_none(value):
+    """An angle is one number, in a unit of angle."""
+    numbers = {name: [1.0, 2.0] for name in ROWS.splitlines()[0].split(",")}
+    with pytest.raises(BadInput, match="header latitude_deg is of type Quantity"):
+        from_table(numbers, {"latitude_deg": value})
+
+
+def test_a_dictionary_that_lacks_what_it_names():
+    """In Parquet: rows point beyond the texts."""
+    beyond = pyarrow.DictionaryArray.from_arrays(
+        pyarrow.array([0, 5]), pyarrow.array(["night one"]), safe=False
+    )
+    with pytest.raises(BadInput, match="names texts that it does not hold"):
+        chunk._labels({"session": beyond}, SimpleNamespace(labels=(), file=Path("a.parquet")), 2)

@@ -178,6 +178,8 @@ def _labels(
             encoded = texts[name].dictionary_encode()
             own = [*_words(encoded.dictionary, name, piece.file), ""]
             index = encoded.indices.fill_null(len(own) - 1).to_numpy(zero_copy_only=False)
+            if len(index) and not 0 <= index.min() <= index.max() < len(own):
+                raise BadInput(f"{name} names texts that it does not hold", piece.file)
         else:
             own, index = [fixed[name]], np.zeros(rows, np.int64)
         there, label = _numbered(label * len(own) + index, len(sets) * len(own))
