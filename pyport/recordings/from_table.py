@@ -56,7 +56,7 @@ def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:
 
 def _keys(header: Header) -> dict[str, str]:
     """Return header keys as text; `location` may be astropy's EarthLocation."""
-    found = {}
+    found: dict[str, str] = {}
     for key, value in mapping("header", header).items():
         try:
             found |= _key(key, value)

@@ -108,6 +108,8 @@ class _Reader:
         if isinstance(sign, ast.In | ast.NotIn):
             listed = right.elts if isinstance(right, ast.Tuple) else [right]
             values = [self.value(one) for one in listed]
+            if not values:
+                raise self.wrong(right, "a value at least")
             negated = isinstance(sign, ast.NotIn)
             return lambda recordings: (
                 negated ^ np.any([_compared(recordings, name, ast.Eq, v) for v in values], axis=0)

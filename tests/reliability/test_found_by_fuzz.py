@@ -17,7 +17,7 @@ from pyport.errors import BadInput
 from pyport.formats import ska_mid
 from pyport.formats.models import load
 from pyport.models.conditions import columns_of
-from pyport.recordings import read
+from pyport.recordings import read, where
 from pyport.recordings.formats.mapped import propose, sheet
 from pyport.recordings.from_table import from_table
 from pyport.recordings.stream import chunk
@@ -146,3 +146,9 @@ def test_a_dictionary_that_lacks_what_it_names():
     )
     with pytest.raises(BadInput, match="names texts that it does not hold"):
         chunk._labels({"session": beyond}, SimpleNamespace(labels=(), file=Path("a.parquet")), 2)
+
+
+def test_a_filter_by_nothing():
+    """Neither kept nor excluded."""
+    with pytest.raises(BadInput, match="a value at least"):
+        where.parse("source in ()")
