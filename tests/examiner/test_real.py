@@ -196,14 +196,6 @@ def _since(when, axes=("xel", "el")):
         ("only", {"effects": ["drift"]}, report({}), False),
         ("lacks", {"effects": ["clock"]}, report({}), False),
         ("lacks", {"effects": ["drift"]}, report({}), True),
-        ("finds", {"effects": ["clock"], "words": "x", "axis": "el"}, report({}), True),
-        (
-            "finds",
-            {"effects": [], "words": "drift", "axis": "el"},
-            report({"sentence": "a Drift"}),
-            True,
-        ),
-        ("finds", {"effects": [], "words": "drift", "axis": "el"}, report({}), False),
         (
             "change",
             {"parameter": "tilt_", "arcsec": 5.0},
