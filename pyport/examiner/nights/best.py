@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect
+from pyport.examiner.scores import Array
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.models.model import Model, Term
