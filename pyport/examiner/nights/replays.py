@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.examiner import program
+from pyport.examiner.acceptance.best_delay import Best, best
 from pyport.examiner.nights import nights
-from pyport.examiner.nights.best import Best, best
 from pyport.examiner.nights.nights import Case
 from pyport.examiner.real import sets
 
