@@ -18,6 +18,7 @@ from pyport.diagnosis.evidence import at_best, shown
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate
 from pyport.stages import stage
+from pyport.threads import side_by_side
 
 
 @stage("confirming")
@@ -41,15 +42,16 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     own = setup.expanded([one])
     whole = noise(setup, (*others, one), searching=False)
     value = setup.residual
-    noises = [whole] + [
-        estimate(value, columns, setup.frame, like=whole)
-        for columns in (np.concatenate([model, own], axis=1), model)
+    worlds = np.concatenate([model, own], axis=1), model
+    noises = [
+        whole,
+        *side_by_side(lambda world: estimate(value, world, setup.frame, like=whole), worlds),
     ]
     noises += [replace(one, departures=()) for one in noises if one.departures]
     # Either world has the likeliest of them: what one estimate misses is no evidence.
-    worlds = [_lack(covariance, model, own, value) for covariance in noises]
-    without = min(lack for lack, _ in worlds)
-    with_it = min(lack - gained for lack, gained in worlds)
+    found = [_lack(covariance, model, own, value) for covariance in noises]
+    without = min(lack for lack, _ in found)
+    with_it = min(lack - gained for lack, gained in found)
     return without - with_it - price - _among(setup, one)
 
 

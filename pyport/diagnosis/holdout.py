@@ -146,8 +146,8 @@ def _of_others(
         anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
         columns = np.concatenate([base, *(anew[id(each)] for each in chosen)], axis=1)
         data = np.concatenate([columns, setup.residual[:, None]], axis=1)
-        white = tempered(covariance).whiten(data)
-        yield int(one), columns, Solution.of(white.T @ white), covariance
+        products = tempered(covariance).products(data)
+        yield int(one), columns, Solution.of(products), covariance
 
 
 @stage("holding data out")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from pyport.diagnosis.nonparametric import field_instead
 from pyport.diagnosis.significance import family_p_value
 from pyport.diagnosis.steps import Outcome, Step
 from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
+from pyport.threads import side_by_side
 from pyport.thresholds import CONVINCING, FAMILY_ERROR, IMPERFECTION, MOST_FINDINGS
 
 
@@ -61,7 +63,7 @@ def _searched(setup: Problem, banned: frozenset[str], tell: Callable[[str], None
 def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Drop what the noise, estimated with it and without it, can do as well; the weakest first."""
     while now.chosen:
-        sure = [_standing_of(now, one) for one in now.chosen]
+        sure = side_by_side(partial(_standing_of, now), now.chosen)
         weakest = min(range(len(sure)), key=lambda n: sure[n])
         if sure[weakest] > CONVINCING:
             break

@@ -15,6 +15,7 @@ from pyport.diagnosis.confirm import confirmed
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
+from pyport.threads import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
 
 
@@ -86,10 +87,10 @@ def winner_of(
     if moved:
         # What was there all along may pass for a change, and a change for it: both compete by
         # what the noise cannot do.
-        sure = [(_confirmed(one, chosen), one) for one in lasting]
+        sure = side_by_side(lambda one: _confirmed(one, chosen), lasting)
         lasting = [
             replace(one, trial=replace(one.trial, evidence=max(one.trial.evidence, odds)))
-            for odds, one in sure
+            for odds, one in zip(sure, lasting, strict=True)
             if odds > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
@@ -128,13 +129,14 @@ def confirmed_changes(
 ) -> list[Winner]:
     """Return the changes that are proposed, each with its evidence beside noise estimated anew."""
     still, moved = proposed(setup, weighed, chosen, trials, banned)
-    found = []
-    for trial in moved:
+
+    def sure_of(trial: CandidateFit) -> Winner:
         one = _refined(setup, still, chosen, trial)
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
-        found.append(replace(one, trial=replace(one.trial, evidence=sure, gain=sure)))
-    return found
+        return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
+
+    return side_by_side(sure_of, moved)
 
 
 def _lasting(

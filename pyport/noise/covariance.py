@@ -20,12 +20,14 @@ from pyport.noise.whitening import (
     Series,
     centring,
     factor,
+    products,
     series_errors,
     unwhiten_series,
     variance_of_means,
     whiten_lone,
     whiten_series,
 )
+from pyport.pointing.kernel import Columns
 from pyport.thresholds import OUTLIER_WEIGHT
 
 #: A direction of the departures that adds less than this share to the variance is left out.
@@ -66,6 +68,47 @@ class Departures:
 
 
 @dataclass(frozen=True)
+class Possible:
+    """Departures that are possible, and the series that show them."""
+
+    departures: tuple[Departures, ...]
+    parts: tuple[Series, ...]
+
+    @cached_property
+    def kind(self) -> Codes:
+        """Return which departures each column belongs to, shape (q,)."""
+        widths = [one.columns.shape[1] for one in self.departures]
+        return np.repeat(np.arange(len(widths)), widths)
+
+    @cached_property
+    def columns(self) -> Array:
+        """Return the columns of all departures, shape (m, q)."""
+        readings = sum(len(part.rows) for part in self.parts)
+        columns = [np.zeros((readings, 0)), *(one.columns for one in self.departures)]
+        return np.concatenate(columns, axis=1)
+
+    @cached_property
+    def few(self) -> tuple[Columns, ...]:
+        """Return for each series those columns in its rows, without their zeros."""
+        return tuple(Columns.of(self.columns[part.rows], len(self.kind)) for part in self.parts)
+
+    @cached_property
+    def shared(self) -> Array:
+        """Return what all labels share, shape (m, s)."""
+        found = [self.columns[:, :0]]
+        for one in self.departures:
+            count = len(set(one.labels))
+            found.append(one.columns.reshape(len(one.columns), -1, count).sum(axis=2))
+        return np.concatenate(found, axis=1)
+
+    def sizes(self, departures: Sequence[Departures]) -> Array:
+        """Return the standard deviation of what each column stands for, zero where unknown."""
+        sigmas = {(one.term, one.of, one.antenna): one.sigma for one in departures}
+        found = [sigmas.get((one.term, one.of, one.antenna), 0.0) for one in self.departures]
+        return np.array(found)[self.kind] if found else np.zeros(0)
+
+
+@dataclass(frozen=True)
 class Covariance:
     """The covariance of all m readings.
 
@@ -83,6 +126,8 @@ class Covariance:
         The likeliest drift of each series, for whoever estimates another one like it.
     coupling
         Correlation of both axes' scatter from pointing to pointing, by antenna.
+    possible
+        All departures that were possible, None where nobody asked.
     """
 
     parts: tuple[Series, ...]
@@ -92,6 +137,7 @@ class Covariance:
     departures: tuple[Departures, ...] = ()
     starts: tuple[int | None, ...] = ()
     coupling: dict[str, float] = field(default_factory=dict)
+    possible: Possible | None = field(default=None, repr=False)
 
     def whiten(self, columns: Array) -> Array:
         """Return columns of unit scatter.
@@ -110,6 +156,50 @@ class Covariance:
             squares needs; labels of the rows are `np.resize` of the readings'.
         """
         return self._without_departures(self._within_axes(columns))
+
+    def products(self, columns: Array) -> Array:
+        """Return the products of `whiten(columns)`, (K, K), without these where it can be."""
+        known, shared, gram = self._beside_departures(columns)
+        return np.asarray(gram - shared.T @ np.linalg.solve(known, shared))
+
+    def _beside_departures(self, columns: Array) -> tuple[Array, Array, Array]:
+        """Return 1 + Z'Z, Z'C and C'C of what departs, Z, and columns C (m, K): whitened."""
+        sizes = self._possible.sizes(self.departures)
+        gram, _ = self.products_beside(self._possible, sizes, columns)
+        own, other = np.flatnonzero(sizes), np.arange(len(sizes), len(gram))
+        known = np.eye(len(own)) + gram[np.ix_(own, own)]
+        return known, gram[np.ix_(own, other)], gram[np.ix_(other, other)]
+
+    @cached_property
+    def _possible(self) -> Possible:
+        return self.possible or Possible(self.departures, self.parts)
+
+    def products_beside(
+        self, possible: Possible, sizes: Array, columns: Array
+    ) -> tuple[Array, int]:
+        """Return whitened products of departures and of columns (m, p), nothing departing.
+
+        And how many whitened rows there are. Series whose readings stand alone, in axes that are
+        not coupled, are gone through without the zeros of what departs; `sizes` (q,) are what
+        those columns are multiplied by.
+        """
+        q = len(sizes)
+        gram, used = np.zeros((q + columns.shape[1],) * 2), 0
+        for part, noise, few in zip(self.parts, self.noises, possible.few, strict=True):
+            there = np.flatnonzero(columns[part.rows].any(axis=0))
+            given = few.scaled(sizes).beside(columns[np.ix_(part.rows, there)])
+            weighing = self.weights[part.rows], self.precision[part.rows], part, noise
+            found = None if self.coupling else products(given, *weighing)
+            if found is None or not np.isfinite(np.diag(found)).all():
+                break
+            places = np.concatenate([np.flatnonzero((sizes != 0) & few.there), q + there])
+            gram[np.ix_(places, places)] += found
+            used += int(np.count_nonzero(given.full.any(axis=1) | (np.diff(given.starts) > 0)))
+        else:
+            return gram, used
+        every = np.concatenate([possible.columns * sizes, columns], axis=1)
+        white = np.nan_to_num(self._within_axes(every))
+        return white.T @ white, int(np.count_nonzero(white.any(axis=1)))
 
     def unwhiten(self, white: Array) -> Array:
         """Return the transpose of `whiten`, applied to columns (M, K): shape (m, K).
@@ -253,11 +343,11 @@ class Covariance:
         """
         if not self.departures:
             return np.zeros_like(residual)
-        columns = np.concatenate([one.columns * one.sigma for one in self.departures], axis=1)
-        white = self._within_axes(np.concatenate([columns, residual[:, None]], axis=1))
-        unit = white[:, :-1]
-        known = np.eye(columns.shape[1]) + unit.T @ unit
-        return np.asarray(columns @ np.linalg.solve(known, unit.T @ white[:, -1]))
+        known, shared, _ = self._beside_departures(residual[:, None])
+        sizes = self._possible.sizes(self.departures)
+        values = np.zeros(len(sizes))
+        values[sizes != 0] = np.linalg.solve(known, shared)[:, 0]
+        return np.asarray(self._possible.columns @ (sizes * values))
 
     @cached_property
     def log_determinant(self) -> float:

@@ -8,9 +8,8 @@ hundred speaks for itself (Searle, Casella & McCulloch 1992, Variance Components
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +20,8 @@ from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
 from pyport.effects.astrometry import parallactic
 from pyport.effects.base import Circumstances, MissingColumn
-from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.covariance import Covariance, Departures, Possible
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Series, products
-from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
 
@@ -119,47 +116,6 @@ def _departures(
         labels * len(columns),
         np.concatenate([inside * column[:, None] for column in columns], axis=1),
     )
-
-
-@dataclass(frozen=True)
-class Possible:
-    """Departures that are possible, and the series that show them."""
-
-    departures: tuple[Departures, ...]
-    parts: tuple[Series, ...]
-
-    @cached_property
-    def kind(self) -> Codes:
-        """Return which departures each column belongs to, shape (q,)."""
-        widths = [one.columns.shape[1] for one in self.departures]
-        return np.repeat(np.arange(len(widths)), widths)
-
-    @cached_property
-    def columns(self) -> Array:
-        """Return the columns of all departures, shape (m, q)."""
-        readings = sum(len(part.rows) for part in self.parts)
-        columns = [np.zeros((readings, 0)), *(one.columns for one in self.departures)]
-        return np.concatenate(columns, axis=1)
-
-    @cached_property
-    def few(self) -> tuple[Columns, ...]:
-        """Return for each series those columns in its rows, without their zeros."""
-        return tuple(Columns.of(self.columns[part.rows], len(self.kind)) for part in self.parts)
-
-    @cached_property
-    def shared(self) -> Array:
-        """Return what all labels share, shape (m, s)."""
-        found = [self.columns[:, :0]]
-        for one in self.departures:
-            count = len(set(one.labels))
-            found.append(one.columns.reshape(len(one.columns), -1, count).sum(axis=2))
-        return np.concatenate(found, axis=1)
-
-    def sizes(self, departures: Sequence[Departures]) -> Array:
-        """Return the standard deviation of what each column stands for, zero where unknown."""
-        sigmas = {(one.term, one.of, one.antenna): one.sigma for one in departures}
-        found = [sigmas.get((one.term, one.of, one.antenna), 0.0) for one in self.departures]
-        return np.array(found)[self.kind] if found else np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -301,7 +257,7 @@ def _known(projected: _Projected, variances: Array) -> Array:
 def _project(covariance: Covariance, value: Array, design: Array, possible: Possible) -> _Projected:
     # What all labels share is no departure, whether the model has a term for it or lacks one.
     full = np.concatenate([possible.shared, design, value[:, None]], axis=1)
-    gram, used = _products(covariance, full, possible)
+    gram, used = covariance.products_beside(possible, np.ones(len(possible.kind)), full)
     q = len(possible.kind)
     model, others = np.arange(q, len(gram) - 1), np.append(np.arange(q), len(gram) - 1)
     length = np.sqrt(np.maximum(np.diag(gram)[model], 1e-300))
@@ -321,40 +277,6 @@ def _project(covariance: Covariance, value: Array, design: Array, possible: Poss
         float(left[-1, -1]),
         max(1, used - int(kept.sum())),
     )
-
-
-def _products(covariance: Covariance, full: Array, possible: Possible) -> tuple[Array, int]:
-    """Return the whitened products of all departures and of other columns (m, p), and their rows.
-
-    Nothing departs in that. Series whose readings stand alone, in axes that are not coupled,
-    are gone through without the columns' zeros.
-    """
-    q = len(possible.kind)
-    gram, used = np.zeros((q + full.shape[1],) * 2), 0
-    for n, part in enumerate(covariance.parts):
-        there = np.flatnonzero(full[part.rows].any(axis=0))
-        few = possible.few[n].beside(full[np.ix_(part.rows, there)])
-        found = (
-            None
-            if covariance.coupling
-            else products(
-                few,
-                covariance.weights[part.rows],
-                covariance.precision[part.rows],
-                part,
-                covariance.noises[n],
-            )
-        )
-        if found is None or not np.isfinite(np.diag(found)).all():
-            break
-        places = np.concatenate([np.arange(q), q + there])
-        gram[np.ix_(places, places)] += found
-        used += int(np.count_nonzero(few.full.any(axis=1) | (np.diff(few.starts) > 0)))
-    else:
-        return gram, used
-    columns = np.concatenate([possible.columns, full], axis=1)
-    white = np.nan_to_num(replace(covariance, departures=()).whiten(columns))
-    return white.T @ white, int(np.count_nonzero(white.any(axis=1)))
 
 
 def _fitted(projected: _Projected, count: int) -> Array:

@@ -16,8 +16,7 @@ from pyport.angles import Array
 from pyport.least_squares import robust
 from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
-from pyport.noise.covariance import Covariance, Departures, both_axes
-from pyport.noise.departures import Possible
+from pyport.noise.covariance import Covariance, Departures, Possible, both_axes
 from pyport.noise.drift import (
     BEYOND,
     Departing,
@@ -141,7 +140,7 @@ def estimate(
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS):
         found = departures.estimate(covariance, value, wide, given.possible)
-        covariance = replace(covariance, departures=found)
+        covariance = replace(covariance, departures=found, possible=given.possible)
         drafts = []
         for n, part in enumerate(parts):
             rows = part.rows

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.pointing import compiled
@@ -164,9 +166,14 @@ class Columns:
         full = np.ascontiguousarray(columns[:, q:])
         return cls(starts, np.ascontiguousarray(places), numbers, full, q)
 
+    @cached_property
+    def there(self) -> NDArray[np.bool_]:
+        """Tell which of the first q columns are not zero, shape (q,)."""
+        return np.bincount(self.places, minlength=self.q) > 0
+
     def scaled(self, by: Array) -> Columns:
         """Return the first q columns times numbers (q,), without those that are zero then."""
-        there = (by != 0) & (np.bincount(self.places, minlength=self.q) > 0)
+        there = (by != 0) & self.there
         held = there[self.places]
         starts = np.concatenate([[0], np.cumsum(held)])[self.starts]
         places, numbers = self.places[held], self.numbers[held] * by[self.places[held]]

@@ -42,8 +42,15 @@ def plain(given, noise, departures=()):
     return Covariance(parts, (noise,), ones, ones, departures)
 
 
+@pytest.mark.usefixtures("both_paths")
 @pytest.mark.parametrize(
-    "noise", [Noise(0.3, 0.5), Noise(0.3, 0.5, ((0.8, 300.0),)), Noise(0, 1.0)]
+    "noise",
+    [
+        Noise(0.3, 0.5),
+        Noise(0.3, 0.5, ((0.8, 300.0),)),
+        Noise(0, 1.0),
+        Noise(0, 1.0, ((0.8, 300.0),)),
+    ],
 )
 def test_whitened_products_are_those_of_the_inverse_covariance(noise):
     """C'C of whitened columns equals C' V^-1 C with the dense covariance."""
@@ -62,8 +69,13 @@ def test_whitened_products_are_those_of_the_inverse_covariance(noise):
         covariance += noise.drift**2 * np.exp(-np.abs(time[:, None] - time) / noise.time_s)
     covariance += 0.7**2 * moved @ moved.T
 
+    expected = columns.T @ np.linalg.solve(covariance, columns)
+    np.testing.assert_allclose(white.T @ white, expected, rtol=1e-9)
+    np.testing.assert_allclose(found.products(columns), expected, rtol=1e-9)
     np.testing.assert_allclose(
-        white.T @ white, columns.T @ np.linalg.solve(covariance, columns), rtol=1e-9
+        found.departed(columns[:, 0]),
+        0.7**2 * moved @ moved.T @ np.linalg.solve(covariance, columns[:, 0]),
+        rtol=1e-9,
     )
 
 

@@ -174,6 +174,10 @@ def test_a_fold_is_predicted_by_a_fit_without_it(monkeypatch):
             """Return columns times the root of weights."""
             return data * np.sqrt(self.weights)[:, None]
 
+        def products(self, data):
+            """Return the products of weighted columns."""
+            return data.T @ (data * self.weights[:, None])
+
     monkeypatch.setattr(holdout, "replace", lambda _, weights: White(weights))
     of = SimpleNamespace(covariance=White(np.ones(20)), weights=np.ones(20))
     partition = holdout.Folds("", np.arange(20) % 4)

@@ -13,7 +13,7 @@ from pyport.diagnosis.case import Problem
 from pyport.effects import Circumstances
 from pyport.noise import common_mode, departures, drift, estimate, scatter
 from pyport.noise.coefficients import tempered
-from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.covariance import Covariance, Departures, Possible
 from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Noise, Series, variance_of_means
 from pyport.pointing.kernel import Columns
@@ -392,7 +392,7 @@ def projected(rng, sessions, size, each=30):
 def test_the_variance_of_departures_is_restricted_maximum_likelihood(size):
     """Of a balanced design that of the analysis of variance: between less within."""
     known, value, one = projected(np.random.default_rng(5), 20, size)
-    possible = departures.Possible((one,), known.parts)
+    possible = Possible((one,), known.parts)
     (found,) = departures.estimate(known, value, np.ones((600, 1)), possible) or (replace(one),)
     groups = value.reshape(20, 30)
     between = groups.mean(axis=1).var(ddof=1)
@@ -406,7 +406,7 @@ def test_data_that_are_fitted_exactly_have_no_departures():
     """What is left is rounding."""
     known, _, one = projected(np.random.default_rng(5), 5, 1.0)
 
-    possible = departures.Possible((one,), known.parts)
+    possible = Possible((one,), known.parts)
 
     for size in (1e-6, 1e-12):
         left = one.columns @ normal(5) + 0.01 * normal(150)
