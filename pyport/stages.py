@@ -16,7 +16,10 @@ R = TypeVar("R")
 
 @dataclass
 class Clock:
-    """Seconds spent in each stage, not counting the stages inside it."""
+    """Seconds spent in each stage, not counting the stages inside it.
+
+    What runs side by side in threads counts as the stage that waits for it.
+    """
 
     seconds: dict[str, float] = field(default_factory=dict)
     running: list[str] = field(default_factory=list)
