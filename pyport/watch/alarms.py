@@ -38,57 +38,35 @@ _SPREAD_NEXT = {
 
 @dataclass
 class Alarm:
-    """An alarm of one antenna.
+    """An alarm of one antenna."""
 
-    Attributes
-    ----------
-    number
-        Of the alarm, from 1, over all antennas.
-    antenna
-        Whose.
-    state
-        `raised`, while it is being named; `confirmed`; `withdrawn`, as the data came to speak
-        against it; `over`, as the telescope went back.
-    raised, raised_row
-        Time [s since 1970, or row] and number of the pointing that raised it.
-    since, since_low, since_high
-        When the change began, and between which pointings it may have [s, or row].
-    since_row
-        The pointing with which it began.
-    effect
-        The likeliest effect's id, or one of `detector.SPREADS`.
-    members
-        What it could be, likeliest first: effects that cannot be distinguished, and the
-        probability of them together.
-    parameters
-        Name, value, sigma and unit of what changed.
-    moves_arcsec
-        Rms that it adds to the pointings of the past.
-    log_ratio
-        Logarithm of the likelihood ratio of the change to none.
-    sentence, next
-        What it is, and what to do, in words.
-    ended
-        When it was withdrawn or over.
-    """
-
-    number: int
-    antenna: str
+    number: int  #: of the alarm, from 1, over all antennas
+    antenna: str  #: whose
+    #: `raised`, `raised_row`: time [s since 1970, or row] and number of the pointing that raised
+    #: it.
     raised: float
     raised_row: int
+    #: `raised`, while it is being named; `confirmed`; `withdrawn`, as the data came to speak
+    #: against it; `over`, as the telescope went back.
     state: str = RAISED
+    #: `since`, `since_low`, `since_high`: when the change began, and between which pointings it may
+    #: have [s, or row].
     since: float = math.nan
     since_low: float = math.nan
     since_high: float = math.nan
-    since_row: int = 0
-    effect: str = ""
+    since_row: int = 0  #: the pointing with which it began
+    effect: str = ""  #: the likeliest effect's id, or one of `detector.SPREADS`
+    #: What it could be, likeliest first: effects that cannot be distinguished, and the probability
+    #: of them together.
     members: list[tuple[tuple[str, ...], float]] = field(default_factory=list)
+    #: Name, value, sigma and unit of what changed.
     parameters: list[dict[str, Any]] = field(default_factory=list)
-    moves_arcsec: float = 0.0
-    log_ratio: float = 0.0
+    moves_arcsec: float = 0.0  #: rms that it adds to the pointings of the past
+    log_ratio: float = 0.0  #: logarithm of the likelihood ratio of the change to none
+    #: `sentence`, `next`: what it is, and what to do, in words.
     sentence: str = ""
     next: str = ""
-    ended: float | None = None
+    ended: float | None = None  #: when it was withdrawn or over
     #: Whether it may have been so all along, the past not having shown it: no change.
     stood: bool = False
 

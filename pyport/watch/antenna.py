@@ -18,62 +18,36 @@ from pyport.watch.null import Null
 
 @dataclass
 class Slot:
-    """A confirmed alarm whose change is a further state of the filter, or of the scatter.
+    """A confirmed alarm whose change is a further state of the filter, or of the scatter."""
 
-    Attributes
-    ----------
-    alarm
-        Its number.
-    change
-        Which of the changes, or which of the spreads behind them.
-    log_ratio
-        Of the change to none: of a spread it is kept here, of a change it follows from the state.
-    reference
-        Scale, or share of outliers, before.
-    """
-
-    alarm: int
-    change: int
+    alarm: int  #: its number
+    change: int  #: which of the changes, or which of the spreads behind them
+    #: Of the change to none: of a spread it is kept here, of a change it follows from the state.
     log_ratio: float = 0.0
-    reference: float = 0.0
+    reference: float = 0.0  #: scale, or share of outliers, before
 
 
 @dataclass
 class Antenna:
-    """The watch of one antenna.
+    """The watch of one antenna."""
 
-    Attributes
-    ----------
-    baseline, layout
-        What does not change.
-    nulls, detector
-        The running state.
-    threshold
-        Logarithm of what the mixture must reach.
-    slots
-        Confirmed alarms, those with states of the filter in their order first.
-    pending
-        The alarm that is being named, its number.
-    rows
-        Pointings taken in.
-    home
-        The states that make up the model of the past, (D,).
-    left
-        Offsets of the last row against that model, and its white sigma [rad], (2, 2).
-    """
-
+    #: `baseline`, `layout`: what does not change.
     baseline: Baseline
     layout: Layout
+    #: `nulls`, `detector`: the running state.
     nulls: Composite
     detector: Detector
-    threshold: float
+    threshold: float  #: logarithm of what the mixture must reach
+    #: Confirmed alarms, those with states of the filter in their order first.
     slots: list[Slot] = field(default_factory=list)
-    pending: int | None = None
-    rows: int = 0
+    pending: int | None = None  #: the alarm that is being named, its number
+    rows: int = 0  #: pointings taken in
     #: What was known of standing effects when the pending alarm was raised.
     unchanged_mean: Array = field(default_factory=lambda: np.zeros(0))
     unchanged_covariance: Array = field(default_factory=lambda: np.zeros(0))
+    #: The states that make up the model of the past, (D,).
     home: Array = field(default_factory=lambda: np.zeros(0))
+    #: Offsets of the last row against that model, and its white sigma [rad], (2, 2).
     left: Array = field(default_factory=lambda: np.full((2, 2), np.nan))
 
     @property

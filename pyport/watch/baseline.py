@@ -57,73 +57,33 @@ class TooFew(BadInput):
 
 @dataclass(frozen=True)
 class Nuisance:
-    """States of one kind that move offsets and are no alarm.
+    """States of one kind that move offsets and are no alarm."""
 
-    Attributes
-    ----------
-    term
-        Which columns: a term's place in the model, the name of a departure, `xel` or `el`.
-    of
-        `model`, `session`, `source`, `sources known`, `pointing` or `drift`.
-    mean
-        Before any reading, and again whenever the label changes, shape (k,).
-    covariance
-        Likewise, shape (k, k).
-    memory_s
-        Of a drift; infinite for what does not forget.
-    label
-        The one source whose rows it moves; "" for all that have no states of their own.
-    """
-
-    term: str
-    of: str
-    mean: Array
-    covariance: Array
-    memory_s: float = np.inf
+    term: str  #: which columns: a term's place in the model, the name of a departure, `xel` or `el`
+    of: str  #: `model`, `session`, `source`, `sources known`, `pointing` or `drift`
+    mean: Array  #: before any reading, and again whenever the label changes, shape (k,)
+    covariance: Array  #: likewise, shape (k, k)
+    memory_s: float = np.inf  #: of a drift; infinite for what does not forget
+    #: The one source whose rows it moves; "" for all that have no states of their own.
     label: str = ""
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """The past of one antenna, ready to be compared with what comes.
+    """The past of one antenna, ready to be compared with what comes."""
 
-    Attributes
-    ----------
-    antenna
-        Which.
-    model
-        The model, its terms fitted or given.
-    terms
-        Its fitted terms.
-    nuisances
-        The states.
-    white
-        White variance of a usual reading of either axis [rad^2], (2,).
-    scatter
-        Coefficients of the log-variance on `_follows`, (k,).
-    recorded_median
-        Median recorded error of either axis [rad], NaN where errors are not used, (2,).
-    coupling
-        Correlation of both axes' white scatter.
-    changes
-        What is watched for.
-    rows
-        Past pointings.
-    axes
-        What the offsets across and along are called on this mount.
-    """
-
-    antenna: str
-    model: Model
-    terms: tuple[Term, ...]
-    nuisances: tuple[Nuisance, ...]
-    white: Array
-    scatter: Array
+    antenna: str  #: which
+    model: Model  #: the model, its terms fitted or given
+    terms: tuple[Term, ...]  #: its fitted terms
+    nuisances: tuple[Nuisance, ...]  #: the states
+    white: Array  #: white variance of a usual reading of either axis [rad^2], (2,)
+    scatter: Array  #: coefficients of the log-variance on `_follows`, (k,)
+    #: Median recorded error of either axis [rad], NaN where errors are not used, (2,).
     recorded_median: Array
-    coupling: float
-    changes: tuple[Change, ...]
-    rows: int
-    axes: tuple[str, str]
+    coupling: float  #: correlation of both axes' white scatter
+    changes: tuple[Change, ...]  #: what is watched for
+    rows: int  #: past pointings
+    axes: tuple[str, str]  #: what the offsets across and along are called on this mount
 
     def design(self, at: Circumstances) -> tuple[Array, Array]:
         """Return what one of each state does to either axis, (n, D) each."""

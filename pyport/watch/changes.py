@@ -32,27 +32,14 @@ WEAK = 1e-6
 
 @dataclass(frozen=True)
 class Change:
-    """An effect whose coefficients may change.
+    """An effect whose coefficients may change."""
 
-    Attributes
-    ----------
-    effect
-        It, or the member of its family, as if it had always been there.
-    alike
-        Ids of all effects that the past recordings cannot distinguish from it, itself first.
-    share
-        Of the alarms' budget.
-    expected
-        Rms that the prior gives to readings that it moves, over their scatter.
-    prior
-        Covariance of the change of its coefficients, internal units, shape (k, k).
-    """
-
-    effect: Effect
+    effect: Effect  #: it, or the member of its family, as if it had always been there
+    #: Ids of all effects that the past recordings cannot distinguish from it, itself first.
     alike: tuple[str, ...]
-    share: float
-    expected: float
-    prior: Array
+    share: float  #: of the alarms' budget
+    expected: float  #: rms that the prior gives to readings that it moves, over their scatter
+    prior: Array  #: covariance of the change of its coefficients, internal units, shape (k, k)
 
     @property
     def names(self) -> list[str]:

@@ -40,26 +40,16 @@ class Level:
 
 @dataclass
 class Composite:
-    """The null.
+    """The null."""
 
-    Attributes
-    ----------
-    levels
-        The noise of the past, then the wilder ones.
-    log_weight
-        Probability of each level tonight, for each effect and, last, the model alone,
-        (1 + W, M + 1).
-    log_ratio
-        What each effect and the model alone have come to, beside the model alone with the
-        noise of the past, (M + 1,).
-    nights
-        Until now, tonight among them.
-    """
-
-    levels: tuple[Level, ...]
+    levels: tuple[Level, ...]  #: the noise of the past, then the wilder ones
+    #: Probability of each level tonight, for each effect and, last, the model alone, (1 + W, M +
+    #: 1).
     log_weight: Array = field(default_factory=lambda: np.zeros(0))
+    #: What each effect and the model alone have come to, beside the model alone with the noise of
+    #: the past, (M + 1,).
     log_ratio: Array = field(default_factory=lambda: np.zeros(0))
-    nights: int = 0
+    nights: int = 0  #: until now, tonight among them
 
 
 def begin(known: States, placed: Layout) -> Composite:

@@ -48,25 +48,14 @@ SPREADS = ("scatter_xel", "scatter_el", "outliers")
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the coefficients of all changes stand.
+    """Where the coefficients of all changes stand."""
 
-    Attributes
-    ----------
-    place
-        Column of each coefficient of each change, (M, p); the last column, which is zero, where a
-        change has fewer.
-    prior
-        Covariance of each change before any reading, (M, p, p).
-    log_share
-        Of the budget: changes first, then `SPREADS`, (M + 3,).
-    columns
-        C.
-    """
-
+    #: Column of each coefficient of each change, (M, p); the last column, which is zero, where a
+    #: change has fewer.
     place: NDArray[np.intp]
-    prior: Array
-    log_share: Array
-    columns: int
+    prior: Array  #: covariance of each change before any reading, (M, p, p)
+    log_share: Array  #: of the budget: changes first, then `SPREADS`, (M + 3,)
+    columns: int  #: C
 
     @property
     def members(self) -> int:
@@ -93,48 +82,31 @@ def layout(changes: tuple[Change, ...]) -> Layout:
 
 @dataclass
 class Detector:
-    """The state of the mixture.
+    """The state of the mixture."""
 
-    Attributes
-    ----------
-    log_mass
-        Logarithm of the likelihood ratio of each start and change, and of `SPREADS`, the sum of
-        those merged into it: (S, M + 3).
-    bias
-        What one of each coefficient made of the filter's states since each start, (S, C + 1, D).
-    mean, covariance
-        Of the coefficients, (S, M, p) and (S, M, p, p).
-    spread, spread_dof
-        Variance after a change of the scatter of either axis, over that before, and from how many
-        deviations, (S, 2).
-    outliers, readings
-        Since each start, (S,).
-    before
-        Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
-    stood
-        What each member of the composite null had come to at each start, (S, M + 1).
-    row, clock
-        When each start was, (S,).
-    begun
-        How many starts there were, those merged into others counted.
-    open
-        Whether new starts are taken: not while an alarm is being named.
-    """
-
+    #: Logarithm of the likelihood ratio of each start and change, and of `SPREADS`, the sum of
+    #: those merged into it: (S, M + 3).
     log_mass: Array
+    #: What one of each coefficient made of the filter's states since each start, (S, C + 1, D).
     bias: Array
+    #: `mean`, `covariance`: of the coefficients, (S, M, p) and (S, M, p, p).
     mean: Array
     covariance: Array
+    #: `spread`, `spread_dof`: variance after a change of the scatter of either axis, over that
+    #: before, and from how many deviations, (S, 2).
     spread: Array
     spread_dof: Array
+    #: `outliers`, `readings`: since each start, (S,).
     outliers: Array
     readings: Array
+    #: Scale of either axis, outliers and readings that the null knew at each start, (S, 4).
     before: Array
-    stood: Array
+    stood: Array  #: what each member of the composite null had come to at each start, (S, M + 1)
+    #: `row`, `clock`: when each start was, (S,).
     row: Array
     clock: Array
-    begun: int = 0
-    open: bool = True
+    begun: int = 0  #: how many starts there were, those merged into others counted
+    open: bool = True  #: whether new starts are taken: not while an alarm is being named
 
     def arrays(self) -> dict[str, Array]:
         """Return everything that one start holds, an array for each."""

@@ -35,29 +35,17 @@ BLOCK = 2**20
 
 @dataclass(frozen=True)
 class Cursor:
-    """How far a log was read.
+    """How far a log was read."""
 
-    Attributes
-    ----------
-    file
-        Name of the file, of a folder that of the last one begun.
-    inode, offset, fingerprint
-        Which file it is, the byte that comes next, and a hash of those before it.
-    lines
-        Lines read so far, or rows of a file that is read as a whole.
-    header
-        The lines above the rows.
-    changed
-        Time of the last change of a file that is read as a whole.
-    """
-
-    file: str = ""
+    file: str = ""  #: name of the file, of a folder that of the last one begun
+    #: `inode`, `offset`, `fingerprint`: which file it is, the byte that comes next, and a hash of
+    #: those before it.
     inode: int = 0
     offset: int = 0
     fingerprint: str = ""
-    lines: int = 0
-    header: str = ""
-    changed: float = 0.0
+    lines: int = 0  #: lines read so far, or rows of a file that is read as a whole
+    header: str = ""  #: the lines above the rows
+    changed: float = 0.0  #: time of the last change of a file that is read as a whole
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON holds it."""

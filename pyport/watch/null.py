@@ -41,40 +41,27 @@ SHARE_MEMORY = 1000.0
 
 @dataclass
 class Null:
-    """The state of the filter of one antenna.
+    """The state of the filter of one antenna."""
 
-    Attributes
-    ----------
-    mean, covariance
-        Of the states, (D,) and (D, D).
-    scale, dof
-        Variance of the innovations of either axis, and from how many it is known, (2,).
-    tail
-        One over the degrees of freedom of the innovations' distribution.
-    outliers, readings
-        Outliers and readings that the share of outliers is known from.
-    night_dof
-        From how many deviations a new night's scale is known.
-    learning
-        Whether scale and share of outliers follow the readings: not while an alarm is being named,
-        as what changed would pass for scatter.
-    clock, labels
-        Of the last row.
-    pointing
-        Time, azimuth and elevation of the first row of its pointing.
-    """
-
+    #: `mean`, `covariance`: of the states, (D,) and (D, D).
     mean: Array
     covariance: Array
+    #: `scale`, `dof`: variance of the innovations of either axis, and from how many it is known,
+    #: (2,).
     scale: Array = field(default_factory=lambda: np.ones(2))
     dof: Array = field(default_factory=lambda: np.full(2, 10.0))
-    tail: float = 0.1
+    tail: float = 0.1  #: one over the degrees of freedom of the innovations' distribution
+    #: `outliers`, `readings`: outliers and readings that the share of outliers is known from.
     outliers: float = 0.5
     readings: float = 50.0
-    night_dof: float = NIGHT_DOF
+    night_dof: float = NIGHT_DOF  #: from how many deviations a new night's scale is known
+    #: Whether scale and share of outliers follow the readings: not while an alarm is being named,
+    #: as what changed would pass for scatter.
     learning: bool = True
+    #: `clock`, `labels`: of the last row.
     clock: float = np.nan
     labels: dict[str, str] = field(default_factory=dict)
+    #: Time, azimuth and elevation of the first row of its pointing.
     pointing: tuple[float, float, float] = (np.nan, np.nan, np.nan)
 
     @property

@@ -15,42 +15,23 @@ from pyport.watch.changes import columns
 
 @dataclass(frozen=True)
 class Rows:
-    """n rows of one antenna in the order of time.
+    """n rows of one antenna in the order of time."""
 
-    Attributes
-    ----------
-    value
-        Offsets less what the model gives before any fit [rad], (n, 2); NaN where not measured.
-    off
-        Offsets against the model of the past [rad], (n, 2).
-    nuisance, change
-        What one of each nuisance, and of each changed coefficient, does to either axis,
-        (n, 2, D) and (n, 2, C).
-    variance
-        White variance of the readings [rad^2], (n, 2).
-    clock
-        Time [s since 1970], or the number of the row where none is recorded.
-    timed
-        Whether the clock is a time.
-    labels
-        Session and source of each row.
-    az, el
-        Where [rad].
-    order
-        Which of the recordings each row is.
-    """
-
+    #: Offsets less what the model gives before any fit [rad], (n, 2); NaN where not measured.
     value: Array
-    off: Array
+    off: Array  #: offsets against the model of the past [rad], (n, 2)
+    #: `nuisance`, `change`: what one of each nuisance, and of each changed coefficient, does to
+    #: either axis, (n, 2, D) and (n, 2, C).
     nuisance: Array
     change: Array
-    variance: Array
-    clock: Array
-    timed: bool
-    labels: dict[str, list[str]]
+    variance: Array  #: white variance of the readings [rad^2], (n, 2)
+    clock: Array  #: time [s since 1970], or the number of the row where none is recorded
+    timed: bool  #: whether the clock is a time
+    labels: dict[str, list[str]]  #: session and source of each row
+    #: `az`, `el`: where [rad].
     az: Array
     el: Array
-    order: NDArray[np.intp]
+    order: NDArray[np.intp]  #: which of the recordings each row is
 
     def __len__(self) -> int:
         """Return n."""

@@ -28,32 +28,17 @@ KEPT_EVERY_S = 30.0
 
 @dataclass(frozen=True)
 class Options:
-    """What to watch, and how.
+    """What to watch, and how."""
 
-    Attributes
-    ----------
-    log
-        A file that grows, or a folder of files.
-    model
-        A name or a file.
-    out
-        Folder of the state, the events, the status and the metrics.
-    given
-        What the log itself does not say.
-    history
-        Past recordings; None for the first ones of the log, `burn_in` of them, or `enough`.
-    command
-        Run for each event.
-    """
-
-    log: Path
-    model: str
-    out: Path
-    given: FileOptions = NOTHING
+    log: Path  #: A file that grows, or a folder of files
+    model: str  #: A name or a file
+    out: Path  #: folder of the state, the events, the status and the metrics
+    given: FileOptions = NOTHING  #: what the log itself does not say
+    #: Past recordings; None for the first ones of the log, `burn_in` of them, or `enough`.
     history: str | None = None
     burn_in: int | None = None
     pointings_per_false_alarm: float = POINTINGS_PER_FALSE_ALARM
-    command: str = ""
+    command: str = ""  #: run for each event
 
 
 @dataclass

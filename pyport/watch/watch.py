@@ -37,24 +37,12 @@ SHOWN = 500
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened to an alarm.
+    """Something that happened to an alarm."""
 
-    Attributes
-    ----------
-    number
-        Of the event, from 1, without gaps.
-    event
-        `raised`, `renamed`, `confirmed`, `withdrawn` or `over`.
-    row
-        The recording that brought it, from 1.
-    alarm
-        As it then was.
-    """
-
-    number: int
-    event: str
-    row: int
-    alarm: dict[str, Any]
+    number: int  #: of the event, from 1, without gaps
+    event: str  #: `raised`, `renamed`, `confirmed`, `withdrawn` or `over`
+    row: int  #: the recording that brought it, from 1
+    alarm: dict[str, Any]  #: as it then was
 
 
 @dataclass(frozen=True)
