@@ -257,12 +257,7 @@ class Innovation:
 
 
 def take(
-    null: Null,
-    axis: int,
-    reading: float,
-    column: Array,
-    variance: float,
-    held: float | None = None,
+    null: Null, axis: int, reading: float, column: Array, variance: float, held: float | None = None
 ) -> Innovation:
     """Take in a reading: predict it, compare, update states and scale.
 

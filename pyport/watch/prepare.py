@@ -55,10 +55,7 @@ def prepare(baseline: Baseline, recordings: Recordings, home: Array | None = Non
     nuisance = np.stack(baseline.design(recordings.at), axis=1)
     off = value if home is None else value - nuisance @ home
     value = value.copy()
-    change = np.stack(
-        columns([one.effect for one in baseline.changes], recordings.at),
-        axis=1,
-    )
+    change = np.stack(columns([one.effect for one in baseline.changes], recordings.at), axis=1)
     variance = baseline.variance(recordings)
     if baseline.coupling:
         # what the axes share is taken out of elevation where both were measured
