@@ -77,7 +77,7 @@ def begin(
     """Return the watch at its beginning; the threshold keeps one false alarm in so many."""
     first = nulls.levels[0]
     home = first.null.mean * np.array([of == "model" for of in first.states.of])
-    empty = detector.fresh(placed, len(home))
+    empty = detector.fresh(placed, first.null)
     return Antenna(baseline, placed, nulls, empty, log(pointings_per_false_alarm), home=home)
 
 

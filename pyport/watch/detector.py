@@ -118,28 +118,15 @@ class Detector:
             setattr(self, name, values[index])
 
 
-def fresh(known: Layout, states: int) -> Detector:
+def fresh(known: Layout, null: Null) -> Detector:
     """Return a detector without any start."""
-    members, widest = known.place.shape
-    return Detector(
-        np.zeros((0, members + len(SPREADS))),
-        np.zeros((0, known.columns + 1, states)),
-        np.zeros((0, members, widest)),
-        np.zeros((0, members, widest, widest)),
-        np.zeros((0, 2)),
-        np.zeros((0, 2)),
-        np.zeros(0),
-        np.zeros(0),
-        np.zeros((0, 4)),
-        np.zeros((0, members + 1)),
-        np.zeros(0),
-        np.zeros(0),
-    )
+    one = _begun(known, null, 0, 0.0, np.zeros(known.members + 1))
+    return Detector(**{name: values[None][:0] for name, values in one.items()})
 
 
 def standing(known: Layout, null: Null) -> Detector:
     """Return the effects that may have stood all along, from here on."""
-    found = fresh(known, len(null.mean))
+    found = fresh(known, null)
     start(found, known, null, 0, 0.0, np.zeros(known.members + 1))
     return found
 
@@ -154,10 +141,18 @@ def start(
     detector.begun += 1
     if len(detector.row) == STARTS:
         _merge(detector, known, row)
-    new = {
-        "log_mass": np.zeros(detector.log_mass.shape[1:]),
+    new = _begun(known, null, row, clock, stood)
+    for name, values in detector.arrays().items():
+        setattr(detector, name, np.concatenate([values, new[name][None]]))
+
+
+def _begun(known: Layout, null: Null, row: int, clock: float, stood: Array) -> dict[str, Array]:
+    """Return what one start holds before any reading."""
+    members, widest = known.place.shape
+    return {
+        "log_mass": np.zeros(members + len(SPREADS)),
         "bias": np.zeros((known.columns + 1, len(null.mean))),
-        "mean": np.zeros(detector.mean.shape[1:]),
+        "mean": np.zeros((members, widest)),
         "covariance": known.prior,
         "spread": np.ones(2),
         "spread_dof": np.full(2, SPREAD_DOF),
@@ -168,8 +163,6 @@ def start(
         "row": np.array(float(row)),
         "clock": np.array(clock),
     }
-    for name, values in detector.arrays().items():
-        setattr(detector, name, np.concatenate([values, new[name][None]]))
 
 
 def _merge(detector: Detector, known: Layout, row: int) -> None:
@@ -215,7 +208,7 @@ def update(
     """
     if not len(detector.row):
         return
-    scale, degrees, share, tail = before
+    scale, degrees, share, _ = before
     value = one.value
     wide = log_gross(value * value, scale, share)
     usual = float(log_density(value * value, scale, degrees, share, wide))
@@ -236,29 +229,20 @@ def update(
     detector.mean += gain * missed[:, :, None]
     detector.covariance -= gain[..., :, None] * along[..., None, :]
     detector.bias += seen[:, :, None] * one.gain
-    _spread(detector, members, one, scale, degrees, share, wide, usual, tail)
+    _spread(detector, members, one, before, usual)
     _outlying(detector, members, share, outlier=outlying(value * value / scale, degrees))
 
 
 def _spread(
-    detector: Detector,
-    members: int,
-    one: Innovation,
-    scale: float,
-    degrees: float,
-    share: float,
-    wide: float,
-    usual: float,
-    tail: float,
+    detector: Detector, members: int, one: Innovation, before: Predictive, usual: float
 ) -> None:
     """Take an innovation for one of another scatter on its axis."""
+    scale, degrees, share, tail = before
     axis, square = one.axis, one.value**2
-    variance = scale * detector.spread[:, axis]
     dof = detector.spread_dof[:, axis]
-    wider = 1 / (1 / degrees + 1 / dof)
-    place = members + axis
-    density = log_density(square, variance, wider, share, wide)
-    detector.log_mass[:, place] += density - usual
+    wider, variance = 1 / (1 / degrees + 1 / dof), scale * detector.spread[:, axis]
+    density = log_density(square, variance, wider, share, log_gross(square, scale, share))
+    detector.log_mass[:, members + axis] += density - usual
     # a gross error is none of the scatter's
     capped = min(square / scale, OUTLIER**2 * float(detector.spread[:, axis].max()))
     detector.spread[:, axis] = learnt(detector.spread[:, axis], dof, capped, 1.0, tail)
@@ -268,11 +252,8 @@ def _spread(
 def _outlying(detector: Detector, members: int, before: float, *, outlier: bool) -> None:
     """Count an outlier, or none, against the shares before and after a change for the worse."""
     after = np.maximum(detector.outliers / detector.readings, before)
-    place = members + len(SPREADS) - 1
-    if outlier:
-        detector.log_mass[:, place] += np.log(after) - log(before)
-    else:
-        detector.log_mass[:, place] += np.log1p(-after) - log1p(-before)
+    ratio = np.log(after) - log(before) if outlier else np.log1p(-after) - log1p(-before)
+    detector.log_mass[:, members + len(SPREADS) - 1] += ratio
     detector.outliers = detector.outliers + outlier
     detector.readings = detector.readings + 1
 

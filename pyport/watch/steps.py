@@ -1,4 +1,4 @@
-"""From row to row: filter, detector, alarms."""
+"""From row to row: filter, detector, alarms; a confirmed change becomes a state of the filter."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from math import log
 import numpy as np
 
 from pyport.watch import composite, detector, null
-from pyport.watch.adopt import adopt, adopt_omitted, adopt_spread, release
-from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm
-from pyport.watch.antenna import Antenna, Slot, first_state, state_columns
-from pyport.watch.detector import SPREADS
-from pyport.watch.naming import name, resize
+from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm, name, resize
+from pyport.watch.antenna import Antenna, Slot, columns_of, first_state, state_columns
+from pyport.watch.detector import SPREADS, Detector
 from pyport.watch.null import Innovation, Predictive
 from pyport.watch.prepare import Rows
 
@@ -107,7 +105,7 @@ def _afresh(watch: Antenna) -> None:
     watch.pending = None
     for level in watch.nulls.levels:
         level.null.learning = True
-    watch.detector = detector.fresh(watch.layout, len(watch.null.mean))
+    watch.detector = detector.fresh(watch.layout, watch.null)
     watch.nulls.log_ratio = np.zeros_like(watch.nulls.log_ratio)
 
 
@@ -187,3 +185,77 @@ def _refreshed(watch: Antenna, slot: Slot, alarm: Alarm) -> float:
     _, after = np.linalg.slogdet(covariance)
     distance = float(mean @ np.linalg.solve(covariance, mean))
     return 0.5 * (float(after - before) + distance / float(watch.null.scale.mean()))
+
+
+def adopt_omitted(watch: Antenna, change: int, again: Slot | None) -> None:
+    """Make an effect that stood all along a state of the filter; what else did is open again."""
+    stands = watch.standing
+    adopt(watch, 0, change, again, stands)
+    stands.mean[:] = 0.0
+    stands.covariance[0, change] = 0.0
+
+
+def adopt(watch: Antenna, start: int, change: int, again: Slot | None, own: Detector) -> None:
+    """Make the coefficients of a change states of the filter, with all that is known of them.
+
+    `own` holds what was learnt of them. Given the coefficients t the filter is off by bias t: its
+    mean for the changed telescope is m - bias t, t being of the mean and covariance in `own`.
+    """
+    filtered = watch.null
+    places = columns_of(watch, change)
+    size = len(places)
+    bias = own.bias[start, places].T
+    mean, spread = own.mean[start, change, :size], own.covariance[start, change, :size, :size]
+    cross = -bias @ spread
+    joint_mean = np.concatenate([filtered.mean - bias @ mean, mean])
+    whole = filtered.covariance + bias @ spread @ bias.T
+    joint = np.block([[whole, cross], [cross.T, spread]])
+    if again is not None:
+        # the same coefficients changed once more: what counts from now on is the sum
+        first = first_state(watch, again)
+        fold = np.eye(len(filtered.mean), len(joint_mean))
+        fold[first : first + size, len(filtered.mean) :] = np.eye(size)
+        joint_mean, joint = fold @ joint_mean, fold @ joint @ fold.T
+    else:
+        behind = sum(one.change < watch.layout.members for one in watch.slots)
+        watch.slots.insert(behind, Slot(watch.pending or 0, change))
+        # what stood all along made as much of the change as of what the change was made of
+        bias = watch.standing.bias
+        watch.standing.bias = np.concatenate([bias, np.zeros((*bias.shape[:2], size))], axis=2)
+    filtered.mean, filtered.covariance = joint_mean, (joint + joint.T) / 2
+
+
+def adopt_spread(watch: Antenna, alarm: Alarm, start: int, change: int, again: Slot | None) -> None:
+    """Go on with another scatter, or another share of outliers."""
+    own, filtered, axis = watch.detector, watch.null, change - watch.layout.members
+    if again is None:
+        reference = float(filtered.scale[axis]) if axis < 2 else filtered.share
+        again = Slot(alarm.number, change, 0.0, reference)
+        watch.slots.append(again)
+    again.log_ratio = alarm.log_ratio
+    if axis < 2:
+        filtered.scale[axis] *= own.spread[start, axis]
+        filtered.dof[axis] = min(own.spread_dof[start, axis], filtered.dof[axis])
+    else:
+        filtered.outliers = float(own.outliers[start])
+        filtered.readings = float(own.readings[start])
+
+
+def release(watch: Antenna, slot: Slot) -> None:
+    """Go on as if a change had never been: its coefficients are zero."""
+    filtered = watch.null
+    if slot.change < watch.layout.members:
+        first = first_state(watch, slot)
+        own = np.arange(first, first + len(watch.baseline.changes[slot.change].prior))
+        others = np.delete(np.arange(len(filtered.mean)), own)
+        gain = np.linalg.solve(
+            filtered.covariance[np.ix_(own, own)], filtered.covariance[np.ix_(own, others)]
+        ).T
+        filtered.mean = filtered.mean[others] - gain @ filtered.mean[own]
+        filtered.covariance = (
+            filtered.covariance[np.ix_(others, others)]
+            - gain @ filtered.covariance[np.ix_(own, others)]
+        )
+        for one in (watch.detector, watch.standing):
+            one.bias = one.bias[:, :, others] - one.bias[:, :, own] @ gain.T
+    watch.slots.remove(slot)

@@ -9,7 +9,7 @@ from scipy.special import logsumexp
 
 from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
-from pyport.watch import adopt, antenna, composite, detector, null, steps
+from pyport.watch import antenna, composite, detector, null, steps
 from pyport.watch.baseline import past
 from pyport.watch.calibrate import calibrated
 from pyport.watch.prepare import prepare
@@ -64,7 +64,7 @@ def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known
             null.take(one, axis, rows.value[n, axis], column, rows.variance[n, axis])
     assert watch.detector.row[first] == 1
     watch.pending = 1
-    adopt.adopt(watch, first, change, None, watch.detector)
+    steps.adopt(watch, first, change, None, watch.detector)
 
     sigma = np.sqrt(np.diag(one.covariance))
     assert np.abs((watch.null.mean - one.mean) / sigma).max() < 1e-5
@@ -83,7 +83,7 @@ def test_every_likelihood_ratio_has_the_expectation_one(known):
     layout = detector.layout(baseline.changes)
     scale, degrees, share, tail = 1.3, 20.0, 0.01, 0.05
     before = null.Predictive(scale, degrees, share, tail)
-    own = detector.fresh(layout, len(states))
+    own = detector.fresh(layout, start)
     detector.start(own, layout, start, 1, 0.0, np.zeros(layout.members + 1))
 
     def told(own, value, n, axis):
@@ -113,9 +113,9 @@ def test_every_likelihood_ratio_has_the_expectation_one(known):
 def test_starts_are_kept_near_and_thinned_far(known):
     """However long one watches there are as many starts, the newest ones without a gap."""
     baseline, nulls, _ = known
-    start, states = nulls.levels[0].null, nulls.levels[0].states
+    start = nulls.levels[0].null
     layout = detector.layout(baseline.changes)
-    own = detector.fresh(layout, len(states))
+    own = detector.fresh(layout, start)
     for row in range(1, 2000):
         detector.start(own, layout, start, row, float(row), np.zeros(layout.members + 1))
 
@@ -132,7 +132,7 @@ def test_a_ratio_is_taken_to_the_best_of_what_may_have_stood(known):
     """Nothing that an effect explains that was always there counts for a change since."""
     baseline, nulls, rows = deepcopy(known)
     first, layout = nulls.levels[0], detector.layout(baseline.changes)
-    own = detector.fresh(layout, len(first.states))
+    own = detector.fresh(layout, first.null)
     for n in range(4):
         composite.advance(nulls, rows, n)
         detector.start(own, layout, first.null, n, float(n), nulls.log_ratio)
