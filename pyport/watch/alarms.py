@@ -48,10 +48,8 @@ class Alarm:
 
     number: int  #: of the alarm, from 1, over all antennas
     antenna: str  #: whose
-    #: `raised`, `raised_row`: time [s since 1970, or row] and number of the pointing that raised
-    #: it.
-    raised: float
-    raised_row: int
+    raised: float  #: time of the pointing that raised it [s since 1970, or row]
+    raised_row: int  #: its number
     #: `raised`, while it is being named; `confirmed`; `withdrawn`, as the data came to speak
     #: against it; `over`, as the telescope went back.
     state: str = RAISED
@@ -108,35 +106,10 @@ def moment(value: float | None, *, timed: bool) -> str | float | None:
     return f"{np.datetime64(round(value), 's')}Z" if timed else value
 
 
-def parameters(change: Change, mean: Array, covariance: Array) -> list[dict[str, Any]]:
-    """Return the changed coefficients in their units."""
-    found = []
-    for n, (name, one) in enumerate(zip(change.names, change.effect.coefficients, strict=True)):
-        scale = abs(one.scale)
-        sigma = math.sqrt(max(float(covariance[n, n]), 0.0)) / scale
-        value = float(mean[n]) / one.scale
-        found.append({"name": name, "value": value, "sigma": sigma, "unit": one.unit})
-    return found
-
-
-def moves(change: Change, mean: Array, sigma: float) -> float:
-    """Return the rms that a change adds to the past pointings that it acts on [arcsec].
-
-    The prior moves readings by `expected` times `sigma` [rad], k directions together.
-    """
-    size = float(mean @ np.linalg.solve(change.prior, mean))
-    return change.expected * math.sqrt(max(size, 0.0) / len(mean)) * sigma / ARCSEC
-
-
 def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple[str, ...], float]]:
     """Return what makes up `NAMED` of the probability together, likeliest first.
 
-    Parameters
-    ----------
-    names
-        For each change the ids of all effects that it stands for.
-    chance
-        Probability of each change.
+    `names` are the ids of all effects that each change stands for, `chance` is its probability.
     """
     total: dict[tuple[str, ...], float] = {}
     for alike, one in zip(names, chance, strict=True):
@@ -144,15 +117,6 @@ def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple
     order = sorted(total.items(), key=lambda item: -item[1])
     reached = np.cumsum([one for _, one in order])
     return order[: 1 + int(np.searchsorted(reached, NAMED))]
-
-
-def describe_spread(alarm: Alarm, size: float, axis: str) -> None:
-    """Put an alarm of scatter on an axis, or of outliers, into words.
-
-    `size` is the ratio of scatter or the share of outliers.
-    """
-    alarm.sentence = _SPREAD_WORDS[alarm.effect].format(size=size, axis=axis)
-    alarm.next = _SPREAD_NEXT[alarm.effect]
 
 
 def describe(alarm: Alarm, change: Change) -> None:
@@ -174,9 +138,8 @@ def describe(alarm: Alarm, change: Change) -> None:
         alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}"
         alarm.next = f"check it at the telescope; if it stays, fit {alarm.effect} anew"
         return
-    some = "; ".join(
-        f"{' or '.join(alike)} ({chance:.0%})" for alike, chance in alarm.members[:_SHOWN]
-    )
+    likely = alarm.members[:_SHOWN]
+    some = "; ".join(f"{' or '.join(alike)} ({chance:.0%})" for alike, chance in likely)
     alarm.sentence = f"{pattern}; changed by {sizes} if it is {alarm.effect}; could be {some}"
     ids = [one for alike, _ in alarm.members for one in alike if one not in SPREADS]
     alarm.next = decide_by(ids[:2]) or "go on observing: more pointings will tell"
@@ -244,11 +207,18 @@ def _date(own: Detector, alarm: Alarm, start: int, chance: Array) -> None:
 
 def resize(watch: Antenna, alarm: Alarm, change: int, mean: Array, covariance: Array) -> None:
     """Say how large a change is, and put it into words."""
-    one = watch.baseline.changes[change]
-    alarm.parameters = parameters(one, mean, covariance)
-    sigma = float(np.sqrt(watch.baseline.white.mean()))
-    alarm.moves_arcsec = moves(one, mean, sigma)
-    describe(alarm, one)
+    own = watch.baseline.changes[change]
+    sigmas = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
+    some = zip(own.names, own.effect.coefficients, mean.tolist(), sigmas, strict=True)
+    alarm.parameters = [
+        {"name": name, "value": x / one.scale, "sigma": sigma / abs(one.scale), "unit": one.unit}
+        for name, one, x, sigma in some
+    ]
+    # the prior moves readings by `expected` times their scatter, k directions together
+    rms = math.sqrt(max(float(mean @ np.linalg.solve(own.prior, mean)), 0.0) / len(mean))
+    scatter = float(np.sqrt(watch.baseline.white.mean())) / ARCSEC
+    alarm.moves_arcsec = own.expected * rms * scatter
+    describe(alarm, own)
 
 
 def _size_of_spread(watch: Antenna, alarm: Alarm, start: int, change: int) -> None:
@@ -263,4 +233,6 @@ def _size_of_spread(watch: Antenna, alarm: Alarm, start: int, change: int) -> No
         sigma = float(np.sqrt(size * (1 - size) / own.readings[start]))
     unit = "times" if axis < 2 else "of readings"
     alarm.parameters = [{"name": alarm.effect, "value": size, "sigma": sigma, "unit": unit}]
-    describe_spread(alarm, size, watch.baseline.axes[min(axis, 1)])
+    called = watch.baseline.axes[min(axis, 1)]
+    alarm.sentence = _SPREAD_WORDS[alarm.effect].format(size=size, axis=called)
+    alarm.next = _SPREAD_NEXT[alarm.effect]

@@ -61,6 +61,11 @@ class Antenna:
         return self.nulls.levels[0].standing
 
     @property
+    def white(self) -> Array:
+        """Return the white scatter of either axis as it is now [rad], (2,)."""
+        return np.sqrt(self.baseline.white * self.null.scale)
+
+    @property
     def evidence(self) -> float:
         """Return the logarithm of the mixture."""
         return detector.evidence(self.detector, self.layout, self.nulls.log_ratio)
@@ -76,7 +81,7 @@ def begin(
 ) -> Antenna:
     """Return the watch at its beginning; the threshold keeps one false alarm in so many."""
     first = nulls.levels[0]
-    home = first.null.mean * np.array([of == "model" for of in first.states.of])
+    home = first.null.mean * (first.states.of == "model")
     empty = detector.fresh(placed, first.null)
     return Antenna(baseline, placed, nulls, empty, log(pointings_per_false_alarm), home=home)
 

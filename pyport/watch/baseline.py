@@ -130,16 +130,7 @@ def _rows_of(at: Circumstances, one: Nuisance, known: Collection[str]) -> Array:
 
 
 def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
-    """Return what past recordings say.
-
-    Parameters
-    ----------
-    history
-        Recordings before the watch begins.
-    model
-        Its terms that are not fixed are fitted to them.
-    antenna
-        Whose, of several.
+    """Return what past recordings, of one antenna where there are several, say of a model.
 
     Raises
     ------
@@ -162,7 +153,11 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     nuisances = (
         *_terms(fitted, terms),
         *_departures(fitted, history),
-        *_pointings(white, within),
+        *(
+            Nuisance(name, "pointing", np.zeros(1), np.array([[white[axis]]]))
+            for axis, name in enumerate(("xel", "el"))
+            if within[axis] > 0
+        ),
         *_drifts(fitted),
     )
     whole = np.where(within > 0, within, white)
@@ -208,10 +203,9 @@ def _terms(fitted: Fit, terms: Sequence[Term]) -> list[Nuisance]:
     largest = BEYOND * float(np.abs(fitted.stack.value).max(initial=1e-6))
     found = []
     for n, term in enumerate(terms):
-        values = np.array([one.value for one in fitted.coefficients if one.term is term])
-        given = np.array(
-            [term.given(one.labels) for one in fitted.coefficients if one.term is term]
-        )
+        own = [one for one in fitted.coefficients if one.term is term]
+        values = np.array([one.value for one in own])
+        given = np.array([term.given(one.labels) for one in own])
         size = len(term.effect.coefficients)
         if "session" in term.per and len(values) > 1:
             values = np.nan_to_num(values - given)
@@ -241,21 +235,9 @@ def _departures(fitted: Fit, recordings: Recordings) -> list[Nuisance]:
         found.append(Nuisance(one.term, one.of, *states))
         if one.of == "source":
             name, visits = np.unique(recordings.label("source").astype(str), return_counts=True)
-            most = name[np.argsort(-visits, kind="stable")[:MOST_SOURCES]]
-            found += [
-                Nuisance(one.term, "sources known", *states, label=str(each))
-                for each in most
-                if each
-            ]
+            most = filter(None, name[np.argsort(-visits, kind="stable")[:MOST_SOURCES]].tolist())
+            found += [Nuisance(one.term, "sources known", *states, label=each) for each in most]
     return found
-
-
-def _pointings(white: Array, within: Array) -> list[Nuisance]:
-    return [
-        Nuisance(name, "pointing", np.zeros(1), np.array([[white[axis]]]))
-        for axis, name in enumerate(("xel", "el"))
-        if within[axis] > 0
-    ]
 
 
 def _drifts(fitted: Fit) -> list[Nuisance]:
@@ -302,13 +284,9 @@ def _scatter(fitted: Fit) -> tuple[Array, Array]:
     median = np.full(2, np.nan)
     if recorded(recordings, data) is not None:
         known = np.where(np.isfinite(sigma) & (sigma > 0), sigma, np.nan)
-        median = np.array([_median(one) for one in known.T])
+        some = [one[np.isfinite(one)] for one in known.T]
+        median = np.array([np.median(one) if len(one) else np.nan for one in some])
     follows = _follows(recordings.at, sigma / median)[data.row, data.is_y.astype(int)]
     wanted = -np.log(fitted.noise.precision)
     inner = follows.T @ follows + DOUBT * np.eye(follows.shape[1])
     return np.linalg.solve(inner, follows.T @ wanted), median
-
-
-def _median(values: Array) -> float:
-    known = values[np.isfinite(values)]
-    return float(np.median(known)) if len(known) else np.nan

@@ -72,7 +72,8 @@ def members(at: Circumstances) -> list[Effect]:
         if not effect.physical or effect.changes_with == "time":
             continue
         try:
-            found += [_always(effect)] if effect.is_change else effect.variants(at)
+            some = [effect.make(since_s=0.0)] if effect.make and effect.is_change else []
+            found += some or effect.variants(at)
         except MissingColumn:
             continue
     return found
@@ -94,30 +95,16 @@ def together(some: Sequence[Effect]) -> Effect:
     )
 
 
-def _always(effect: Effect) -> Effect:
-    if effect.make is None:
-        raise ValueError(f"{effect.id} is a change, and nothing makes its members")
-    return effect.make(since_s=0.0)
-
-
 def possible(
     at: Circumstances,
     variance: Array,
     terms: Sequence[Effect] = (),
     departing: Collection[str] = (),
 ) -> tuple[Change, ...]:
-    """Return the changes to watch for.
+    """Return the changes to watch for, in what the past pointings show.
 
-    Parameters
-    ----------
-    at
-        The past pointings.
-    variance
-        Of a reading of either axis there [rad^2], shape (n, 2); infinite where none was taken.
-    terms
-        The model's, which may also change all at once.
-    departing
-        Labels whose departures are noise: what belongs to them is none of the telescope's.
+    `variance` (n, 2) is that of their readings [rad^2], infinite where none was taken; the model's
+    `terms` may also change all at once; what belongs to `departing` labels is noise.
     """
     kept: list[_Kept] = []
     scale = 1 / np.sqrt(variance)
@@ -143,15 +130,15 @@ def possible(
     count = Counter(one.effect.id for one in kept)
     mounts = sum(one.mount for one in kept)
     others = len({one.effect.id for one in kept if not one.mount})
+    rest = 1 - SPREAD_SHARE - (MOUNT_SHARE if mounts else 0.0)
     found = []
     for one in kept:
-        share = MOUNT_SHARE / mounts if one.mount else _rest(mounts) / others
+        share = MOUNT_SHARE / mounts if one.mount else rest / others
         unit = _unit(*columns([one.effect], at), variance)
         sizes = (EXPECTED, WORKED_ON) if one.mount else (EXPECTED,)
         share /= count[one.effect.id] * len(sizes)
-        found += [
-            Change(one.effect, tuple(one.names), share, size, size**2 * unit) for size in sizes
-        ]
+        names = tuple(one.names)
+        found += [Change(one.effect, names, share, size, size**2 * unit) for size in sizes]
     return tuple(found)
 
 
@@ -190,10 +177,6 @@ def _size(some: Sequence[Effect]) -> int:
     return sum(len(one.coefficients) for one in some)
 
 
-def _rest(mount: int) -> float:
-    return 1 - SPREAD_SHARE - (MOUNT_SHARE if mount else 0.0)
-
-
 def _frame(white: Array) -> Array:
     """Return orthonormal directions of some columns, those of no length left out."""
     length = np.linalg.norm(white, axis=0)
@@ -208,8 +191,7 @@ def _unit(x: Array, y: Array, variance: Array) -> Array:
     length[length == 0] = 1.0
     power, vectors = np.linalg.eigh(products / np.outer(length, length))
     power = np.maximum(power, WEAK * power.max())
-    moved = ((x != 0).any(axis=1)[:, None] & np.isfinite(variance[:, :1])).sum() + (
-        (y != 0).any(axis=1)[:, None] & np.isfinite(variance[:, 1:])
-    ).sum()
+    acts = np.stack([(x != 0).any(axis=1), (y != 0).any(axis=1)], axis=1)
+    moved = (acts & np.isfinite(variance)).sum()
     inverse = (vectors / power) @ vectors.T / np.outer(length, length)
     return np.asarray(moved / len(products) * inverse)

@@ -19,14 +19,21 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pyport.angles import Array
+from pyport.noise.scatter import tails
 from pyport.watch import detector, null
-from pyport.watch.detector import Detector, Layout
+from pyport.watch.baseline import LEAST_DOF, Past
+from pyport.watch.detector import Detector, Layout, layout
 from pyport.watch.null import Innovation, Null, Predictive, States
-from pyport.watch.prepare import Rows
+from pyport.watch.prepare import Rows, prepare
 
 #: Drifts and departures of a wilder night, over those of the past: octaves, so that what lies
 #: between is within a factor of 1.4 of one. Nights wilder still are not in the promise.
 WILDER = (2.0, 4.0)
+#: Innovations whose prediction is doubtful by more than this share of their variance are not
+#: counted: they belong to the first pointings, when the model was not known.
+DOUBTFUL = 0.5
+#: Nights, and pointings in each, from which on their scatter can be compared.
+FEWEST_NIGHTS, FEWEST_IN_NIGHT = 3, 8
 
 
 @dataclass
@@ -119,3 +126,66 @@ def settle(own: Composite) -> None:
     first = own.levels[0]
     for level in own.levels[1:]:
         level.null, level.standing = deepcopy((first.null, first.standing))
+
+
+def calibrated(past: Past) -> tuple[Layout, Composite]:
+    """Return the null after the past recordings, its distribution that of their innovations."""
+    known, placed = null.states(past.baseline), layout(past.baseline.changes)
+    rows = prepare(past.baseline, past.recordings)
+    weights = past.weights[rows.order]
+    nulls = begin(known, placed)
+    found: list[tuple[float, str]] = []
+    for n in range(len(rows)):
+        advance(nulls, rows, n)
+        for axis in (0, 1):
+            if not np.isfinite(rows.value[n, axis]):
+                continue
+            held = float(weights[n, axis])
+            one, _, column = take(nulls, placed, rows, n, axis, held=held)
+            if one.sigma**2 * DOUBTFUL < rows.variance[n, axis] + _fresh(known, column):
+                found.append((one.value, rows.labels["session"][n]))
+    value = np.array([one for one, _ in found])
+    shape, scale = tails(value)
+    tail = 0.0 if shape.gross > 0 else shape.inverse
+    dof = max(len(value) / 2, null.NIGHT_DOF_LEAST)
+    degrees = 1 / (tail + 1 / dof)
+    outliers = float(sum(null.outlying(one, degrees) for one in (value / scale) ** 2))
+    for level in nulls.levels:
+        level.null = replace(
+            level.null,
+            scale=np.full(2, scale**2),
+            dof=np.full(2, dof),
+            tail=tail,
+            outliers=max(outliers, shape.gross * len(value)) + null.LEAST_GROSS * 100,
+            readings=len(value) + 100.0,
+            night_dof=_night_dof(value / scale, [name for _, name in found]),
+        )
+    # what they come to from now on is evidence, what they came to is none
+    nulls.log_ratio[:] = 0.0
+    return placed, nulls
+
+
+def _fresh(known: States, column: Array) -> float:
+    """Return the variance of a reading that departures and drifts make, whatever the past."""
+    own = known.covariance * (known.of != "model")
+    return float(column @ own @ column)
+
+
+def _night_dof(value: Array, names: list[str]) -> float:
+    """Return from how many deviations the scatter of another night is known by the past ones.
+
+    Scales of nights that differ by more than their few readings explain make it small: the
+    variance of a log-variance known from d deviations is 2 / d. From so few nights it is known
+    badly itself, and counts for more, as the variance of departures does.
+    """
+    sessions, number, count = np.unique(names, return_inverse=True, return_counts=True)
+    usual = np.minimum(value**2, null.OUTLIER**2)
+    mean = np.bincount(number, usual, len(sessions)) / count
+    many = count >= FEWEST_IN_NIGHT
+    if many.sum() < FEWEST_NIGHTS:
+        return null.NIGHT_DOF
+    expected = float(np.mean(usual**2) / np.mean(usual) ** 2 - 1) * float(np.mean(1 / count[many]))
+    excess = float(np.var(np.log(mean[many]), ddof=1)) - expected
+    nights = max(float(many.sum()) - 1, LEAST_DOF)
+    excess *= nights / (nights - 2)
+    return float(np.clip(2 / max(excess, 1e-6), null.NIGHT_DOF_LEAST, null.NIGHT_DOF_MOST))

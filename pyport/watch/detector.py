@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log, log1p
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,7 +147,7 @@ def start(
         setattr(detector, name, np.concatenate([values, new[name][None]]))
 
 
-def _begun(known: Layout, null: Null, row: int, clock: float, stood: Array) -> dict[str, Array]:
+def _begun(known: Layout, null: Null, row: int, clock: float, stood: Array) -> dict[str, Any]:
     """Return what one start holds before any reading."""
     members, widest = known.place.shape
     return {
@@ -197,14 +198,9 @@ def update(
     change: Array,
     before: Predictive,
 ) -> None:
-    """Take in an innovation.
+    """Take in an innovation, `before` being what it was predicted with.
 
-    Parameters
-    ----------
-    nuisance, change
-        The reading's columns of states (D,) and of coefficients (C,).
-    before
-        What the innovation was predicted with, the null having taken it in since.
+    `nuisance` and `change` are the reading's columns of states (D,) and of coefficients (C,).
     """
     if not len(detector.row):
         return

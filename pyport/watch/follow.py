@@ -11,7 +11,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +47,6 @@ class Cursor:
     header: str = ""  #: the lines above the rows
     changed: float = 0.0  #: time of the last change of a file that is read as a whole
 
-    def as_json(self) -> dict[str, Any]:
-        """Return it as JSON holds it."""
-        return asdict(self)
-
 
 @dataclass(frozen=True)
 class Batch:
@@ -59,22 +55,12 @@ class Batch:
     recordings: Recordings | None
     skipped: tuple[SetAside, ...]
     cursor: Cursor
-    lines: tuple[str, ...] = field(default=(), repr=False)
 
 
 def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> Iterator[Batch]:
     """Yield what a log has that was not read before; nothing where it has not grown.
 
-    Parameters
-    ----------
-    path
-        A file, or a folder of files of one format.
-    given
-        What the files themselves do not say.
-    cursor
-        How far they were read.
-    size
-        So many rows at once.
+    `path` is a file, or a folder of files of one format; `size` rows are yielded at once.
 
     Raises
     ------
@@ -84,18 +70,13 @@ def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> It
     if not path.is_dir():
         yield from _file(path, given, cursor, size)
         return
-    for one in _files(path, cursor.file):
+    some = (one for one in path.iterdir() if one.is_file() and not one.name.startswith("."))
+    for one in sorted(one for one in some if one.name >= cursor.file):
         if one.name != cursor.file:
             cursor = Cursor(one.name)
         for batch in _file(one, given, cursor, size):
             cursor = batch.cursor
             yield batch
-
-
-def _files(folder: Path, last: str) -> list[Path]:
-    """Return the files of a folder from the one on that was read last, by name."""
-    some = (one for one in folder.iterdir() if one.is_file() and not one.name.startswith("."))
-    return sorted(one for one in some if one.name >= last)
 
 
 def _file(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
@@ -216,7 +197,7 @@ def _beyond(
                     header,
                 )
                 if recordings is not None or skipped or cursor.header:
-                    yield Batch(recordings, skipped, cursor, tuple(rows))
+                    yield Batch(recordings, skipped, cursor)
 
 
 def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
@@ -284,15 +265,9 @@ def _interpreted(path: Path, given: FileOptions, header: str, rows: list[str]) -
 def joined(some: list[Recordings]) -> Recordings:
     """Return recordings with the same columns as one."""
     first = some[0]
-    at = first.at
-    columns = {name: np.concatenate([one.at.columns[name] for one in some]) for name in at.columns}
+    rows = ("x", "y", "sigma_x", "sigma_y", "line")
+    whole: dict[str, Any] = {k: np.concatenate([getattr(one, k) for one in some]) for k in rows}
     az, el = (np.concatenate([getattr(one.at, name) for one in some]) for name in ("az", "el"))
-    return replace(
-        first,
-        at=replace(at, az=az, el=el, columns=columns),
-        x=np.concatenate([one.x for one in some]),
-        y=np.concatenate([one.y for one in some]),
-        sigma_x=np.concatenate([one.sigma_x for one in some]),
-        sigma_y=np.concatenate([one.sigma_y for one in some]),
-        line=np.concatenate([one.line for one in some]),
-    )
+    names = first.at.columns
+    columns = {name: np.concatenate([one.at.columns[name] for one in some]) for name in names}
+    return replace(first, at=replace(first.at, az=az, el=el, columns=columns), **whole)

@@ -19,6 +19,8 @@ from pyport.watch.watch import Seen, Watch
 ZERO_OF, TILT_OF = 15, 30
 #: Elevations between which a pointing is suggested [deg].
 LOWEST_DEG, HIGHEST_DEG = 15.0, 80.0
+#: Where a row was, and what it was off by.
+_OFFSETS = ("az_deg", "el_deg", "xel_arcsec", "el_arcsec", "sigma_xel_arcsec", "sigma_el_arcsec")
 #: Directions that are suggested, so far apart from each other [rad].
 SUGGESTED, APART = 3, 20 * DEG
 
@@ -54,16 +56,7 @@ def tonight(rows: list[Seen], *, timed: bool) -> list[Seen]:
 
 def _row(one: Seen) -> list[float | None]:
     """Return time, azimuth and elevation [deg], offsets and their sigmas [arcsec], evidence."""
-    values = (
-        one.time,
-        one.az_deg,
-        one.el_deg,
-        one.xel_arcsec,
-        one.el_arcsec,
-        one.sigma_xel_arcsec,
-        one.sigma_el_arcsec,
-        one.evidence / math.log(10),
-    )
+    values = [getattr(one, name) for name in ("time", *_OFFSETS)] + [one.evidence / math.log(10)]
     return [round(value, 4) if math.isfinite(value) else None for value in values]
 
 
@@ -75,8 +68,7 @@ def running(rows: list[Seen]) -> list[dict[str, Any]]:
     """
     if not rows:
         return []
-    names = ("az_deg", "el_deg", "xel_arcsec", "el_arcsec", "sigma_xel_arcsec", "sigma_el_arcsec")
-    az, el, x, y, sigma_x, sigma_y = (np.array([getattr(r, n) for r in rows]) for n in names)
+    az, el, x, y, sigma_x, sigma_y = (np.array([getattr(r, n) for r in rows]) for n in _OFFSETS)
     tilt = _tilt(az * DEG, el * DEG)
     found = []
     for n in range(len(rows)):
@@ -106,14 +98,10 @@ def _mean(values: Array, sigma: Array) -> list[float] | None:
     if not good.any():
         return None
     weight = 1 / sigma[good] ** 2
-    mean = float(np.clip(values[good], *_clip(values[good], sigma[good])) @ weight / weight.sum())
+    middle, far = np.median(values[good]), 4 * sigma[good]
+    # outliers pull no further than four sigmas from the median
+    mean = float(np.clip(values[good], middle - far, middle + far) @ weight / weight.sum())
     return [round(mean, 4), round(float(1 / np.sqrt(weight.sum())), 4)]
-
-
-def _clip(values: Array, sigma: Array) -> tuple[Array, Array]:
-    """Return how far outliers may pull: four sigmas from the median."""
-    middle = float(np.median(values))
-    return middle - 4 * sigma, middle + 4 * sigma
 
 
 def _lean(columns: Array, x: Array, y: Array, sigma_x: Array, sigma_y: Array) -> dict[str, Any]:
@@ -170,8 +158,7 @@ def _deciding(own: Antenna) -> list[dict[str, Any]]:
         x, y = columns([changes[change].effect], at)
         value = detector.mean[start, change, :size]
         predicted.append(np.stack([x @ value, y @ value]))
-    white = np.sqrt(own.baseline.white * own.null.scale)[:, None]
-    differ = np.hypot(*((predicted[0] - predicted[1]) / white))
+    differ = np.hypot(*((predicted[0] - predicted[1]) / own.white[:, None]))
     names = " and ".join(changes[k].alike[0] for k in (first, second))
     found: list[dict[str, Any]] = []
     while len(found) < SUGGESTED and differ.max() > 0:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.special import gammaln
 
 from pyport.angles import Array
@@ -78,7 +79,7 @@ class Null:
 class States:
     """What becomes of the states from row to row: which label resets each, and its memory."""
 
-    of: tuple[str, ...]
+    of: NDArray[np.str_]
     mean: Array
     covariance: Array
     memory_s: Array
@@ -91,26 +92,19 @@ class States:
 
     def scaled(self, factor: float) -> Array:
         """Return by what covariances change where all that is not the model's is larger, (D, D)."""
-        size = np.where(np.array(self.of) == "model", 1.0, factor)
+        size = np.where(self.of == "model", 1.0, factor)
         return np.asarray(size[:, None] * size)
 
 
 def states(baseline: Baseline) -> States:
     """Return the states of a baseline."""
     some = baseline.nuisances
-    of = tuple(one.of for one in some for _ in one.mean)
-    size = len(of)
-    mean, covariance = np.zeros(size), np.zeros((size, size))
-    memory = np.full(size, np.inf)
-    start = 0
-    for one in some:
-        own = slice(start, start + len(one.mean))
-        mean[own], covariance[own, own], memory[own] = one.mean, one.covariance, one.memory_s
-        start += len(one.mean)
-    reset = {
-        label: np.array([each == label for each in of], bool)
-        for label in ("session", "source", "pointing")
-    }
+    sizes = np.array([len(one.mean) for one in some], int)
+    of = np.repeat(np.array([one.of for one in some], np.str_), sizes)
+    memory = np.repeat(np.array([one.memory_s for one in some], float), sizes)
+    reset = {label: of == label for label in ("session", "source", "pointing")}
+    mean = np.concatenate([np.zeros(0), *(one.mean for one in some)])
+    covariance = block_diag(np.zeros((0, 0)), *(one.covariance for one in some))
     return States(of, mean, covariance, memory, reset, np.isfinite(memory))
 
 
@@ -122,20 +116,14 @@ def begin(known: States) -> Null:
 def advance(null: Null, known: States, rows: Rows, n: int) -> tuple[Array, bool]:
     """Let the states go on to a row.
 
-    Returns
-    -------
-    kept
-        How much of what it was each state keeps, (D,). States added by alarms stand behind the
-        others and stay.
-    new
-        Whether the row begins another pointing.
+    Return how much of what it was each state keeps, (D,), and whether the row begins another
+    pointing. States added by alarms stand behind the others and stay.
     """
     new = begins(rows, n, null)
     kept = np.ones(len(null.mean))
     size = len(known)
-    changed = {
-        label: rows.labels[label][n] != null.labels.get(label) for label in ("session", "source")
-    }
+    here = {label: rows.labels[label][n] for label in ("session", "source")}
+    changed = {label: one != null.labels.get(label) for label, one in here.items()}
     changed["pointing"] = new
     if new:
         null.pointing = float(rows.clock[n]), float(rows.az[n]), float(rows.el[n])
@@ -156,7 +144,7 @@ def advance(null: Null, known: States, rows: Rows, n: int) -> tuple[Array, bool]
         null.covariance[:size, :size] += np.sqrt(fresh[:, None] * fresh) * known.covariance
         null.mean[:size] = kept[:size] * null.mean[:size] + (1 - kept[:size]) * known.mean
     null.clock = float(rows.clock[n])
-    null.labels = {label: rows.labels[label][n] for label in ("session", "source")}
+    null.labels = here
     return kept, new
 
 

@@ -25,14 +25,7 @@ class Outputs:
     The state of the watch is kept first and holds the last events; what was kept and not told is
     told at the next start, what was told is not told again. A command that was killed is run again.
 
-    Parameters
-    ----------
-    folder
-        Where the files are.
-    command
-        What is run for each event, its JSON on standard input; "" for nothing.
-    say
-        Prints an event.
+    `command` is run for each event, its JSON on standard input; "" is none. `say` prints an event.
     """
 
     def __init__(self, folder: Path, command: str, say: Callable[[Event], None]):
@@ -72,18 +65,11 @@ class Outputs:
             if one.number <= self.acted:
                 continue
             name = self.command[0]
-            told = os.environ | {
-                "PYPORT_EVENT": one.event,
-                "PYPORT_ALARM": str(one.alarm["number"]),
-            }
+            said = {"PYPORT_EVENT": one.event, "PYPORT_ALARM": str(one.alarm["number"])}
+            how: dict[str, Any] = {"env": os.environ | said, "timeout": PATIENCE_S}
             try:
-                done = subprocess.run(  # noqa: S603 - the user's own command
-                    self.command,
-                    input=line(one),
-                    text=True,
-                    env=told,
-                    timeout=PATIENCE_S,
-                    check=False,
+                done = subprocess.run(  # noqa: S603 - the user's command
+                    self.command, input=line(one), text=True, check=False, **how
                 )
                 if done.returncode:
                     yield f"{name}: exit status {done.returncode} at event {one.number}"

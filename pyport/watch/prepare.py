@@ -65,20 +65,7 @@ def prepare(baseline: Baseline, recordings: Recordings, home: Array | None = Non
         for part in (nuisance, change):
             part[both, 1] -= slope[:, None] * part[both, 0]
         variance[both, 1] *= 1 - baseline.coupling**2
-    labels = {
-        name: [str(one) for one in recordings.label(name).tolist()]
-        for name in ("session", "source")
-    }
-    return Rows(
-        value,
-        off,
-        nuisance,
-        change,
-        variance,
-        clock,
-        timed,
-        labels,
-        recordings.at.az,
-        recordings.at.el,
-        order,
-    )
+    names = ("session", "source")
+    labels = {name: list(map(str, recordings.label(name).tolist())) for name in names}
+    az, el = recordings.at.az, recordings.at.el
+    return Rows(value, off, nuisance, change, variance, clock, timed, labels, az, el, order)

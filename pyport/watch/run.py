@@ -6,7 +6,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from pyport.errors import BadInput
@@ -15,7 +15,7 @@ from pyport.recordings import write as write_recordings
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
-from pyport.watch.calibrate import FEWEST_IN_NIGHT, FEWEST_NIGHTS
+from pyport.watch.composite import FEWEST_IN_NIGHT, FEWEST_NIGHTS
 from pyport.watch.follow import Batch, Cursor
 from pyport.watch.outputs import Outputs
 from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch
@@ -64,9 +64,8 @@ class Process:
         out = self.options.out
         out.mkdir(parents=True, exist_ok=True)
         if not self.options.log.exists():
-            raise BadInput(
-                "no such log, expected a file or a folder of recordings", self.options.log
-            )
+            wrong = "no such log, expected a file or a folder of recordings"
+            raise BadInput(wrong, self.options.log)
         self.outputs = Outputs(out, self.options.command, self.say)
         if (out / STATE).is_file():
             past = self.options.history or str(out / HISTORY)
@@ -157,7 +156,7 @@ class Process:
         now = time.monotonic()
         self._behind = not at_once and now - self._kept < KEPT_EVERY_S
         if not self._behind:
-            state.save(self.watch, self.options.out / STATE, self.cursor.as_json())
+            state.save(self.watch, self.options.out / STATE, asdict(self.cursor))
             self._kept = now
         self._tell()
 

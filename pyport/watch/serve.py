@@ -65,14 +65,8 @@ class Live:
 def app(live: Live, host: str, port: int, token: str) -> Any:  # noqa: ANN401 - starlette's
     """Return the application.
 
-    Parameters
-    ----------
-    live
-        What is shown.
-    host, port
-        Where it is served: requests for another host, as a rebound name makes them, are refused.
-    token
-        What every request must carry as `?token=`; "" where none is needed.
+    Requests for another host, as a rebound name makes them, are refused, and those that do not
+    carry the token as `?token=`, where there is one.
     """
     from starlette.applications import Starlette
     from starlette.requests import Request

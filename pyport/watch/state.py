@@ -65,18 +65,12 @@ def key(watch: Watch) -> str:
 
 
 def save(watch: Watch, path: Path, beside: object = None) -> None:
-    """Write the state of a watch, whole or not at all.
-
-    Parameters
-    ----------
-    beside
-        Whatever else must be of the same moment, as JSON holds it: how far a log was read.
-    """
+    """Write the state of a watch, whole or not at all; with it what must be of the same moment."""
     told: dict[str, Any] = {name: getattr(watch, name) for name in _OF_WATCH}
     told["beside"] = beside
     told["alarms"] = [asdict(one) for one in watch.alarms.values()]
     told["events"] = [asdict(one) for one in watch.events]
-    told["recent"] = [_seen(one) for one in watch.recent]
+    told["recent"] = [list(vars(one).values())[:-1] for one in watch.recent]
     told["antennas"] = {}
     arrays: dict[str, NDArray[Any]] = {}
     for n, (name, own) in enumerate(watch.antennas.items()):
@@ -89,10 +83,6 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
     texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
     with write_whole(path, "wb") as file:
         np.savez(file, **(texts | arrays))
-
-
-def _seen(one: Seen) -> list[Any]:
-    return [getattr(one, each.name) for each in fields(Seen) if each.name != "events"]
 
 
 def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept beside it
@@ -113,25 +103,18 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
         wrong = "the state of a watch with another past, model or program"
         raise BadInput(f"{wrong}: move the folder away to begin anew", path)
     try:
-        _take_up(watch, told, arrays)
+        for name in _OF_WATCH:
+            setattr(watch, name, told[name])
+        watch.events = [Event(**one) for one in told["events"]]
+        watch.recent = [Seen(*one) for one in told["recent"]]
+        watch.alarms = {one["number"]: Alarm(**one) for one in told["alarms"]}
+        for alarm in watch.alarms.values():
+            alarm.members = [(tuple(alike), chance) for alike, chance in alarm.members]
+        for n, (name, own) in enumerate(watch.antennas.items()):
+            _restore(own, told["antennas"][name], arrays, n)
     except KeyError as error:
         raise BadInput(f"no state of a watch: it lacks {error}", path) from None
     return told["beside"]
-
-
-def _take_up(watch: Watch, told: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
-    for name in _OF_WATCH:
-        setattr(watch, name, told[name])
-    watch.alarms = {one["number"]: _alarm(one) for one in told["alarms"]}
-    watch.events = [Event(**one) for one in told["events"]]
-    watch.recent = [Seen(*one) for one in told["recent"]]
-    for n, (name, own) in enumerate(watch.antennas.items()):
-        _restore(own, told["antennas"][name], arrays, n)
-
-
-def _alarm(one: dict[str, Any]) -> Alarm:
-    members = [(tuple(alike), chance) for alike, chance in one["members"]]
-    return Alarm(**(one | {"members": members}))
 
 
 def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:

@@ -24,10 +24,7 @@ HALF = 0.5
 def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
     """Take in a row; return what happened to alarms, as `EVENT NUMBER`.
 
-    Parameters
-    ----------
-    every
-        Alarms by number, to which a new one is added, as `number`.
+    A new alarm is added to `every`, the alarms by number, as `number`.
     """
     kept, new, night = composite.advance(watch.nulls, rows, n)
     detector.forget(watch.detector, kept)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, DEG
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.arguments import mapping, number
 from pyport.correction.use import PointingModel, model_of
 from pyport.errors import BadInput
@@ -24,7 +25,7 @@ from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
 from pyport.watch.antenna import Antenna
 from pyport.watch.baseline import TooFew, enough, past
-from pyport.watch.calibrate import FEWEST_IN_NIGHT, calibrated
+from pyport.watch.composite import FEWEST_IN_NIGHT, calibrated
 from pyport.watch.prepare import prepare
 
 #: One false alarm in so many pointings or more, on average, unless another number is asked for.
@@ -160,10 +161,8 @@ class Watch:
         BadInput
             The row lacks something or tells no offset; the watch is as it was.
         """
-        raw = raw_table(
-            {name: [value] for name, value in mapping("row", row).items()}, self.history.meta
-        )
-        recordings = interpret(raw)
+        cells = {name: [value] for name, value in mapping("row", row).items()}
+        recordings = interpret(raw_table(cells, self.history.meta))
         if not len(recordings):
             raise BadInput(recordings.set_aside[0].reason)
         seen = next(self.replay(recordings), None)
@@ -190,37 +189,24 @@ class Watch:
             self.unwatched.setdefault(name, "no past recordings")
         recordings, who = recordings.take(watched), who[watched]
         places = {name: np.flatnonzero(who == name) for name in dict.fromkeys(who)}
-        rows = {
-            name: prepare(
-                self.antennas[name].baseline, recordings.take(own), self.antennas[name].home
-            )
-            for name, own in places.items()
-        }
-        turn = dict.fromkeys(rows, 0)
+        turns = {}
+        for name, own in places.items():
+            one = self.antennas[name]
+            rows = prepare(one.baseline, recordings.take(own), one.home)
+            turns[name] = iter([(one, rows, n) for n in range(len(rows))])
         for name in who:
-            own, n = self.antennas[name], turn[name]
-            turn[name] += 1
-            yield self._taken(own, rows[name], n)
+            yield self._taken(*next(turns[name]))
 
     def _taken(self, own: Antenna, rows: Any, n: int) -> Seen:  # noqa: ANN401 - prepared rows
         self.row += 1
         happened = steps.take(own, rows, n, self.alarms, self.raised + 1)
         if happened and happened[0].startswith("raised"):
             self.raised += 1
-        left = own.left / ARCSEC
-        seen = Seen(
-            self.row,
-            float(rows.clock[n]),
-            own.baseline.antenna,
-            float(rows.az[n] / DEG) % 360,
-            float(rows.el[n] / DEG),
-            float(left[0, 0]),
-            float(left[1, 0]),
-            float(left[0, 1]),
-            float(left[1, 1]),
-            own.evidence,
-            tuple(self._event(one) for one in happened),
-        )
+        az_deg, el_deg = float(rows.az[n] / DEG) % 360, float(rows.el[n] / DEG)
+        where = self.row, float(rows.clock[n]), own.baseline.antenna, az_deg, el_deg
+        off = (own.left.T / ARCSEC).ravel().tolist()
+        events = tuple(self._event(one) for one in happened)
+        seen = Seen(*where, off[0], off[1], off[2], off[3], own.evidence, events)
         self.recent = [*self.recent, seen][-SHOWN:]
         return seen
 
@@ -251,13 +237,13 @@ class Watch:
         numbers = self.first_row + self.row + 1 + np.arange(len(at))
         return replace(recordings, at=replace(at, columns=columns), line=numbers)
 
-    def _nights(self, time: Sequence[float] | Any) -> Any:  # noqa: ANN401 - an array of text
+    def _nights(self, time: Array) -> NDArray[np.str_]:
         """Return the night of each row: another one begins after a long gap."""
         found = []
-        for one in time:
+        for one in time.tolist():
             if one - self.last > NIGHT_GAP_S:
-                self.session = night_of(float(one))
-            self.last = max(self.last, float(one))
+                self.session = night_of(one)
+            self.last = max(self.last, one)
             found.append(self.session)
         return np.array(found, np.str_)
 
@@ -279,21 +265,14 @@ class Watch:
             "antennas": {
                 name: {
                     "pointings": own.rows,
-                    "log10_evidence": _finite(own.evidence / np.log(10)),
+                    "log10_evidence": own.evidence / float(np.log(10))
+                    if len(own.detector.row)
+                    else None,
                     "log10_threshold": own.threshold / float(np.log(10)),
-                    "scatter_xel_arcsec": _scatter(own, 0),
-                    "scatter_el_arcsec": _scatter(own, 1),
+                    "scatter_xel_arcsec": float(own.white[0]) / ARCSEC,
+                    "scatter_el_arcsec": float(own.white[1]) / ARCSEC,
                     "outliers": own.null.share,
                 }
                 for name, own in self.antennas.items()
             },
         }
-
-
-def _scatter(own: Antenna, axis: int) -> float:
-    """Return the white scatter of an axis as it is now [arcsec]."""
-    return float(np.sqrt(own.baseline.white[axis] * own.null.scale[axis])) / ARCSEC
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

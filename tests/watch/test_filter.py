@@ -11,7 +11,7 @@ from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
 from pyport.watch import antenna, composite, detector, null, steps
 from pyport.watch.baseline import past
-from pyport.watch.calibrate import calibrated
+from pyport.watch.composite import calibrated
 from pyport.watch.prepare import prepare
 
 
