@@ -1,5 +1,7 @@
 """A log that grows is read once, whole, whatever is done to it."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from drawn_nights import text, world
@@ -30,7 +32,7 @@ class Log:
         """Read on; return how many recordings came."""
         before = len(self.times)
         for batch in follow.new(self.path, self.given, self.cursor):
-            self.cursor = Cursor(**batch.cursor.as_json())
+            self.cursor = Cursor(**asdict(batch.cursor))
             self.skipped += batch.skipped
             if batch.recordings is not None:
                 self.times += batch.recordings.at.column("time").tolist()
