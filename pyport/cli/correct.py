@@ -9,13 +9,10 @@ import click
 
 from pyport.cli.about import about_file
 from pyport.cli.manners import FILE, flag, in_json, models, option, say
-
-if TYPE_CHECKING:
-    from pyport.correction.apply import Applied
-    from pyport.recordings.raw import FileOptions
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
+    from pyport.correction.apply import Applied
     from pyport.recordings.raw import FileOptions
 
 

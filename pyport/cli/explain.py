@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import FILE, PATH, beside_model, flag, option
+from pyport.cli.manners import FILE, PATH, beside_model, flag, models, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
     from pyport.recordings.raw import FileOptions
-import json
-
-from pyport.cli.manners import models
 
 
 @click.command(

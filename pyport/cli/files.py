@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import PATH, flag, in_json, option, say
-
-if TYPE_CHECKING:
-    from pyport.recordings.raw import FileOptions, Raw
-if TYPE_CHECKING:
-    from pyport.recordings.scans import Average
-import json
-from typing import IO, TYPE_CHECKING
-
-from pyport.cli.manners import plain
+from pyport.cli.manners import PATH, flag, in_json, option, plain, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
+    from pyport.recordings.raw import FileOptions, Raw
+    from pyport.recordings.scans import Average
     from pyport.steering import Table
 
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.about import about_file
-from pyport.cli.manners import FILE, PATH, beside_model, flag, option
+from pyport.cli.manners import FILE, PATH, beside_model, flag, in_json, option, say
 from pyport.cli.manners import recordings as named
+from pyport.errors import BadInput
 
 if TYPE_CHECKING:
     from pyport.recordings.raw import FileOptions
-from datetime import UTC, datetime
-
-from pyport.cli.manners import in_json, say
-from pyport.errors import BadInput
 
 
 def _proposed(name: str, given: FileOptions) -> dict[str, str]:

@@ -10,10 +10,9 @@ import click
 from pyport.cli.manners import PATH, flag, in_json, option, say
 
 if TYPE_CHECKING:
-    from pyport.studies.gmrt.curves import Track
-if TYPE_CHECKING:
     from pyport.angles import Array
     from pyport.recordings import Recordings
+    from pyport.studies.gmrt.curves import Track
 
 
 @click.group("study")

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pyport.angles import ARCSEC, handy
 from pyport.diagnosis.finding import Parameter, Where
+from pyport.diagnosis.two_axes import Disagreement, Split
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
+from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
+from pyport.thresholds import SEEN, SIGNIFICANT
 
 if TYPE_CHECKING:
     from pyport.diagnosis.identify import Name
     from pyport.fitting.combinations import Combination
-from typing import Any
 
-from pyport.diagnosis.two_axes import Disagreement, Split
-from pyport.fitting.two_axes import Difference
-from pyport.thresholds import SEEN, SIGNIFICANT
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = "look at the region and the column that it follows, and record what changes there"

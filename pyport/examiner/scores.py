@@ -1,4 +1,4 @@
-"""Counting: shares with Wilson's intervals, and what they say of a target.
+"""What outcomes come to: shares with Wilson's intervals, runs that go on, columns of known models.
 
 Offsets are encoder minus true, across (times cos E) and along elevation; azimuth A from north
 through east, radians. Himwich, Mark IV Field System documentation, Pointing Model (1993); Lal,
@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -21,8 +23,6 @@ from pyport.examiner import program
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-import math
-from dataclasses import dataclass
 
 Array = NDArray[np.float64]
 
@@ -128,12 +128,12 @@ MET, MISSED, OPEN, NONE = "met", "missed", "open", "none"
 class Share:
     """A share that was counted, and what its interval is made from.
 
-    `hits` of `of`; `effective` is how many independent ones the `of` are worth.
+    `hits` of `of`; `effective` is how many independent ones the `of` are worth, 0 for all.
     """
 
     hits: int
     of: int
-    effective: float
+    effective: float = 0.0
 
     @property
     def value(self) -> float:
@@ -145,10 +145,10 @@ class Share:
         """Return Wilson's 95 % interval (Wilson 1927, JASA 22, 209)."""
         if not self.of:
             return 0.0, 1.0
-        spread = _Z95**2 / self.effective
+        spread = _Z95**2 / (self.effective or self.of)
         centre = (self.value + spread / 2) / (1 + spread)
         half = math.sqrt(self.value * (1 - self.value) * spread + spread**2 / 4) / (1 + spread)
-        return max(0.0, centre - half), min(1.0, centre + half)
+        return max(0.0, centre - half), min(1.0, max(centre + half, self.value))
 
     def judged(self, low: float, high: float) -> str:
         """Tell whether a target was met (its share is in it), missed (its interval is not), open.
@@ -172,7 +172,7 @@ class Share:
 
 def counted(outcomes: Sequence[bool]) -> Share:
     """Return the share of what came true among independent outcomes."""
-    return Share(sum(outcomes), len(outcomes), float(len(outcomes)))
+    return Share(sum(outcomes), len(outcomes))
 
 
 def clustered(groups: Sequence[Sequence[bool]]) -> Share:
@@ -184,7 +184,7 @@ def clustered(groups: Sequence[Sequence[bool]]) -> Share:
     kept = [group for group in groups if group]
     hits, of = sum(map(sum, kept)), sum(map(len, kept))
     if of == 0:
-        return Share(0, 0, 0.0)
+        return Share(0, 0)
     share = hits / of
     free = share * (1 - share) / of
     between = sum((sum(group) - share * len(group)) ** 2 for group in kept) / of**2

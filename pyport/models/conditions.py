@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
-
-from pyport.angles import Array
-
-if TYPE_CHECKING:
-    from astropy.units import Quantity
 import contextlib
 import difflib
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.angles import Array
 from pyport.arguments import refusal
 from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
+
+if TYPE_CHECKING:
+    from astropy.units import Quantity
 
 
 @dataclass(frozen=True)

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pyport.angles import ARCMIN, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.report import ArrayReport
+from pyport.diagnosis.arrays.repeat import Repeat
+from pyport.diagnosis.arrays.report import ArrayReport, Session
+from pyport.diagnosis.arrays.unseen import Unseen, medians
+from pyport.diagnosis.arrays.words import SECOND
 from pyport.report import pictures
 from pyport.report.figures import BLUE, GREY, ORANGE, SCREEN_DPI
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-from typing import Any
 
-from pyport.angles import ARCMIN, HOUR
-from pyport.diagnosis.arrays.repeat import Repeat
-from pyport.diagnosis.arrays.report import Session
-from pyport.diagnosis.arrays.unseen import Unseen, medians
-from pyport.diagnosis.arrays.words import SECOND
 
 KM = 1000.0
 #: So many antennas farthest off the others are named in the picture, and all beyond two sigmas.

@@ -9,20 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.files import write_whole
-from pyport.pointing import jump_altitude
+from pyport.page.of_diagnosis import off_by, picture_of, source_of
+from pyport.page.picture import Layer, Picture, sides
+from pyport.page.story import Bar, Row, Story
+from pyport.pointing import PARAMETERS, jump_altitude
 from pyport.report.figures import BLUE, GREY, ORANGE
 from pyport.studies.rt32.fit import Rt32Fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-from pyport.angles import ARCSEC
-from pyport.page.of_diagnosis import off_by, picture_of, source_of
-from pyport.page.picture import Layer, Picture, sides
-from pyport.page.story import Bar, Row, Story
-from pyport.pointing import PARAMETERS
+
 
 RED = "#CC0000"
 
