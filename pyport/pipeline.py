@@ -15,13 +15,12 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Model
-from pyport.progress import track, working
 from pyport.recordings import read, resolve
 from pyport.recordings.files import Survey
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
 from pyport.report.finding import completed
-from pyport.stages import stage, timed
+from pyport.stages import stage, timed, track, working
 from pyport.workers import Spread, workers
 
 

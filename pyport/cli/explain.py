@@ -155,8 +155,8 @@ def predict(
     from pyport.formats.models import load
     from pyport.prediction import rehearsal, words
     from pyport.prediction.compare import compare
-    from pyport.progress import working
     from pyport.recordings import read
+    from pyport.stages import working
 
     if rehearse and not against:
         raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
@@ -228,8 +228,8 @@ def plot(
     """
     from pyport import page, plots
     from pyport.formats.models import load
-    from pyport.progress import track, working
     from pyport.recordings import read
+    from pyport.stages import track, working
 
     measured, wanted = read(recordings, given), load(model)
     if what == "fit":

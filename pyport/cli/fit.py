@@ -98,9 +98,9 @@ def command(
     from pyport.formats.models import load
     from pyport.models.terms.editing import edited
     from pyport.page.of_fit import of_fit
-    from pyport.progress import working
     from pyport.recordings import read
     from pyport.recordings.stream import pass_files
+    from pyport.stages import working
 
     labels = None if per is None else tuple(one.strip() for one in per.split(",") if one.strip())
     unfitted = load(model)
@@ -140,8 +140,8 @@ def _fit_rt32(
 ) -> tuple[dict[str, object], str, Drawn]:
     """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG
-    from pyport.progress import working
     from pyport.recordings import read
+    from pyport.stages import working
     from pyport.studies.rt32 import box_step, document, fit_rt32
     from pyport.studies.rt32.fit import honest_sigmas
     from pyport.studies.rt32.sky import of_rt32

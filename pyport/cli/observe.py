@@ -102,9 +102,9 @@ def look(
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
     from pyport.planning.summary import text
-    from pyport.progress import working
     from pyport.recordings import read
     from pyport.recordings.formats import mapped
+    from pyport.stages import working
 
     if save_columns is not None and given.mapping:
         mapped.save(given.mapping, save_columns)

@@ -37,8 +37,8 @@ def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
     day, what they say of the antennas' places, which antennas repeat from day to
     day, whether the arms are mirror images, and whether offsets jump at transit.
     """
-    from pyport.progress import working
     from pyport.recordings import read
+    from pyport.stages import working
     from pyport.studies.gmrt.figures import write_figures
 
     with working("repeating the paper's analysis"):
@@ -142,8 +142,8 @@ def rt32(
     a simulated campaign takes their place: as many rows, the same two seasons,
     Model3, bad measurements.
     """
-    from pyport.progress import track, working
     from pyport.recordings import read, resolve
+    from pyport.stages import track, working
     from pyport.studies.rt32 import METHODS, document, fit_rt32
     from pyport.studies.rt32 import box_step as chosen_step
     from pyport.studies.rt32.fit import honest_sigmas

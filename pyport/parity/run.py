@@ -20,7 +20,7 @@ from pyport.parity.described.functions import Answers, ask_port, part, size
 from pyport.parity.described.loading import load
 from pyport.parity.evidence.shrink import Fails, Minimal, failing, minimal
 from pyport.parity.promise import Asker, Held, hold, kept, spread
-from pyport.progress import track
+from pyport.stages import track
 from pyport.workers import workers
 
 #: Points that one process takes at a time.

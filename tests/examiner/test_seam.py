@@ -11,8 +11,8 @@ ROOT = Path(pyport.examiner.__file__).parent
 #: Part -> what of the program outside the examiner its files may import. `acceptance` calls the
 #: steps of a diagnosis, whose figures it prints: it draws and judges nothing.
 ALLOWED = {
-    "worlds": {"angles", "errors", "files", "progress"},
-    "sealed": {"angles", "errors", "files", "progress", "workers"},
+    "worlds": {"angles", "errors", "files", "stages"},
+    "sealed": {"angles", "errors", "files", "stages", "workers"},
     "nights": {"", "errors"},
     "nulls": {"errors"},
     "mounts": {"angles"},

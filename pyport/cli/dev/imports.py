@@ -16,7 +16,7 @@ from pyport.cli.manners import in_json, option, say
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
-    ("angles", "errors", "files", "progress", "stages", "threads"),
+    ("angles", "errors", "files", "stages", "threads"),
     ("arguments", "checkpoint", "thresholds", "workers"),
     ("mounts",),
     ("columns",),

@@ -63,7 +63,7 @@ def make(
     """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
     from pyport.examiner.sealed.files import write_recordings, write_truth
     from pyport.examiner.worlds.kinds import make_case
-    from pyport.progress import track
+    from pyport.stages import track
 
     for each in track(range(seed, seed + count), "making cases", total=count):
         case = make_case(

@@ -33,7 +33,7 @@ from pyport.examiner.sealed.seal import (
 )
 from pyport.examiner.worlds.case import Case
 from pyport.examiner.worlds.mount import altaz_columns
-from pyport.progress import track
+from pyport.stages import track
 
 _FOLDS = 10
 

@@ -20,7 +20,7 @@ from pyport.errors import BadInput
 from pyport.examiner.sealed.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.files import sha256, write_whole
-from pyport.progress import track
+from pyport.stages import track
 from pyport.workers import workers
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
