@@ -7,25 +7,43 @@ was made from all readings flatters the prediction of those that are left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array
+from pyport.diagnosis import oscillations
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
 from pyport.diagnosis.changes import still_noise
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.refine import refine
 from pyport.diagnosis.view import shown_beside
+from pyport.effects.oscillation import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
+
+
+@dataclass(frozen=True)
+class Anew:
+    """A choice made anew.
+
+    Attributes
+    ----------
+    columns
+        What is fitted, shape (m, P).
+    curve
+        What is predicted beside it [rad], shape (m,); None where all is fitted.
+    """
+
+    columns: Array
+    curve: Array | None = None
 
 
 @stage("choosing anew")
 def columns_anew(
     setup: Problem, weighed: WhitenedData, covariance: Covariance, chosen: Sequence[Chosen]
-) -> list[Array]:
-    """Return the columns of each choice, (m, P) each, as readings of full weight would choose it.
+) -> list[Anew]:
+    """Return each choice as readings of full weight would choose it.
 
     Parameters
     ----------
@@ -48,11 +66,19 @@ def _anew(
     covariance: Covariance,
     others: Sequence[Chosen],
     one: Chosen,
-) -> Array:
+) -> Anew:
     effect = one.candidate.effect
+    if effect.id == OSCILLATION:
+        fresh = oscillations.again(setup, covariance, others, effect)
+        if fresh.changes_with == "stretch":
+            # Amplitudes that few readings tell would be fitted to their noise.
+            curve = oscillations.predicted(setup, covariance, others, fresh)
+            return Anew(np.zeros((len(curve), 0)), curve)
+        columns = setup.stack.columns(fresh, setup.recordings.at)
+        return Anew(columns[:, columns.any(axis=0)])
     family = [each for each in setup.candidates if each.effect.id == effect.id]
     if len(family) < 2 or one.scope != "all":
-        return setup.expanded([one])
+        return Anew(setup.expanded([one]))
     if temporal(setup, effect):
         covariance = still_noise(setup, covariance)
     white = whiten_model(setup, covariance, (*setup.base, *others))
@@ -60,6 +86,6 @@ def _anew(
     worth = [at_best(*each)[0] for each in shown_beside(setup, seen, others, family)]
     best = family[int(np.argmax(worth))]
     if any(each is one.candidate for each in family):
-        return setup.expanded([Chosen(best, one.scope)])
+        return Anew(setup.expanded([Chosen(best, one.scope)]))
     wider, refined, *_ = refine(setup, seen, others, Chosen(best, one.scope))
-    return wider.expanded([refined])
+    return Anew(wider.expanded([refined]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,9 @@ from pyport.recordings.schema import Recordings, Stack, group, stack, term_colum
 from pyport.recordings.sky import with_nights
 from pyport.stages import stage
 from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST
+
+if TYPE_CHECKING:
+    from pyport.diagnosis.anew import Anew
 
 DRAWS = 300
 
@@ -74,7 +78,7 @@ class Problem:
     known
         Covariances that were estimated before, by what was chosen, with what they are beside.
     anew
-        Columns of what was chosen, chosen again without a fold, by what, noise and fold.
+        What was chosen, chosen again without a fold, by what, noise and fold.
     """
 
     recordings: Recordings
@@ -96,7 +100,7 @@ class Problem:
     known: dict[tuple[object, ...], tuple[tuple[Chosen, ...], Covariance]] = field(
         default_factory=dict, repr=False, compare=False
     )
-    anew: dict[tuple[object, ...], tuple[list[Array], tuple[object, ...]]] = field(
+    anew: dict[tuple[object, ...], tuple[list[Anew], tuple[object, ...]]] = field(
         default_factory=dict, repr=False, compare=False
     )
 

@@ -16,6 +16,7 @@ from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, white
 from pyport.diagnosis.evidence import CandidateFit, at_best
 from pyport.diagnosis.identify import TIE
 from pyport.diagnosis.view import shown_beside
+from pyport.effects.oscillation import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, MOST_CHANGES
@@ -32,7 +33,8 @@ def proposed(
     """Return the case beside noise that holds still, and the best change of each kind there.
 
     `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
-    of a term that the model lacks: first that term is looked for.
+    of a term that the model lacks: first that term is looked for. Oscillations are proposed by
+    `oscillations`, which looks for their period.
     """
     effects = [one.candidate.effect for one in (*setup.base, *chosen)]
     has = {"", *(one.of or one.id for one in effects)}
@@ -41,7 +43,7 @@ def proposed(
         for one in trials
         if one.candidate.effect.physical
         and temporal(setup, one.candidate.effect)
-        and one.candidate.effect.id not in banned
+        and one.candidate.effect.id not in {*banned, OSCILLATION}
         and one.candidate.effect.change_of in has
     ]
     still = still_noise(setup, weighed.covariance)

@@ -89,20 +89,40 @@ def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tup
     """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence."""
     white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
     p = model.shape[1]
-    length = np.linalg.norm(white[:, :p], axis=0)
+    lack, basis, left = beside_model(covariance, white[:, :p], white[:, -1])
+    rest = white[:, p:-1] - basis @ (basis.T @ white[:, p:-1])
+    size = np.linalg.norm(white[:, p:-1], axis=0)
+    return lack, at_best(*shown(rest, size, left))[0]
+
+
+def beside_model(covariance: Covariance, model: Array, value: Array) -> tuple[float, Array, Array]:
+    """Return minus twice the restricted log-likelihood of a noise, and what a model leaves.
+
+    Parameters
+    ----------
+    covariance
+        The noise.
+    model, value
+        The model's columns (M, p) and the data (M,), whitened by it.
+
+    Returns
+    -------
+    lack
+        With the departures' prior.
+    basis, left
+        Orthonormal directions of the model, and the data without them, shape (M,).
+    """
+    length = np.linalg.norm(model, axis=0)
     basis, strength, _ = np.linalg.svd(
-        white[:, :p] / np.where(length > 0, length, 1.0), full_matrices=False
+        model / np.where(length > 0, length, 1.0), full_matrices=False
     )
     kept = strength > 1e-9 * strength.max(initial=1e-300)
     basis = basis[:, kept]
-    rest = white[:, p:] - basis @ (basis.T @ white[:, p:])
-    left = rest[:, -1]
+    left = value - basis @ (basis.T @ value)
     lack = (
         covariance.log_determinant
         + _improbable(covariance)
         + 2 * float(np.log(strength[kept]).sum())
         + float(left @ left)
     )
-    lack += 2 * float(np.log(length[length > 0]).sum())
-    size = np.linalg.norm(white[:, p:-1], axis=0)
-    return lack, at_best(*shown(rest[:, :-1], size, left))[0]
+    return lack + 2 * float(np.log(length[length > 0]).sum()), basis, left

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis import array_findings, identify, words
+from pyport.diagnosis import array_findings, identify, oscillating, words
 from pyport.diagnosis.array_findings import of_array, taken_apart
 from pyport.diagnosis.edges import curve_points
 from pyport.diagnosis.finding import Finding, Where, beyond
@@ -24,6 +24,7 @@ from pyport.diagnosis.scene import (
 from pyport.diagnosis.steps import Step
 from pyport.diagnosis.verdict import honest
 from pyport.effects.mounts import declared
+from pyport.effects.oscillation import OSCILLATION
 from pyport.stages import stage
 from pyport.thresholds import MOST_MEMBERS
 
@@ -52,7 +53,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     curve = contribution(setup, scene.joint, choice)
     seen = visible(setup, scene.weighed, curve)
     effect = chosen.candidate.effect
-    parameters = parameters_of(scene, choice)
+    of_time = effect.id == OSCILLATION
+    parameters = (oscillating.parameters if of_time else parameters_of)(scene, choice)
     called = identify.name(step.winner, step.trials, step.beside)
     checks = array_findings.halves(setup, scene.weighed, scene.joint, choice)
     checks += [
@@ -63,7 +65,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     whole = scene.outcome.chosen
     others = tuple(one for one in whole if one is not chosen)
     heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
-    together = scene.combination(choice)
+    together = None if of_time else scene.combination(choice)
     mounts = declared(setup.recordings.meta)
     largest = largest_offset(setup)
     if together is not None:

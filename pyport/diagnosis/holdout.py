@@ -59,6 +59,8 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
     rng = np.random.default_rng(setup.seed)
     at = setup.recordings.at
     time = clock(at)[setup.stack.row]
+    if any(one.candidate.effect.changes_with == "stretch" for one in choices):
+        return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing=True)
     if not np.isfinite(time).all():
         return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing)
     if "scan_direction" in at and setup.blocks.antennas > 1:
@@ -98,18 +100,19 @@ def residuals(
         solutions = _of_products(setup, weighed, chosen, partition)
     else:
         solutions = _of_others(setup, weighed, chosen, partition, whole or chosen)
-    for one, columns, solution, covariance in solutions:
+    for one, columns, solution, covariance, curve in solutions:
         rows = np.flatnonzero(partition.fold == one)
         unknown = _left_open(solution, columns[rows])
-        predicted = columns[rows] @ solution.values
+        predicted = columns @ solution.values + curve
         if partition.departing and covariance is not None:
-            predicted += covariance.departed(setup.residual - columns @ solution.values)[rows]
-        left[rows] = np.where(unknown, np.nan, setup.residual[rows] - predicted)
+            predicted += covariance.departed(setup.residual - predicted)
+        left[rows] = np.where(unknown, np.nan, (setup.residual - predicted)[rows])
     return left
 
 
-#: A fold, the columns of the fit, the solution without it and the covariance of the others.
-_Solutions = Iterator[tuple[int, Array, Solution, Covariance | None]]
+#: A fold, the columns of the fit, the solution without it, the covariance of the others, and what
+#: they predict beside the fit.
+_Solutions = Iterator[tuple[int, Array, Solution, Covariance | None, Array]]
 
 
 def _of_products(
@@ -123,7 +126,7 @@ def _of_products(
     columns = setup.expanded((*setup.base, *chosen))
     white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
     for one, solution, _ in _without_each(setup, white, choices, partition):
-        yield one, columns, solution, None
+        yield one, columns, solution, None, np.zeros(len(columns))
 
 
 def _of_others(
@@ -144,10 +147,14 @@ def _of_others(
             found = columns_anew(setup, weighed, covariance, whole)
             setup.anew[key] = found, (*whole, weighed.covariance)
         anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
-        columns = np.concatenate([base, *(anew[id(each)] for each in chosen)], axis=1)
-        data = np.concatenate([columns, setup.residual[:, None]], axis=1)
+        columns = np.concatenate([base, *(anew[id(each)].columns for each in chosen)], axis=1)
+        curves = [anew[id(each)].curve for each in chosen]
+        curve = np.sum(
+            [np.zeros(len(base)), *(some for some in curves if some is not None)], axis=0
+        )
+        data = np.concatenate([columns, (setup.residual - curve)[:, None]], axis=1)
         products = tempered(covariance).products(data)
-        yield int(one), columns, Solution.of(products), covariance
+        yield int(one), columns, Solution.of(products), covariance, curve
 
 
 @stage("holding data out")

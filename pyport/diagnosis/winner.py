@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis import identify
+from pyport.diagnosis import identify, oscillations
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal
+from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, weigh
 from pyport.diagnosis.changes import proposed
 from pyport.diagnosis.confirm import confirmed
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.refine import refine
+from pyport.effects.oscillation import OSCILLATION
 from pyport.threads import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
 
@@ -53,12 +54,14 @@ class Winner:
     """What a turn adds: its trial, the case with its columns, the choice.
 
     `price` is what its choice among its family costs, a refined moment or edge included.
+    `beside` is what it was tried in where that is not the turn's: its columns joined the case.
     """
 
     trial: CandidateFit
     setup: Problem
     chosen: Chosen
     price: float
+    beside: Projection | None = None
 
 
 def winner_of(
@@ -136,7 +139,28 @@ def confirmed_changes(
         sure = _confirmed(one, chosen)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
 
-    return side_by_side(sure_of, moved)
+    found = list(side_by_side(sure_of, moved))
+    if OSCILLATION not in banned:
+        found += _oscillating(setup, weighed, chosen)
+    return found
+
+
+def _oscillating(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Winner]:
+    """Return the oscillation that is proposed, if any, as a winner whose period is a new one."""
+    one = oscillations.proposed(setup, weighed.covariance, chosen)
+    if one is None:
+        return []
+    wider, price = oscillations.widened(setup, one), one.candidate.price
+    sure = confirmed(wider, chosen, one, price)
+    if sure <= CONVINCING:
+        return []
+    seen = weigh(wider, chosen)
+    beside = seen.evidence.beside([wider.part(each) for each in (*wider.base, *chosen)])
+    trials = beside.trials([(one.candidate, one.scope)])
+    return [
+        Winner(replace(each, evidence=sure, gain=sure, delta_bic=sure), wider, one, price, beside)
+        for each in trials
+    ]
 
 
 def _lasting(

@@ -38,6 +38,7 @@ _FAMILIES = (
     "rotation",
     "structure",
     "epochs",
+    "oscillation",
     "driven",
     "empirical",
 )

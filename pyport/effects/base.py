@@ -258,8 +258,8 @@ class Effect:
         `THE_HOUR` for what goes with the time of the day or with time itself.
     changes_with
         "session" for a change from one session or epoch to another, "order" for one between rows
-        whose times are not known, "time" for a slow one, "" for what does not depend on when it
-        was recorded.
+        whose times are not known, "time" for a slow one, "stretch" for one that is free in every
+        stretch of time, "" for what does not depend on when it was recorded.
     change_of
         The id of the effect whose coefficients change, on an alt-azimuth mount: such a change is
         one of a term that the model has, and no second name for that term.

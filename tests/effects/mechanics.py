@@ -162,6 +162,15 @@ def drifted(size):
     }
 
 
+def swung(size):
+    """Return zeros that a hand turning once in three hours moves, from where it stood in 1970."""
+    turned_by = np.exp(2j * np.pi * (AT.columns["time"] % 10800.0) / 10800.0)
+    return {
+        "beam_left": size * ARCSEC * ((12 - 5j) * turned_by).imag,
+        "read_el": lambda _: size * ARCSEC * ((-7 + 20j) * turned_by).imag,
+    }
+
+
 LABELLED = [
     mounted("receiver_offset", (15.0, -25.0), stepped(AT.columns["receiver"] == rare("receiver"))),
     mounted(
@@ -179,6 +188,7 @@ LABELLED = [
     mounted("epoch_sag", tuple(NORTH), lambda s: {"droop": lambda el: s * NORTHWARD * np.cos(el)}),
     # A parabola in a phase from 0 to 1 is 1/3, 1/2, 1/6 of Legendre's, whose constant is a zero.
     mounted("drift", (15.0, 5.0, -6.0, 0.0), drifted, variant="order 2"),
+    mounted("oscillation", (12.0, -5.0, -7.0, 20.0), swung, variant="period 180 min"),
     mounted(
         "subreflector_jump",
         (-25.0,),

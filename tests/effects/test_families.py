@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
+from pyport.effects.oscillation import oscillation
 from pyport.effects.receiver import band_of, bands
 
 AT = campaign()
@@ -261,3 +262,34 @@ def test_edges_lie_inside_the_sky_that_was_observed():
     one = dataclasses.replace(AT, az=np.ones(len(AT)), el=np.ones(len(AT)))
     with pytest.raises(MissingColumn, match="a second direction"):
         variants("subreflector_jump", one)
+
+
+def test_an_oscillation_is_of_one_antenna():
+    """The antennas of an array have a servo each: no period is tried for all of them."""
+    antennas = np.array(["C00", "C01"])[np.arange(len(AT)) % 2]
+
+    with pytest.raises(MissingColumn, match="a single antenna"):
+        variants("oscillation", replaced(AT, antenna=antennas))
+
+
+def test_a_phase_that_wanders_is_free_in_each_stretch():
+    """Every stretch has two waves in each axis; outside of the stretches nothing swings."""
+    time = np.arange(40) * 60.0
+    at = Circumstances(np.zeros(40), np.ones(40), columns={"time": time})
+    x, y = oscillation(600.0, 0.0, [(0.0, 600.0), (1200.0, 1800.0)]).columns(at)
+    inside = np.stack([time <= 600, (time >= 1200) & (time <= 1800)], axis=1)
+
+    assert x.shape == y.shape == (40, 8)
+    for wave in (0, 1):
+        np.testing.assert_array_equal(x[:, wave:4:2] != 0, y[:, 4 + wave :: 2] != 0)
+        np.testing.assert_array_equal(x[~inside[:, 0], wave], 0)
+        np.testing.assert_array_equal(x[~inside[:, 1], 2 + wave], 0)
+    assert not x[:, 4:].any()
+    np.testing.assert_allclose(x[:, 0] ** 2 + x[:, 1] ** 2, inside[:, 0])
+
+
+@pytest.mark.parametrize("member", [{"period_s": 0.5}, {"period_s": float("nan")}])
+def test_an_oscillation_has_a_period(member):
+    """A file cannot ask for a period of no length."""
+    with pytest.raises(ValueError, match="period above a second"):
+        oscillation(**member)

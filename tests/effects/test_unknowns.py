@@ -13,6 +13,7 @@ NEEDING = [
     ("wind_tilt", "wind_az", "wind_az_deg"),
     ("ionosphere", "frequency_mhz", "frequency_mhz"),
     ("drift", "time", "time_utc"),
+    ("oscillation", "time", "time_utc"),
     ("annual_aberration", "time", "time_utc"),
     ("polar_motion", "time", "time_utc"),
     ("nutation", "time", "time_utc"),

@@ -32,7 +32,7 @@ NULLS, OF_UNCATALOGUED = 200, 8
 #: How loud a cause is, how often each is drawn then, and the share that must come out.
 LOUDNESS = ((0.5, 2, 0.95), (0.25, 2, 0.85))
 #: Column or place that an uncatalogued cause must be found at; the others are anywhere in the sky.
-_FOLLOWS = {"strange_column": "hydraulic_bar", "oscillation": "time"}
+_FOLLOWS = {"strange_column": "hydraulic_bar", "long_oscillation": "time"}
 
 
 @dataclass(frozen=True)

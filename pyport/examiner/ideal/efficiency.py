@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pyport.examiner import program
 from pyport.examiner.acceptance.drawn import diagnosed
 from pyport.examiner.ideal import observer
@@ -19,6 +21,8 @@ ROWS = (60, 100, 150, 300, 600, 1200, 2400)
 RHOS = (0.25, 0.5, 1.0)
 #: In fewer possible detections than this a ratio says nothing.
 FEWEST = 0.5
+#: Causes that have a period, and by what share it may be off.
+PERIODIC, NEAR = ("oscillation", "wandering_oscillation"), 0.03
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,16 @@ def examine(drawn: Drawn) -> dict[str, Any]:
         "said": verdict.said,
         "gain": observer.gain(made),
         "possible": observer.possible(report, made),
+        "period_error": period_error(report, made.truth["effects"]),
     }
+
+
+def period_error(report: dict[str, Any], causes: Sequence[dict[str, Any]]) -> float | None:
+    """Return by what share the period of the right finding is off; None where there is none."""
+    true = next((one["facts"]["period_s"] for one in causes if "period_s" in one["facts"]), None)
+    said = (p for one in report["findings"] for p in one["parameters"] if p["name"] == "period")
+    found = next(said, None)
+    return None if true is None or found is None else found["value"] * 60 / true - 1
 
 
 def text(outcomes: Iterable[dict[str, Any]]) -> str:
@@ -74,7 +87,27 @@ def text(outcomes: Iterable[dict[str, Any]]) -> str:
     for effect in dict.fromkeys(one["effect"] for one in outcomes):
         own = [one for one in outcomes if one["effect"] == effect]
         lines.append(f"{effect:24}" + _row("", "", *_figures(own)))
-    return "\n".join(lines)
+    return "\n".join([*lines, *_periods(outcomes)])
+
+
+def _periods(outcomes: Sequence[dict[str, Any]]) -> list[str]:
+    """Return a table of causes that have a period: how often it is found, and how well."""
+    cells = [(one["effect"], one["rows"], one["rho"]) for one in outcomes]
+    lines = []
+    for effect, rows, rho in sorted({cell for cell in cells if cell[0] in PERIODIC}):
+        own = [
+            one for one, cell in zip(outcomes, cells, strict=True) if cell == (effect, rows, rho)
+        ]
+        errors = [abs(one["period_error"]) for one in own if one["period_error"] is not None]
+        near = sum(error <= NEAR for error in errors)
+        median = f"{100 * float(np.median(errors)):.2f} %" if errors else "-"
+        named = sum(one["named"] for one in own)
+        counts = (str(rows), f"{rho:g}", *map(str, (len(own), named, near)), median)
+        lines.append(f"{effect:24}" + _row(*counts))
+    if not lines:
+        return []
+    columns = ("rows", "rho", "cases", "named", f"within {100 * NEAR:g} %", "median")
+    return ["", f"{'period':24}" + _row(*columns), *lines]
 
 
 def _figures(outcomes: list[dict[str, Any]]) -> tuple[str, ...]:

@@ -318,6 +318,7 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found
     monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
     monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
+    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
     moved = winner._changes(setup(), None, (), (), ())
 
     assert [one.trial.evidence for one in moved] == ([sure] if found else [])

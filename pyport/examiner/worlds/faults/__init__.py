@@ -5,7 +5,8 @@ from __future__ import annotations
 from pyport.examiner.worlds.faults import heavens, mount, surroundings, uncatalogued
 from pyport.examiner.worlds.faults.surroundings import Draw, Fault
 
-#: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`).
+#: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`, a
+#: "wandering_oscillation" an `oscillation`).
 CATALOGUED: dict[str, Draw] = {
     **mount.FAULTS,
     **heavens.FAULTS,

@@ -209,9 +209,64 @@ def drift(world: World, rng: np.random.Generator) -> Fault:
     return on_mount("drift", ("xel", "el"), parts)
 
 
+#: Shortest period of an oscillation [s], and in median steps from reading to reading.
+_SHORTEST_S, _STEPS = 1800.0, 3.0
+#: Quality factor of an oscillation whose phase wanders.
+_QUALITY = 10.0
+
+
+def _period_s(world: World, rng: np.random.Generator) -> float:
+    """Draw a period from half an hour to a session, evenly in its logarithm."""
+    time_s, session = world.plan.time_s, world.plan.labels["session"]
+    longest = float(np.median([np.ptp(time_s[session == one]) for one in np.unique(session)]))
+    shortest = max(_SHORTEST_S, _STEPS * float(np.median(np.diff(time_s))))
+    return float(np.exp(rng.uniform(np.log(shortest), np.log(max(longest, 2 * shortest)))))
+
+
+def _swinging(period_s: float, rng: np.random.Generator, swing: Array) -> Fault:
+    _, sin, cos = phase(rng)
+    parts = {"beam_left": sin * swing, "elevation_zero": cos * swing}
+    return on_mount("oscillation", ("xel", "el"), parts, facts={"period_s": period_s})
+
+
+def oscillation(world: World, rng: np.random.Generator) -> Fault:
+    """Draw zeros that swing with one period from the first session to the last."""
+    period_s = _period_s(world, rng)
+    start, _, _ = phase(rng)
+    return _swinging(
+        period_s, rng, np.sin(2 * np.pi * (world.plan.time_s % period_s) / period_s + start)
+    )
+
+
+def wandering_oscillation(world: World, rng: np.random.Generator) -> Fault:
+    """Draw zeros that swing as a damped pendulum that is kicked: its phase is soon another.
+
+    From one reading to the next the hand of a clock turns and shrinks, and every kick moves its
+    end; the shadow of the hand is the swing.
+    """
+    period_s = _period_s(world, rng)
+    step_s = np.diff(world.plan.time_s, prepend=world.plan.time_s[0])
+    left = np.exp(-np.pi * step_s / (_QUALITY * period_s))
+    left[0] = 0.0
+    turn = 2 * np.pi * step_s / period_s
+    along = across = 0.0
+    swing = np.empty(len(step_s))
+    for n, kick in enumerate(rng.standard_normal((len(step_s), 2))):
+        sin, cos = np.sin(turn[n]), np.cos(turn[n])
+        fresh = np.sqrt(1 - left[n] ** 2) * kick
+        along, across = (
+            left[n] * (cos * along - sin * across) + fresh[0],
+            left[n] * (sin * along + cos * across) + fresh[1],
+        )
+        swing[n] = along
+    return _swinging(period_s, rng, swing)
+
+
 TIMES: dict[str, Draw] = {
     "epoch_offset": epoch_offset,
     "epoch_tilt": epoch_tilt,
     "epoch_sag": epoch_sag,
     "drift": drift,
+    "oscillation": oscillation,
+    "wandering_oscillation": wandering_oscillation,
 }

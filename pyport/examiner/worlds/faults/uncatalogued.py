@@ -68,8 +68,8 @@ def smooth_field(world: World, rng: np.random.Generator) -> Fault:
     return _uncatalogued(*fields, facts={"shape": "smooth field"})
 
 
-def oscillation(world: World, rng: np.random.Generator) -> Fault:
-    """Draw a slow oscillation in time whose period is nothing of nature's."""
+def long_oscillation(world: World, rng: np.random.Generator) -> Fault:
+    """Draw an oscillation of some days, whose period is nothing of nature's."""
     period_s = rng.uniform(1.7, 6.3) * _DAY_S
     start, sin, cos = phase(rng)
     swing = np.sin(2 * np.pi * world.plan.time_s / period_s + start)
@@ -122,7 +122,7 @@ FAULTS: dict[str, Draw] = {
     "dip": dip,
     "mixed_wave": mixed_wave,
     "smooth_field": smooth_field,
-    "oscillation": oscillation,
+    "long_oscillation": long_oscillation,
     "strange_column": strange_column,
     "region": region,
 }

@@ -1,0 +1,267 @@
+"""Oscillations in time: proposed beside noise that must not swallow them.
+
+A drift that was estimated beside the model alone has taken most of a slow oscillation, for within
+a few periods it can draw one. So the search looks beside the drift as it was estimated and beside
+less of it, and charges each of them what it explains worse without an oscillation. A drift alone
+loses hundreds by that; where there is an oscillation, it gains them back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.confirm import beside_model
+from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.periods import (
+    OVERSAMPLED,
+    PERIODS_FREE,
+    Peak,
+    Scan,
+    near_best,
+    peaks_of,
+    scan_of,
+    stretches_of,
+    view_of,
+)
+from pyport.effects.base import Effect
+from pyport.effects.oscillation import OSCILLATION, Stretch, oscillation
+from pyport.noise.covariance import Covariance
+from pyport.recordings.sky import clock
+from pyport.stages import stage
+from pyport.thresholds import CONVINCING, FEWEST
+
+#: Shares of the drift's amplitude beside which a period is looked for.
+SHARES_OF_DRIFT = (1.0, 0.7, 0.3)
+#: Periods at which the evidence is looked at to find its top, and how far off a wandering one is
+#: looked for.
+NEAR, WIDE = 11, 0.1
+#: Quality factors of a phase that wanders, and the periods in which it is one when it is predicted.
+QUALITIES, PERIODS_ONE = (7.0, 20.0), 2.0
+
+
+@stage("looking for periods")
+def proposed(setup: Problem, present: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
+    """Return the oscillation that is worth a confirmation beside what is chosen, if any.
+
+    The case that it belongs to is `widened` by it. `present` is the noise of the turn.
+    """
+    scan = scan_of(setup)
+    if scan is None or any(one.candidate.effect.id == OSCILLATION for one in chosen):
+        return None
+    noises = [_with_drift(present, share, scan.longest) for share in SHARES_OF_DRIFT]
+    views = [view_of(setup, scan, noise, chosen) for noise in noises]
+    least = min(view.lack for view in views)
+    found = [
+        (peak.worth - view.lack + least, peak, noise)
+        for noise, view, peaks in zip(noises, views, peaks_of(scan, views), strict=True)
+        for peak in peaks
+    ]
+    worth, best, _ = max(found, key=lambda one: one[0])
+    if worth <= CONVINCING or best.period_s > scan.longest:
+        return None
+    refined = []
+    for wanders in {peak.wanders for _, peak, _ in found}:
+        own = [one for one in found if one[1].wanders == wanders]
+        was, peak, noise = max(own, key=lambda one: one[0])
+        if peak.period_s <= scan.longest:
+            one, evidence = _refined(setup, scan, noise, chosen, peak)
+            refined.append((was + evidence - peak.evidence, one))
+    return max(refined, key=lambda one: one[0])[1]
+
+
+def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
+    """Return an oscillation of the same kind with the period that readings of weight prefer."""
+    scan = scan_of(setup)
+    assert scan is not None  # noqa: S101 - it was found in it
+    wanders = _wanders(one)
+    view = view_of(setup, scan, covariance, others)
+    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders)
+    first = _effect(setup, scan, peak.period_s, wanders=wanders)
+    if wanders:
+        return first
+    period = likeliest_period(setup, covariance, others, first)[0]
+    return _effect(setup, scan, period, wanders=wanders)
+
+
+def _with_drift(present: Covariance, share: float, longest: float) -> Covariance:
+    """Return a noise with a share of the amplitude of drifts that forget within a session.
+
+    What remembers for longer, and departures, leave a shorter period alone.
+    """
+    noises = tuple(
+        replace(
+            one,
+            drifts=tuple(
+                (size * (share if memory <= longest else 1.0), memory)
+                for size, memory in one.drifts
+            ),
+        )
+        for one in present.noises
+    )
+    return replace(present, noises=noises)
+
+
+def _effect(
+    setup: Problem, scan: Scan, period_s: float, *, wanders: bool, periods: float = PERIODS_FREE
+) -> Effect:
+    """Return the oscillation of a period, its sine counted from the middle of the recordings."""
+    time = clock(setup.recordings.at)[setup.stack.row]
+    since = float(np.round((time.min() + time.max()) / 2))
+    if not wanders:
+        return oscillation(period_s, since)
+    stretch, count = stretches_of(scan, period_s, periods)
+    begin, end = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(begin, stretch, time)
+    np.maximum.at(end, stretch, time)
+    enough = np.bincount(stretch, minlength=count) >= (FEWEST if periods == PERIODS_FREE else 1)
+    found: list[Stretch] = [
+        (float(one), float(other)) for one, other in zip(begin[enough], end[enough], strict=True)
+    ]
+    return oscillation(period_s, since, found)
+
+
+def _refined(
+    setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak
+) -> tuple[Chosen, float]:
+    """Return the oscillation at the best period near a peak, and its evidence."""
+    first = _effect(setup, scan, peak.period_s, wanders=peak.wanders)
+    period, _, evidence = likeliest_period(setup, noise, chosen, first)
+    effect = _effect(setup, scan, period, wanders=peak.wanders)
+    kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
+    start = setup.columns.shape[1]
+    candidate = Candidate(
+        effect,
+        np.arange(start, start + len(kept)),
+        tuple(int(one) for one in kept),
+        max(1, round(peak.choices)),
+        of_time=True,
+    )
+    return Chosen(candidate, "all"), evidence
+
+
+def likeliest_period(
+    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
+) -> tuple[float, float, float]:
+    """Return the likeliest period [s] near that of an oscillation, its sigma, and its evidence.
+
+    Where a phase holds, nights at equal intervals leave open how many periods went by between
+    them: other periods that are as likely are part of the sigma.
+    """
+    waves = _waves(setup, noise, chosen, effect)
+    width, periods = WIDE, [effect.member["period_s"]]
+    if not _wanders(effect):
+        width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
+        periods += near_best(waves.scan, view_of(setup, waves.scan, noise, chosen))
+    found = [_top(waves, one * np.exp(width * np.linspace(-1, 1, NEAR))) for one in periods]
+    period, sigma, evidence = max(found, key=lambda one: one[2])
+    chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
+    apart = np.array([one[0] - period for one in found])
+    return period, float(np.hypot(sigma, np.sqrt(np.mean(chance * apart**2)))), evidence
+
+
+def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> Array:
+    """Return what readings of weight predict of a wandering oscillation, drawn toward zero [rad].
+
+    The best linear prediction, shape (m,), as that of departures.
+    """
+    waves = _waves(setup, noise, others, effect)
+    period = effect.member["period_s"]
+    _, covariance, variance = waves.fit(period)
+    columns, rest = waves.columns(period)
+    prior = variance * np.kron(np.eye(2), covariance)
+    # With V = rest prior rest' + 1 the prediction is prior rest' V^-1 of the data.
+    inner = np.eye(len(prior)) + rest.T @ rest @ prior
+    return np.asarray(columns @ (prior @ np.linalg.solve(inner, rest.T @ waves.left)))
+
+
+def _wanders(effect: Effect) -> bool:
+    return "stretches_s" in effect.member
+
+
+@dataclass(frozen=True)
+class _Waves:
+    """Waves beside a model and a noise, amplitudes of one size: whose phase holds or wanders.
+
+    `left` are the whitened data without the model's directions `basis`; `mixes` how amplitudes
+    may hang together.
+    """
+
+    setup: Problem
+    scan: Scan
+    noise: Covariance
+    basis: Array
+    left: Array
+    free: Effect
+    mixes: Sequence[Array]
+
+    def columns(self, period_s: float) -> tuple[Array, Array]:
+        """Return waves of unit size (m, k), and whitened and without the model (M, k)."""
+        near = oscillation(**{**self.free.member, "period_s": period_s})
+        columns = self.setup.stack.columns(near, self.setup.recordings.at)
+        white = self.noise.whiten(columns)
+        size = float(np.sqrt(np.sum(white**2) / np.count_nonzero(white.any(axis=0))))
+        white = white - self.basis @ (self.basis.T @ white)
+        return columns / size, white / size
+
+    def fit(self, period_s: float) -> tuple[float, Array, float]:
+        """Return the evidence of a period, the covariance of its amplitudes, and its variance."""
+        rest = self.columns(period_s)[1]
+        products, seen = rest.T @ rest, rest.T @ self.left
+        tried = []
+        for mix in self.mixes:
+            both = np.kron(np.eye(2), mix)
+            power, vectors = np.linalg.eigh(both.T @ products @ both)
+            along = vectors.T @ (both.T @ seen)
+            tried.append((*at_best(np.maximum(power, 0.0), along), mix))
+        evidence, variance, mix = max(tried, key=lambda one: one[0])
+        return evidence, mix @ mix.T, variance
+
+
+def _waves(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect) -> _Waves:
+    scan = scan_of(setup)
+    assert scan is not None  # noqa: S101 - an oscillation was found in it
+    model = noise.whiten(setup.expanded((*setup.base, *chosen)))
+    white = noise.whiten(setup.residual[:, None])[:, 0]
+    _, basis, left = beside_model(noise, model, white)
+    free, mixes = _wandered(setup, scan, effect) if _wanders(effect) else (effect, [np.eye(2)])
+    return _Waves(setup, scan, noise, basis, left, free, mixes)
+
+
+def _wandered(setup: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[Array]]:
+    """Return an oscillation free in every few periods, and how its amplitudes hang together.
+
+    For some quality factors Q a phase is forgotten, by e, in Q / pi periods: for each of them the
+    root of the amplitudes' covariance, sine and cosine of each stretch in turn.
+    """
+    period = effect.member["period_s"]
+    free = _effect(setup, scan, period, wanders=True, periods=PERIODS_ONE)
+    middle = np.mean(free.member["stretches_s"], axis=1)
+    apart = np.abs(middle[:, None] - middle) / period
+    roots = [np.linalg.cholesky(np.exp(-np.pi * apart / quality)) for quality in QUALITIES]
+    return free, [np.asarray(np.kron(one, np.eye(2)), float) for one in roots]
+
+
+def _top(waves: _Waves, period_s: Array) -> tuple[float, float, float]:
+    """Return the period at the top of a parabola through the best of some, and how sure."""
+    worth = np.array([waves.fit(float(one))[0] for one in period_s])
+    best = int(np.argmax(worth))
+    some = slice(max(best - 3, 0), best + 4)
+    middle = float(period_s[best])
+    bend, slope, _ = np.polyfit(period_s[some] - middle, worth[some], 2)
+    if bend >= 0:
+        return middle, float(np.ptp(period_s)), float(worth[best])
+    top = np.clip(middle - slope / (2 * bend), period_s[some].min(), period_s[some].max())
+    return float(top), float(np.sqrt(-1 / bend)), float(worth[best])
+
+
+def widened(setup: Problem, one: Chosen) -> Problem:
+    """Return the case with the columns of an oscillation that was proposed in it."""
+    effect, which = one.candidate.effect, list(one.candidate.coefficients)
+    own = setup.stack.columns(effect, setup.recordings.at)[:, which]
+    return replace(setup, columns=np.concatenate([setup.columns, own], axis=1))

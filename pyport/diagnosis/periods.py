@@ -1,0 +1,277 @@
+"""Periods of waves in time: which of them the readings show, beside a model and a noise.
+
+A wave's phase may hold from session to session, or wander and be free in stretches of a few
+periods. Both are looked for by sums over readings, no column for each frequency.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import Array, Codes
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.confirm import beside_model
+from pyport.noise.covariance import Covariance
+from pyport.recordings.sky import clock
+from pyport.thresholds import CONVINCING, ENOUGH_SQUARES
+
+#: Shortest period [s], and in median steps between readings.
+SHORTEST_S, SHORTEST_STEPS = 1200.0, 3.0
+#: A single session must hold so many periods: one is a drift.
+PERIODS_ALONE = 2.0
+#: Periods in a stretch within which a wandering phase is one: that of a quality factor of ten is
+#: forgotten, by e, in 10 / pi of them.
+PERIODS_FREE = 3.0
+#: A wandering period is tried at steps of this share, and is another from this share on.
+STEP, ANOTHER = 0.04, 0.1
+#: Frequencies tried in one over the length of a session, and in one over that of the campaign.
+OVERSAMPLED = 4
+#: Longest stretch [s] that is searched as one: a day, as most sessions are shorter.
+LONGEST_PIECE_S = 86400.0
+#: Frequencies times sessions at which coherence through a campaign is given up: it is too long.
+MOST_PHASES = 50_000_000
+#: Periods at which the noise's spectrum is looked at.
+SPECTRUM = 16
+#: Periods of a wave whose phase holds that are looked at closely.
+MOST_PERIODS = 6
+#: Sizes of a wandering wave that are tried, over what a stretch determines it to.
+_SIZES = np.geomspace(0.02, 1e3, 16)[:, None]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The best period of a kind.
+
+    `evidence` is twice the log of how much likelier the data are with it, its choice among
+    `choices` periods not yet paid.
+    """
+
+    period_s: float
+    wanders: bool
+    evidence: float
+    choices: float
+
+    @property
+    def worth(self) -> float:
+        """Return the evidence less the price of the choice."""
+        return self.evidence - 2 * float(np.log(self.choices))
+
+
+@dataclass(frozen=True)
+class Scan:
+    """The readings of one antenna as a search for periods meets them.
+
+    Attributes
+    ----------
+    time, session, is_y
+        Of each reading: time since the first [s], number of its session, axis; shape (m,).
+    begin, length
+        Of each session [s], shape (S,).
+    shortest, longest
+        Periods between which one is looked for [s].
+    """
+
+    time: Array
+    session: Codes
+    is_y: Codes
+    begin: Array
+    length: Array
+    shortest: float
+    longest: float
+
+    @property
+    def coherent(self) -> float:
+        """Return how many periods the campaign can distinguish."""
+        return max(1.0, float(np.ptp(self.time)) * (1 / self.shortest - 1 / self.longest))
+
+
+def scan_of(setup: Problem) -> Scan | None:
+    """Return the readings for a search; None where no period could be seen."""
+    at = setup.recordings.at
+    if setup.blocks.antennas > 1 or "time" not in at:
+        return None
+    time = clock(at)[setup.stack.row]
+    if len(time) < ENOUGH_SQUARES or not np.isfinite(time).all():
+        return None
+    time = time - time.min()
+    session = np.unique(setup.session, return_inverse=True)[1]
+    begin, end = np.full(session.max() + 1, np.inf), np.zeros(session.max() + 1)
+    np.minimum.at(begin, session, time)
+    np.maximum.at(end, session, time)
+    length = end - begin
+    moments = np.diff(np.unique(time))
+    shortest = max(SHORTEST_S, SHORTEST_STEPS * float(np.median(moments)) if len(moments) else 0.0)
+    longest = float(np.median(length)) if len(length) > 1 else float(length[0]) / PERIODS_ALONE
+    if longest < 2 * shortest:
+        return None
+    is_y = setup.stack.is_y.astype(np.intp)
+    return Scan(time, session, is_y, begin, length, shortest, longest)
+
+
+@dataclass(frozen=True)
+class View:
+    """The readings beside a model and a noise.
+
+    Attributes
+    ----------
+    lack
+        Minus twice the restricted log-likelihood of the noise alone.
+    pull
+        A column's product with this is its whitened one's with what the model leaves, shape (m,).
+    log_period, told
+        Logs of ascending periods, and what each session and axis tells of a wave of each: shapes
+        (F,) and (2 S, F).
+    """
+
+    lack: float
+    pull: Array
+    log_period: Array
+    told: Array
+
+    def at(self, period_s: Array) -> Array:
+        """Return the information at some periods (F,), shape (2 S, F)."""
+        log = np.log(period_s)
+        return np.array([np.interp(log, self.log_period, one) for one in self.told])
+
+
+def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
+    """Return the readings beside a model and what is chosen, and beside a noise."""
+    model = setup.expanded((*setup.base, *chosen))
+    periods = np.geomspace(scan.shortest, scan.longest, SPECTRUM)
+    phase = 2 * np.pi * scan.time[:, None] / periods
+    data = np.concatenate([model, setup.residual[:, None], np.cos(phase), np.sin(phase)], axis=1)
+    white = noise.whiten(data)
+    p = model.shape[1]
+    lack, _, left = beside_model(noise, white[:, :p], white[:, p])
+    # Half the squares of both waves: what is told of either.
+    power = (white[:, p + 1 :] ** 2).reshape(len(white), 2, SPECTRUM).mean(axis=1)
+    series = np.resize(2 * scan.session + scan.is_y, len(white))
+    told = np.zeros((2 * len(scan.length), SPECTRUM))
+    np.add.at(told, series, power)
+    return View(lack, noise.unwhiten(left[:, None])[:, 0], np.log(periods), told)
+
+
+def peaks_of(scan: Scan, views: Sequence[View]) -> list[list[Peak]]:
+    """Return the best period of each kind beside each noise."""
+    held = [_held(scan, view) for view in views]
+    return [
+        [one] if other is None else [one, other]
+        for one, other in zip(_wandering(scan, views), held, strict=True)
+    ]
+
+
+def _held(scan: Scan, view: View) -> Peak | None:
+    """Return the best period of a wave whose phase holds; None where a campaign is too long.
+
+    Periods beyond the longest take part, so that what they do is not given to a shorter one.
+    """
+    found = _gains(scan, view)
+    if found is None:
+        return None
+    frequency, gain, waves = found
+    best = int(np.argmax(gain))
+    most = max(float(gain[best]) / waves, 1.0)
+    # Of equal information the likeliest variance has a closed form.
+    evidence = waves * (most - 1 - np.log(most))
+    # Among frequencies that lie close a high peak is met more often than among independent ones,
+    # by the root of its height (Baluev 2008, MNRAS 385, 1279).
+    choices = scan.coherent * float(np.sqrt(max(float(gain[best]) / 2, 1.0)))
+    return Peak(1 / float(frequency[best]), False, evidence, choices)  # noqa: FBT003
+
+
+def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
+    """Return frequencies [1/s], what a wave of each gains, and the number of its amplitudes.
+
+    Within a day or a session neighbouring frequencies differ by less than a quarter of a turn: the
+    sums of each at a coarse frequency, turned, are those at the fine ones between.
+    """
+    whole = max(float(np.ptp(scan.time)), 1.0)
+    day = np.floor((scan.time - scan.begin[scan.session]) / LONGEST_PIECE_S).astype(np.intp)
+    piece = np.unique(np.stack([scan.session, day]), axis=1, return_inverse=True)[1].ravel()
+    count = int(piece.max()) + 1
+    middle = np.bincount(piece, scan.time) / np.bincount(piece)
+    from_middle = scan.time - middle[piece]
+    step = 1 / (OVERSAMPLED * min(float(scan.length.max()), LONGEST_PIECE_S))
+    coarse: Array = np.arange(0.5 * step, 1 / scan.shortest + step, step)
+    count_fine = int(np.ceil(whole * OVERSAMPLED * step))
+    fine: Array = ((np.arange(count_fine) + 0.5) / count_fine - 0.5) * step
+    if len(fine) * len(coarse) * count > MOST_PHASES:
+        return None
+    sums = _sums(view.pull, 2 * piece + scan.is_y, from_middle, coarse, 2 * count)
+    sums = sums.reshape(len(coarse), count, 2) * np.exp(
+        -2j * np.pi * coarse[:, None, None] * middle[:, None]
+    )
+    turned = np.exp(-2j * np.pi * fine[:, None] * middle)
+    squares = np.abs(np.tensordot(turned, sums, axes=([1], [1]))) ** 2
+    told = view.at(1 / coarse).reshape(-1, 2, len(coarse)).sum(axis=0).T
+    known = told > 1e-9 * told.max()
+    gain = np.where(known, squares / np.where(known, told, 1.0), 0.0).sum(axis=2)
+    waves = 2 * int(known.any(axis=0).sum())
+    return (fine[:, None] + coarse).ravel(), gain.ravel(), waves
+
+
+def _sums(pull: Array, group: Codes, time: Array, frequency: Array, groups: int) -> Array:
+    """Return sums of a pull times waves of evenly spaced frequencies (F,), (F, groups), complex."""
+    out = np.empty((len(frequency), groups), complex)
+    turn = np.exp(-2j * np.pi * (frequency[1] - frequency[0]) * time)
+    wave = pull * np.exp(-2j * np.pi * frequency[0] * time)
+    for n in range(len(frequency)):
+        out[n] = _summed(wave, group, groups)
+        wave *= turn
+    return out
+
+
+def _summed(wave: Array, group: Codes, groups: int) -> Array:
+    return np.bincount(group, wave.real, groups) + 1j * np.bincount(group, wave.imag, groups)
+
+
+def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
+    """Return the best period of a wave whose phase is free in stretches of some periods."""
+    logs = np.arange(np.log(scan.shortest), np.log(scan.longest), STEP)
+    periods = np.exp(logs)
+    own = 2 * scan.session + scan.is_y
+    readings = np.maximum(np.bincount(own, minlength=2 * len(scan.length)), 1)[:, None]
+    each = [view.at(periods) / readings for view in views]
+    evidence = np.empty((len(views), len(periods)))
+    for n, period in enumerate(periods):
+        stretch, count = stretches_of(scan, period)
+        group = 2 * stretch + scan.is_y
+        wave = np.exp(-2j * np.pi * scan.time / period)
+        for k, view in enumerate(views):
+            sums = _summed(view.pull * wave, group, 2 * count)
+            told = np.bincount(group, each[k][own, n], 2 * count)
+            size = _SIZES / max(float(told.max()), 1e-300)
+            gained = size * np.abs(sums) ** 2 / (1 + size * told) - 2 * np.log1p(size * told)
+            evidence[k, n] = gained.sum(axis=1).max()
+    choices = max(1.0, float(np.ptp(logs)) / ANOTHER)
+    best = evidence.argmax(axis=1)
+    return [
+        Peak(float(periods[one]), True, float(worth[one]), choices)  # noqa: FBT003
+        for one, worth in zip(best, evidence, strict=True)
+    ]
+
+
+def stretches_of(scan: Scan, period_s: float, periods: float = PERIODS_FREE) -> tuple[Codes, int]:
+    """Return the stretch of each reading, of so many periods, and the number of stretches."""
+    parts = np.maximum(1, np.round(scan.length / (periods * period_s))).astype(np.intp)
+    first = np.cumsum([0, *parts])
+    within = (scan.time - scan.begin[scan.session]) / np.maximum(scan.length, 1.0)[scan.session]
+    part = np.minimum((within * parts[scan.session]).astype(np.intp), parts[scan.session] - 1)
+    return first[scan.session] + part, int(first[-1])
+
+
+def near_best(scan: Scan, view: View) -> list[float]:
+    """Return periods of a wave whose phase holds that gain nearly as much as the best."""
+    found = _gains(scan, view)
+    if found is None:
+        return []
+    frequency, gain, _ = found
+    order = np.argsort(frequency)
+    frequency, gain = frequency[order], gain[order]
+    high = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:])) + 1
+    high = high[(frequency[high] >= 1 / scan.longest) & (gain[high] > gain.max() - 2 * CONVINCING)]
+    best = high[np.argsort(-gain[high])][:MOST_PERIODS]
+    return [1 / float(one) for one in frequency[best]]

@@ -1,0 +1,196 @@
+"""Oscillations: found with their period where a drift could draw them, and only there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+
+from pyport.diagnosis import holdout, oscillations, periods, winner
+from pyport.diagnosis.case import Chosen, prepare, weigh
+from pyport.diagnosis.diagnose import diagnose
+from pyport.effects.oscillation import OSCILLATION, oscillation
+from pyport.formats.models import load
+
+HOUR = 3600.0
+PERIOD_S = 1.0 * HOUR
+#: Four nights of eight hours, days apart.
+NIGHT = np.repeat(np.arange(4), 120)
+TIME = (
+    1.2e9
+    + np.array([0.0, 5.31, 7.13, 12.47])[NIGHT] * 86400
+    + np.tile(np.linspace(0, 8 * HOUR, 120), 4)
+)
+
+
+def wandering(seed, share, period_s=None, memory_s=HOUR):
+    """Return a hand that turns, if a period is given, and forgets where it was; its shadow."""
+    rng = np.random.default_rng(seed)
+    hand, out = 0.0, []
+    for step in np.diff(TIME, prepend=TIME[0] - 1e9):
+        turn = np.exp((2j * np.pi / period_s if period_s else 0.0) * step - step / memory_s)
+        hand = turn * hand + np.sqrt(1 - abs(turn) ** 2) * (rng.normal() + 1j * rng.normal())
+        out.append(share * hand.real)
+    return lambda _: np.array(out)
+
+
+#: Offsets in elevation [arcsec] beside a scatter of 5 arcsec.
+SWINGS = {
+    "held": lambda _: 5 * np.sin(2 * np.pi * (TIME % PERIOD_S) / PERIOD_S + 1),
+    "wandering": wandering(2, 5.0, PERIOD_S, memory_s=2 * PERIOD_S),
+}
+NOTHING = {
+    "white": None,
+    "drift of an hour": wandering(2, 7.0),
+    "drift of ten minutes": wandering(2, 7.0, memory_s=600.0),
+    "walk": wandering(4, 12.0, memory_s=300 * HOUR),
+    "a step": lambda _: 9.0 * (NIGHT > 1),
+    "a swing of days": lambda _: 6 * np.sin(2 * np.pi * TIME / (2.7 * 86400)),
+}
+
+
+def made(y=None, **columns):
+    """Return 480 pointings of four nights."""
+    session = np.array([f"night {n}" for n in NIGHT])
+    return recordings(480, 5, y=y, time=TIME, session=session, **columns)
+
+
+def case(y=None, **columns):
+    """Return the case of some recordings."""
+    return prepare(made(y, **columns), load("altaz"), seed=1)
+
+
+@pytest.fixture(scope="module", params=SWINGS)
+def swinging(request):
+    """Return the kind of an oscillation, the case it is hidden in, and what is proposed."""
+    setup = case(SWINGS[request.param])
+    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+    assert one is not None
+    return request.param, setup, one
+
+
+def test_the_period_is_found(swinging):
+    """To a few per cent where the phase wanders, much better where it holds; its kind is known."""
+    kind, _, one = swinging
+    effect = one.candidate.effect
+
+    assert effect.id == OSCILLATION
+    assert effect.changes_with == ("stretch" if kind == "wandering" else "time")
+    near = 0.06 if kind == "wandering" else 2e-4
+    assert effect.parameter == pytest.approx(PERIOD_S, rel=near)
+    assert one.candidate.choices > (1 if kind == "wandering" else 300)
+
+
+def test_what_is_left_out_chooses_no_period(swinging):
+    """Readings of no weight may say what they like, and are predicted by the others."""
+    _, setup, one = swinging
+    setup, covariance = oscillations.widened(setup, one), weigh(setup).covariance
+    hidden = np.arange(len(setup.residual)) % 10 == 3
+    seen = replace(covariance, weights=np.where(hidden, 0.0, covariance.weights))
+    absurd = replace(setup, residual=np.where(hidden, 0.01, setup.residual))
+    effect = one.candidate.effect
+    fresh, other = (oscillations.again(each, seen, (), effect) for each in (setup, absurd))
+
+    assert fresh.parameter == pytest.approx(other.parameter, rel=1e-5)
+    assert fresh.parameter == pytest.approx(PERIOD_S, rel=0.08)
+
+
+def test_a_wandering_phase_is_predicted_between_its_readings():
+    """Pointings are dealt out, for a block of time may hold a stretch; what is left is less."""
+    setup = case(SWINGS["wandering"])
+    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+    setup = oscillations.widened(setup, one)
+    weighed = weigh(setup, (one,), searching=False)
+    partition = holdout.folds(setup, weighed, (one,))
+    left = [holdout.residuals(setup, weighed, some, partition) for some in ((), (one,))]
+    before, after = (np.sqrt(np.mean(some[setup.stack.is_y] ** 2)) for some in left)
+
+    assert partition.scheme == "leave pointings out, ten folds"
+    assert after < 0.92 * before
+
+
+@pytest.mark.parametrize("kind", NOTHING)
+def test_nothing_else_is_an_oscillation(kind):
+    """Drifts of any memory, steps and what takes days are no oscillation within a session."""
+    setup = case(NOTHING[kind])
+
+    assert oscillations.proposed(setup, weigh(setup).covariance, ()) is None
+
+
+def test_one_is_enough(swinging):
+    """Beside an oscillation no other is looked for."""
+    _, setup, one = swinging
+
+    assert (
+        oscillations.proposed(setup, weigh(setup).covariance, (Chosen(one.candidate, "all"),))
+        is None
+    )
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"antenna": np.array(["C00", "C01"])[np.arange(480) % 2]},
+        {"time": np.where(np.arange(480) == 7, np.nan, TIME)},
+        {"time": 1.2e9 + np.arange(480.0)},
+    ],
+    ids=["an array", "an unknown time", "eight minutes"],
+)
+def test_where_no_period_could_be_seen(columns):
+    """Nothing is looked for."""
+    setup = prepare(recordings(480, 5, **{"time": TIME, **columns}), load("altaz"), seed=1)
+
+    assert periods.scan_of(setup) is None
+
+
+def test_a_single_session_holds_two_periods():
+    """A longer one is a drift."""
+    night = np.array(["night"] * 480)
+    time = 1.2e9 + np.linspace(0, 10 * HOUR, 480)
+    setup = prepare(recordings(480, 5, time=time, session=night), load("altaz"), seed=1)
+
+    assert periods.scan_of(setup).longest == pytest.approx(5 * HOUR)
+
+
+@pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False)])
+def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, wins):
+    """As every change with time, its period paid for."""
+    asked = []
+    monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or sure)
+    setup = case(SWINGS["held"])
+    found = winner._oscillating(setup, weigh(setup), ())
+
+    assert [one.trial.evidence for one in found] == ([sure] if wins else [])
+    independent = 2 * np.log(periods.scan_of(setup).coherent)
+    assert len(asked) == 1
+    assert independent + 2 < asked[0] < independent + 6
+
+
+def test_nights_at_equal_intervals_leave_the_period_open():
+    """How many periods went by between them is not known: that is part of the error."""
+    equal = 1.2e9 + NIGHT * 4 * 86400.0 + (TIME - TIME[120 * NIGHT]) / 8
+    sigma = {}
+    for name, time in (("equal", equal), ("unequal", TIME)):
+        swing = lambda _, time=time: 5 * np.sin(2 * np.pi * (time % 1800.0) / 1800.0)  # noqa: E731
+        setup = prepare(recordings(480, 5, y=swing, time=time), load("altaz"), seed=1)
+        effect = oscillation(1800.0)
+        sigma[name] = oscillations.likeliest_period(setup, weigh(setup).covariance, (), effect)[1]
+
+    assert sigma["unequal"] < 0.001 * 1800 < 0.01 * 1800 < sigma["equal"]
+
+
+def test_period_amplitude_and_phase_are_reported():
+    """Each with its error; the sentence says them."""
+    found = diagnose(made(SWINGS["held"]), load("altaz"), seed=1).findings[0]
+    told = {one.name: one for one in found.parameters}
+    since = np.datetime64(found.variant.partition("since ")[2].rstrip("Z"), "s").astype(float)
+    phase = np.degrees(2 * np.pi * (since % PERIOD_S) / PERIOD_S + 1)
+
+    assert (found.effect, found.verdict) == (OSCILLATION, "named")
+    assert set(told) == {"period", "amplitude_xel", "phase_xel", "amplitude_el", "phase_el"}
+    true = {"period": PERIOD_S / 60, "amplitude_el": 5.0, "amplitude_xel": 0.0}
+    for name, value in true.items():
+        assert abs(told[name].value - value) < 4 * told[name].sigma, name
+    off = (told["phase_el"].value - phase + 180) % 360 - 180
+    assert abs(off) < 4 * told["phase_el"].sigma < 40
+    assert "period 59.99" in found.sentence
