@@ -19,7 +19,7 @@ from pyport.models.terms.field_system import RATIOS
 from pyport.recordings.formats.katpoint_csv import MODEL_FIELD, angle
 from pyport.recordings.formats.lines import Line, lines_of
 
-_VALUE = r"[-+]?(?:\d+:\d+:\d+(?:\.\d*)?|\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)"
+_VALUE = r"[-+]?(?:\d+:\d+:\d+(?:\.\d*)?|\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+)"
 _DESCRIPTION = re.compile(rf"{_VALUE}(?:(?:\s*,\s*|\s+){_VALUE})*")
 
 

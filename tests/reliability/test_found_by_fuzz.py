@@ -14,7 +14,7 @@ from pyarrow import parquet
 
 from pyport.cli import pyport
 from pyport.errors import BadInput
-from pyport.formats import ska_mid
+from pyport.formats import katpoint_model, ska_mid
 from pyport.formats.models import load
 from pyport.models.conditions import columns_of
 from pyport.recordings import read, where
@@ -152,3 +152,8 @@ def test_a_filter_by_nothing():
     """Neither kept nor excluded."""
     with pytest.raises(BadInput, match="a value at least"):
         where.parse("source in ()")
+
+
+def test_a_description_that_ends_as_no_number_does():
+    """Refused at once: numbers of two digits could be read in two ways each, 2^40 together."""
+    assert not katpoint_model.is_description("11 " * 40 + "x")
