@@ -7,13 +7,12 @@ was made from all readings flatters the prediction of those that are left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from pyport.angles import Array
 from pyport.diagnosis import oscillations
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
+from pyport.diagnosis.case import Anew, Chosen, Problem, WhitenedData, temporal, whiten_model
 from pyport.diagnosis.changes import still_noise
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.refine import refine
@@ -21,22 +20,6 @@ from pyport.diagnosis.view import shown_beside
 from pyport.effects.oscillation import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
-
-
-@dataclass(frozen=True)
-class Anew:
-    """A choice made anew.
-
-    Attributes
-    ----------
-    columns
-        What is fitted, shape (m, P).
-    curve
-        What is predicted beside it [rad], shape (m,); None where all is fitted.
-    """
-
-    columns: Array
-    curve: Array | None = None
 
 
 @stage("choosing anew")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +28,6 @@ from pyport.recordings.sky import with_nights
 from pyport.stages import stage
 from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST
 
-if TYPE_CHECKING:
-    from pyport.diagnosis.anew import Anew
-
 DRAWS = 300
 
 
@@ -46,6 +42,22 @@ class Chosen:
     candidate: Candidate
     scope: str
     spread: float = 0.0
+
+
+@dataclass(frozen=True)
+class Anew:
+    """A choice made anew.
+
+    Attributes
+    ----------
+    columns
+        What is fitted, shape (m, P).
+    curve
+        What is predicted beside it [rad], shape (m,); None where all is fitted.
+    """
+
+    columns: Array
+    curve: Array | None = None
 
 
 @dataclass(frozen=True)

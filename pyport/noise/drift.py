@@ -292,6 +292,15 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
 ROUNDING = 1e-11
 
 
+def _triangle(products: Array) -> Array:
+    """Return the Cholesky triangle of products, held against rounding where that spoils them."""
+    try:
+        return np.asarray(np.linalg.cholesky(products))
+    except np.linalg.LinAlgError:
+        lost = ROUNDING * (1 + np.diag(products))
+        return np.asarray(np.linalg.cholesky(products + np.diag(lost)))
+
+
 @dataclass(frozen=True)
 class _Likelihood:
     """The restricted likelihood of a white part and a drift, the scale profiled out.
@@ -319,10 +328,11 @@ class _Likelihood:
             gram = white.T @ white
         else:
             d, gram = found
-        every, departing = np.arange(len(gram) - 1), np.arange(self.columns.q)
+        departing = np.arange(self.columns.q)
         gram[departing, departing] += 1.0
-        gram[every, every] += ROUNDING * (1 + gram[every, every])
-        triangle = np.linalg.cholesky(gram[:-1, :-1])
+        fixed = np.arange(self.columns.q, len(gram) - 1)
+        gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
+        triangle = _triangle(gram[:-1, :-1])
         right = np.zeros((len(triangle), 1 + self.faint.shape[1]))
         right[:, 0], right[: len(self.faint), 1:] = gram[:-1, -1], self.faint
         solved = solve_triangular(triangle, right, lower=True, check_finite=False)
