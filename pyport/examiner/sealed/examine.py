@@ -143,7 +143,7 @@ class Score:
         return all(row.passed is not False for row in self.rows)
 
 
-def examine(root: Path, jobs: int = 1, solver_sha256: str | None = None) -> Score:
+def examine(root: Path, jobs: int = 1) -> Score:
     """Score a set.
 
     Raises `BadInput`: it was not opened yet, or truths, recordings, reports, solver, examiner or
@@ -153,17 +153,26 @@ def examine(root: Path, jobs: int = 1, solver_sha256: str | None = None) -> Scor
     sealed = read_seal(folder.seal)
     if not folder.answers.exists():
         raise BadInput("this set is still sealed: expected one that was opened", root)
-    check_untouched(root, solver_sha256)
+    check_untouched(root)
     check_answers(root)
-    truths = check_truths(folder.opened, sealed)
-    tasks = [(folder, case, truth) for case, truth in truths.items()]
-    with ProcessPoolExecutor(jobs) as pool:
-        judged = track(pool.map(_judge, tasks, chunksize=4), "scoring", total=len(tasks))
-        verdicts = list(judged)
-    rows = [*score.table(verdicts), *_controls(folder, verdicts)]
-    whole = Score(sealed["name"], sealed, verdicts, rows)
+    whole = scored(folder, check_truths(folder.opened, sealed), jobs)
     write_json(root / "score.json", as_json(whole))
     return whole
+
+
+def scored(folder: Folder, truths: dict[str, dict[str, Any]], jobs: int = 1) -> Score:
+    """Return the score of the answers in a folder, held to the truths by case."""
+    sealed = read_seal(folder.seal)
+    verdicts = judged(folder, truths, jobs)
+    rows = [*score.table(verdicts), *_controls(folder, verdicts)]
+    return Score(sealed["name"], sealed, verdicts, rows)
+
+
+def judged(folder: Folder, truths: dict[str, dict[str, Any]], jobs: int = 1) -> list[Verdict]:
+    """Return what every answer is worth."""
+    tasks = [(folder, case, truth) for case, truth in truths.items()]
+    with ProcessPoolExecutor(jobs) as pool:
+        return list(track(pool.map(_judge, tasks, chunksize=4), "scoring", total=len(tasks)))
 
 
 def _judge(task: tuple[Folder, str, dict[str, Any]]) -> Verdict:

@@ -151,20 +151,17 @@ def shuffled(specs: list[Spec], rng: np.random.Generator) -> list[Spec]:
 LIBRARIES = ("numpy", "scipy", "astropy", "pyerfa")
 
 
-def draft(
-    path: Path, name: str, specs: Sequence[Spec], solver: str | None = None
-) -> dict[str, Any]:
+def draft(path: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
     """Draw the order, seeds and nonces of a set, or return those that were drawn for it before.
 
     `path`: where it is kept.
     `name`, `specs`: the set and its cases.
-    `solver`: tree hash of the solver; that of this program when not given.
     Raises `BadInput`: what was drawn before is for another set, or for another program.
     """
     asked = {
         "name": name,
         "specs": sorted(json.dumps(one.as_json(), sort_keys=True) for one in specs),
-        "solver_sha256": solver or files.solver(),
+        "solver_sha256": files.solver(),
         "examiner_sha256": files.examiner(),
         "libraries": {library: version(library) for library in LIBRARIES},
     }

@@ -81,7 +81,7 @@ def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON h
         file.write("\n")
 
 
-def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None) -> dict[str, Any]:
+def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
     """Draw the truths of a set, write its recordings, and publish what fixes them.
 
     Killed and called again with the same cases it goes on, and seals the set that it began.
@@ -89,7 +89,6 @@ def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None
     `root`: folder of the set, new or empty; the vault is made beside it.
     `name`: what the set is called in the ledger.
     `specs`: its cases, before their seeds are drawn.
-    `solver`: tree hash of the solver; that of this program when not given.
     Raises `BadInput`: the folder holds something already: a set is sealed once. Or sealing was
       begun there with other cases, or by another program.
     """
@@ -99,7 +98,7 @@ def seal(root: Path, name: str, specs: Sequence[Spec], solver: str | None = None
             # A hidden file is what is left of a run that was killed as it began.
             if place.exists() and any(one.name[0] != "." for one in place.iterdir()):
                 raise BadInput("this folder is not empty: expected a new one for each set", place)
-    drawn = draft(folder.draft, name, specs, solver)
+    drawn = draft(folder.draft, name, specs)
     cases = [_seal_case(folder, one) for one in track(drawn["cases"], "sealing")]
     sealed = {
         "schema": SCHEMA,
@@ -188,7 +187,7 @@ def check_truths(place: Path, sealed: dict[str, Any]) -> dict[str, dict[str, Any
     return truths
 
 
-def check_untouched(root: Path, solver: str | None = None) -> None:
+def check_untouched(root: Path) -> None:
     """Raise `BadInput` unless recordings, solver, examiner and thresholds are those sealed."""
     folder = Folder(root)
     sealed = read_seal(folder.seal)
@@ -196,7 +195,7 @@ def check_untouched(root: Path, solver: str | None = None) -> None:
         path = folder.recordings(one["case"])
         if not path.exists() or sha256(path) != one["recordings_sha256"]:
             raise BadInput("these recordings are not the ones that were sealed", path)
-    for who, now in (("solver", solver or files.solver()), ("examiner", files.examiner())):
+    for who, now in (("solver", files.solver()), ("examiner", files.examiner())):
         then = sealed[f"{who}_sha256"]
         if then != now:
             raise BadInput(

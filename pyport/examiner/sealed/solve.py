@@ -21,7 +21,6 @@ from pyport.examiner.sealed.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.files import sha256, write_whole
 from pyport.stages import track
-from pyport.workers import workers
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
 SOLVER = ("pyport", "diagnose")
@@ -51,27 +50,17 @@ def unsolved(root: Path, solver: Sequence[str] = SOLVER) -> list[Task]:
     ]
 
 
-def run(
-    root: Path,
-    jobs: int = 1,
-    solver: Sequence[str] = SOLVER,
-    solver_sha256: str | None = None,
-    cluster: str | None = None,
-) -> int:
+def run(root: Path, jobs: int = 1, solver: Sequence[str] = SOLVER) -> int:
     """Solve what is not solved yet and return how many cases that were.
 
     Every report is kept as soon as it is there: killed and called again, it goes on.
-    The workers of a Dask `cluster` must see the set under the same name.
 
     Raises `BadInput`: the set has been opened, or is not what was sealed.
     """
-    check_untouched(root, solver_sha256)
+    check_untouched(root)
     if Folder(root).answers.exists():
         raise BadInput("this set has been opened: expected a sealed one", root)
-    tasks = unsolved(root.resolve() if cluster else root, solver)
-    if cluster is not None:
-        with workers(cluster=cluster) as spread:
-            return sum(1 for _ in track(spread(solve, tasks), "solving", total=len(tasks)))
+    tasks = unsolved(root, solver)
     with ThreadPoolExecutor(jobs) as pool:
         return sum(1 for _ in track(pool.map(solve, tasks), "solving", total=len(tasks)))
 
