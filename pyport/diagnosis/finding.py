@@ -124,14 +124,17 @@ class Where:
 class HeldOut:
     """Plain rms of predictions of readings that the fit had not seen [rad].
 
-    `noise_floor` is the scatter from pointing to pointing, which no model removes; `gross` counts
-    the readings that were not predicted or that both predictions miss by far.
+    `noise_floor` is the scatter from pointing to pointing, which no model removes; `fall_sigma` is
+    the standard error of `before` less `after`, from how they differ among the stretches that were
+    left out, None where there is but one; `gross` counts the readings that were not predicted or
+    that both predictions miss by far.
     """
 
     scheme: str
     before: float
     after: float
     noise_floor: float
+    fall_sigma: float | None = None
     gross: int = 0
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, weigh
 from pyport.diagnosis.confirm import likeliest
@@ -25,6 +25,8 @@ from pyport.least_squares import robust
 from pyport.stages import stage
 from pyport.thresholds import GROSS, OUT_OF_REACH
 
+#: Stretches left out that tell how far a held-out rms may be off.
+FEWEST_STRETCHES = 3
 #: Members of a family that are tried beside noise of their own, at most.
 MOST_NOISES = 3
 
@@ -42,10 +44,12 @@ class Dropped:
 class Unseen:
     """Residuals of readings that the fit had not seen, before and after [rad], shape (m,) each.
 
-    `counted` (m,) tells which readings were predicted by both and are no gross errors.
+    `stretch` (m,) numbers what was left out together: a fold within a session; `counted` (m,)
+    tells which readings were predicted by both and are no gross errors.
     """
 
     partition: holdout.Folds
+    stretch: Codes
     before: Array
     after: Array
     counted: NDArray[np.bool_]
@@ -62,8 +66,22 @@ class Unseen:
             rms(self.before[both]),
             rms(self.after[both]),
             rms(floor[both]),
+            self._fall_sigma(both),
             int((rows & ~self.counted).sum()),
         )
+
+    def _fall_sigma(self, rows: NDArray[np.bool_]) -> float | None:
+        """Return the error of the fall of the rms [rad], its stretches drawn independently."""
+        stretch = np.unique(self.stretch[rows], return_inverse=True)[1]
+        count = int(stretch.max(initial=-1)) + 1
+        if count < FEWEST_STRETCHES:
+            return None
+        before, after = self.before[rows], self.after[rows]
+        share = before**2 / max(rms(before), 1e-300) - after**2 / max(rms(after), 1e-300)
+        # The derivative of each rms by its mean square is one over twice the rms.
+        share = (share - share.mean()) / (2 * len(share))
+        sums = np.bincount(stretch, share, count)
+        return float(np.sqrt(count / (count - 1) * np.sum(sums**2)))
 
 
 def unseen(
@@ -91,7 +109,8 @@ def unseen(
             others = (series == one) & (partition.fold != fold) & finite
             if others.any():
                 counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
-    return Unseen(partition, first, second, counted)
+    stretch = np.unique([setup.session, partition.fold], axis=1, return_inverse=True)[1].ravel()
+    return Unseen(partition, stretch, first, second, counted)
 
 
 @stage("settling findings")

@@ -192,7 +192,10 @@ def _card(finding: Finding, layer: int | None) -> Card:
         absorbed = f"{finding.true_rms_arcsec:.3g} arcsec rms"
         facts.append(("before the fitted terms absorb their share", absorbed))
     if finding.heldout is not None:
-        facts.append(("held out", f"{_change(finding.heldout)} arcsec rms"))
+        held = finding.heldout
+        fall = held.rms_before_arcsec - held.rms_after_arcsec
+        error = f" ± {held.rms_fall_sigma_arcsec:.2g}" if held.rms_fall_sigma_arcsec else ""
+        facts.append(("held out", f"{_change(held)} arcsec rms, less by {fall:.3g}{error}"))
     facts += [
         ("chance of noise", chance(finding.evidence.p_value)),
         ("gain in BIC", f"{finding.evidence.delta_bic:,.0f}"),

@@ -54,6 +54,7 @@ def held_out_of(one: found.HeldOut) -> HeldOut:
         one.after / ARCSEC,
         one.noise_floor / ARCSEC,
         one.gross,
+        None if one.fall_sigma is None else one.fall_sigma / ARCSEC,
     )
 
 

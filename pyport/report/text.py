@@ -7,7 +7,7 @@ import textwrap
 import numpy as np
 
 from pyport.fitting.table import MOST_COMBINATIONS
-from pyport.report.typed import Dropped, Finding, Report
+from pyport.report.typed import Dropped, Finding, HeldOut, Report
 
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
@@ -63,9 +63,8 @@ def _finding(n: int, finding: Finding) -> list[str]:
     lines.append(f"   {finding.size[0].upper()}{finding.size[1:]}.")
     if (held := finding.heldout) is not None:
         lines.append(
-            f"   On data that the fit had not seen ({held.scheme}): rms "
-            f"{held.rms_before_arcsec:.3g} -> {held.rms_after_arcsec:.3g} arcsec, noise floor "
-            f"{held.noise_floor_arcsec:.3g}."
+            f"   On data that the fit had not seen ({held.scheme}): rms {_change(held)}, "
+            f"noise floor {held.noise_floor_arcsec:.3g}."
         )
     if finding.decide_by:
         lines.append(f"   Next: {finding.decide_by}.")
@@ -85,8 +84,7 @@ def _wrapped(line: str) -> list[str]:
 def _improvement(report: Report) -> list[str]:
     """Return what became of the rms, over all readings and, for an array, antenna by antenna."""
     held = report.fit.heldout
-    change = f"rms per axis {held.rms_before_arcsec:.3g} -> {held.rms_after_arcsec:.3g} arcsec"
-    floor = f"noise floor {held.noise_floor_arcsec:.3g}"
+    change, floor = f"rms per axis {_change(held)}", f"noise floor {held.noise_floor_arcsec:.3g}"
     lines = [_in_fit(report), f"Cross-validated ({held.scheme}): {change}, {floor}."]
     table = [one for one in report.antennas if not one.drowns_in_noise]
     if len(table) > 1 and report.mismatch:
@@ -100,6 +98,15 @@ def _improvement(report: Report) -> list[str]:
     if report.input.outliers:
         lines.append(f"Outliers: {report.input.outliers} readings; see weight in rows.csv.")
     return [part for line in lines for part in _wrapped(line)]
+
+
+def _change(held: HeldOut) -> str:
+    """Return the rms before and after, and by how much it falls with its error."""
+    before, after = held.rms_before_arcsec, held.rms_after_arcsec
+    change = f"{before:.3g} -> {after:.3g} arcsec"
+    if not held.rms_fall_sigma_arcsec:
+        return change
+    return f"{change} (less by {before - after:.3g} +- {held.rms_fall_sigma_arcsec:.2g})"
 
 
 def _in_fit(report: Report) -> str:

@@ -132,6 +132,9 @@ class HeldOut:
         float, "scatter from pointing to pointing, which no model removes"
     ]
     not_counted: Annotated[int, "readings not predicted, or missed by far both times"]
+    rms_fall_sigma_arcsec: Annotated[
+        float | None, "error of before less after, from the stretches that were left out"
+    ] = None
 
 
 @dataclass(frozen=True)

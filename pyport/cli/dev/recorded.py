@@ -46,7 +46,7 @@ def acceptance(data: Path | None, jobs: int, seed: int, *, as_json: bool) -> Non
 
 
 def _lines(there: Path | None, data: Path | None, jobs: int, seed: int) -> Iterator[Line]:
-    from pyport.examiner.acceptance import drawn, real
+    from pyport.examiner.acceptance import drawn, gains, real
     from pyport.recordings.files import read_survey
 
     survey = None if there is None else read_survey(there / "gmrt" / "antennas_enu.csv")
@@ -56,6 +56,7 @@ def _lines(there: Path | None, data: Path | None, jobs: int, seed: int) -> Itera
     else:
         yield drawn.Line("others' recordings", "left out", f"no folder {data}", None)
     yield from drawn.jump_lines(seed)
+    yield from gains.lines(jobs, seed)
     yield from drawn.lines(jobs, seed)
 
 

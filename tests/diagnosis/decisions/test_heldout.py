@@ -206,6 +206,7 @@ def unseen(monkeypatch, first, second, fold):
     answers = [np.asarray(first, float), np.asarray(second, float)]
     monkeypatch.setattr(holdout, "residuals", lambda *_: answers.pop(0))
     case = setup(
+        session=np.zeros(len(first), int),
         blocks=SimpleNamespace(antenna=np.array([""])),
         block=np.zeros(len(first), int),
         stack=SimpleNamespace(is_y=np.ones(len(first), bool)),
@@ -359,3 +360,32 @@ def test_an_axis_belongs_to_a_finding_from_a_fifth(other, axes):
     case = setup(stack=SimpleNamespace(is_y=np.array([False, False, True, True])))
 
     assert scene.axes(case, np.array([1.0, -1.0, other, -other])) == axes
+
+
+STRETCHES, LENGTH = 40, 25
+
+
+def with_offsets(rng: np.random.Generator, stretches: int = STRETCHES) -> settle.Unseen:
+    """Return residuals before and after, each stretch with an offset of its own."""
+    stretch = np.repeat(np.arange(stretches), LENGTH)
+    noise = rng.normal(size=len(stretch)) + rng.normal(size=stretches)[stretch]
+    cause = np.tile(np.sin(np.arange(LENGTH)), stretches)
+    partition = holdout.Folds("", stretch)
+    return settle.Unseen(partition, stretch, noise + 2 * cause, noise, np.ones(len(stretch), bool))
+
+
+def test_the_stated_error_of_a_fall_is_how_far_it_scatters():
+    """Offsets of each stretch widen it."""
+    rng = np.random.default_rng(5)
+    rows = np.ones(STRETCHES * LENGTH, bool)
+    drawn = [with_offsets(rng).compared(rows, np.zeros(len(rows))) for _ in range(400)]
+    falls = np.array([one.before - one.after for one in drawn])
+    stated = np.array([one.fall_sigma for one in drawn])
+    assert np.median(stated) == pytest.approx(falls.std(), rel=0.12)
+
+
+def test_too_few_stretches_state_no_error():
+    """Two say nothing of how they scatter."""
+    few = settle.FEWEST_STRETCHES - 1
+    rows = np.ones(few * LENGTH, bool)
+    assert with_offsets(np.random.default_rng(1), few).compared(rows, 0.0 * rows).fall_sigma is None
