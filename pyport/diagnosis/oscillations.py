@@ -46,10 +46,13 @@ QUALITIES, PERIODS_ONE = (7.0, 20.0), 2.0
 
 
 @stage("looking for periods")
-def proposed(setup: Problem, present: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
+def proposed(
+    setup: Problem, present: Covariance, chosen: Sequence[Chosen], above: float = -np.inf
+) -> Chosen | None:
     """Return the oscillation that is worth a confirmation beside what is chosen, if any.
 
-    The case that it belongs to is `widened` by it. `present` is the noise of the turn.
+    The case that it belongs to is `widened` by it. `present` is the noise of the turn; nothing is
+    proposed that is worth no more than `above`.
     """
     scan = scan_of(setup)
     if scan is None or any(one.candidate.effect.id == OSCILLATION for one in chosen):
@@ -63,7 +66,7 @@ def proposed(setup: Problem, present: Covariance, chosen: Sequence[Chosen]) -> C
         for peak in peaks
     ]
     worth, best, _ = max(found, key=lambda one: one[0])
-    if worth <= CONVINCING or best.period_s > scan.longest:
+    if worth <= max(CONVINCING, above) or best.period_s > scan.longest:
         return None
     refined = []
     for wanders in {peak.wanders for _, peak, _ in found}:

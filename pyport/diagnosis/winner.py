@@ -80,13 +80,29 @@ def winner_of(
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
-    present noise nothing else is: the noise may have swallowed a change, and no other effect.
+    present noise nothing else is: the noise may have swallowed a change, and no other effect. A
+    change that promises less than a lasting effect gains waits until that effect has failed.
     """
-    moved = _changes(setup, weighed, chosen, trials, banned) if changes else []
-    lasting = []
-    if mismatch or moved:
-        lasting = _lasting(setup, weighed, chosen, trials, least, banned)
-        lasting = sorted(lasting, key=_rank)[:MOST_TRIED]
+    turn = (setup, weighed, chosen, trials, banned)
+    lasting = _lasting(*turn, least) if mismatch else []
+    lead = lasting[0].trial.evidence if lasting else -np.inf
+    moved = _changes(*turn, lead) if changes else []
+    if moved and not mismatch:
+        lasting = _lasting(*turn, least)
+    found = _first(weighed, chosen, moved, lasting)
+    if found is None and changes and lead > -np.inf:
+        moved = _changes(*turn, -np.inf)
+        found = _first(weighed, chosen, moved, lasting) if moved else None
+    return found
+
+
+def _first(
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    moved: Sequence[Winner],
+    lasting: Sequence[Winner],
+) -> Winner | None:
+    """Return the best of the changes and of the lasting effects that stands its tests."""
     if moved:
         # What was there all along may pass for a change, and a change for it: both compete by
         # what the noise cannot do.
@@ -97,7 +113,7 @@ def winner_of(
             if odds > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
-        if temporal(setup, one.chosen.candidate.effect):
+        if temporal(one.setup, one.chosen.candidate.effect):
             return one
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
@@ -117,9 +133,10 @@ def _changes(
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
     banned: Collection[str],
+    above: float,
 ) -> list[Winner]:
     """Return the changes with time that are more than the noise can do."""
-    found = confirmed_changes(setup, weighed, chosen, trials, banned)
+    found = confirmed_changes(setup, weighed, chosen, trials, banned, above)
     return [one for one in found if one.trial.evidence > CONVINCING]
 
 
@@ -129,8 +146,12 @@ def confirmed_changes(
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
     banned: Collection[str] = (),
+    above: float = -np.inf,
 ) -> list[Winner]:
-    """Return the changes that are proposed, each with its evidence beside noise estimated anew."""
+    """Return the changes that are proposed, each with its evidence beside noise estimated anew.
+
+    Only those that promise more than `above` beside noise that holds still.
+    """
     still, moved = proposed(setup, weighed, chosen, trials, banned)
 
     def sure_of(trial: CandidateFit) -> Winner:
@@ -139,15 +160,17 @@ def confirmed_changes(
         sure = _confirmed(one, chosen)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
 
-    found = list(side_by_side(sure_of, moved))
+    found = list(side_by_side(sure_of, [one for one in moved if one.evidence > above]))
     if OSCILLATION not in banned:
-        found += _oscillating(setup, weighed, chosen)
+        found += _oscillating(setup, weighed, chosen, above)
     return found
 
 
-def _oscillating(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Winner]:
+def _oscillating(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], above: float
+) -> list[Winner]:
     """Return the oscillation that is proposed, if any, as a winner whose period is a new one."""
-    one = oscillations.proposed(setup, weighed.covariance, chosen)
+    one = oscillations.proposed(setup, weighed.covariance, chosen, above)
     if one is None:
         return []
     wider, price = oscillations.widened(setup, one), one.candidate.price
@@ -168,10 +191,10 @@ def _lasting(
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
-    least: float,
     banned: Collection[str],
+    least: float,
 ) -> list[Winner]:
-    """Return the lasting effects whose evidence is above the least, edges where they fit best."""
+    """Return the best lasting effects above the least evidence, edges where they fit best."""
     found = []
     refined: set[str] = set()
     for trial in _worth(setup, trials, least, banned):
@@ -181,7 +204,7 @@ def _lasting(
             one = _refined(setup, weighed, chosen, trial)
         if one.trial.evidence > least:
             found.append(one)
-    return found
+    return sorted(found, key=_rank)[:MOST_TRIED]
 
 
 def _refined(

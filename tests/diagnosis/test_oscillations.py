@@ -158,7 +158,7 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     asked = []
     monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or sure)
     setup = case(SWINGS["held"])
-    found = winner._oscillating(setup, weigh(setup), ())
+    found = winner._oscillating(setup, weigh(setup), (), -np.inf)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
     independent = 2 * np.log(periods.scan_of(setup).coherent)

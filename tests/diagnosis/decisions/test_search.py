@@ -258,7 +258,11 @@ def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, 
 
 def turn(monkeypatch, lasting=(), moved=(), sure=99.0, unseen=lambda _: True, **options):
     """Return who wins a turn among lasting effects and changes."""
-    monkeypatch.setattr(winner, "_changes", lambda *_: list(moved))
+    monkeypatch.setattr(
+        winner,
+        "_changes",
+        lambda *given: [one for one in moved if one.trial.gain > given[-1]],
+    )
     monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_confirmed", lambda one, _: sure(one) if callable(sure) else sure)
     monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
@@ -305,6 +309,18 @@ def test_the_confirmed_evidence_counts_beside_a_change(monkeypatch):
     assert found == "refraction"
 
 
+@pytest.mark.parametrize(
+    ("promise", "unseen", "wins"),
+    [(30.0, True, "epoch_tilt"), (15.0, True, "refraction"), (15.0, False, "epoch_tilt")],
+)
+def test_a_change_that_promises_less_waits(monkeypatch, promise, unseen, wins):
+    """Until the lasting effect that gains more has failed."""
+    lasting, moved = [won("refraction", 20.0)], [won("epoch_tilt", 25.0, gain=promise)]
+    found = turn(monkeypatch, lasting, moved, sure=22.0, unseen=lambda _: unseen)
+
+    assert found == wins
+
+
 def test_without_a_mismatch_only_changes_are_looked_for(monkeypatch):
     """The noise may have swallowed a change, and nothing else."""
     assert turn(monkeypatch, RANKED, mismatch=False) is None
@@ -319,9 +335,22 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found
     monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
     monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
-    moved = winner._changes(setup(), None, (), (), ())
+    moved = winner._changes(setup(), None, (), (), (), -np.inf)
 
     assert [one.trial.evidence for one in moved] == ([sure] if found else [])
+
+
+@pytest.mark.parametrize(("above", "found"), [(39.0, 1), (41.0, 0)])
+def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, found):
+    """An oscillation is asked for as much."""
+    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
+    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
+    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
+    asked = []
+    monkeypatch.setattr(winner, "_oscillating", lambda *given: asked.append(given[-1]) or [])
+
+    assert len(winner._changes(setup(), None, (), (), (), above)) == found
+    assert asked == [above]
 
 
 def test_a_confirmation_pays_for_its_choice(monkeypatch):
