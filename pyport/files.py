@@ -121,7 +121,7 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def tree(folder: Path, without: Path | None = None) -> str:
+def tree(folder: Path) -> str:
     """Return one SHA-256 for all files in a folder, names and bytes, compiled ones apart.
 
     Links are followed: a checkout, which has some folders elsewhere, and what is
@@ -135,8 +135,7 @@ def tree(folder: Path, without: Path | None = None) -> str:
     ]
     whole = hashlib.sha256()
     for path in sorted(found):
-        if without is None or not path.is_relative_to(without):
-            whole.update(f"{sha256(path)}  {path.relative_to(folder).as_posix()}\n".encode())
+        whole.update(f"{sha256(path)}  {path.relative_to(folder).as_posix()}\n".encode())
     return whole.hexdigest()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 from inspect import CO_NEWLOCALS
 from pathlib import Path
@@ -13,6 +13,7 @@ from types import FrameType
 import click
 
 from pyport.cli.manners import in_json, option, say
+from pyport.examiner.sealed.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
@@ -45,32 +46,12 @@ def imports(package: Path) -> dict[str, frozenset[str]]:
 
     Imports inside functions and for annotations alone count like any other.
     """
-    files = {_name(path, package): path for path in sorted(package.rglob("*.py"))}
-    files = {name: path for name, path in files.items() if "fortran" not in name.split(".")}
+    files = modules(package)
     return {
-        name: frozenset(_imported(path, package.name, files)) - {name}
+        name: frozenset(imported(ast.parse(path.read_text(encoding="utf-8")), package.name, files))
+        - {name}
         for name, path in files.items()
     }
-
-
-def _name(path: Path, package: Path) -> str:
-    parts = path.relative_to(package.parent).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-def _imported(path: Path, package: str, files: Mapping[str, Path]) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names = [(alias.name, alias.name) for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names = [(f"{node.module}.{alias.name}", node.module) for alias in node.names]
-        else:
-            continue
-        for longest, home in names:
-            name = longest if longest in files else home
-            # The package itself imports nothing before it is asked for a name.
-            if name in files and name != package:
-                yield name
 
 
 def room(module: str) -> str:
@@ -147,7 +128,8 @@ def met(package: Path, recordings: str) -> list[str]:
             pyport.main(words, "pyport", standalone_mode=False)
         finally:
             sys.setprofile(None)
-    return sorted(_name(Path(one), package) for one in seen if Path(one).is_relative_to(package))
+    names = {str(path): name for name, path in modules(package).items()}
+    return sorted(names[one] for one in seen & names.keys())
 
 
 @click.command("imports", epilog="Example: pyport dev imports")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import functools
 import hashlib
 import json
 from pathlib import Path
@@ -12,12 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.examiner.scores import Share
+from pyport.examiner.sealed import code
 from pyport.examiner.worlds.case import Case
-from pyport.files import tree, write_whole
-
-#: The program on trial, and the part of it that examines.
-PACKAGE = Path(__file__).parents[2]
-EXAMINER = Path(__file__).parents[1]
+from pyport.files import write_whole
 
 
 def commitment(nonce: str, text: str) -> str:
@@ -28,14 +26,16 @@ def commitment(nonce: str, text: str) -> str:
     return hashlib.sha256(bytes.fromhex(nonce) + text.encode("utf-8")).hexdigest()
 
 
+@functools.cache
 def solver() -> str:
-    """Return the tree hash of the program without its examiner."""
-    return tree(PACKAGE, without=EXAMINER)
+    """Return the hash of the program on trial."""
+    return code.whole(code.parts(code.SOLVER))
 
 
+@functools.cache
 def examiner() -> str:
-    """Return the tree hash of the examiner, the scoring script in it."""
-    return tree(EXAMINER)
+    """Return the hash of what examines it, the scoring script in it."""
+    return code.whole(code.parts(code.EXAMINER))
 
 
 #: Decimals of columns: offsets to a third of a milliarcsecond, places to four of them.

@@ -20,21 +20,23 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import files
+from pyport.examiner.sealed import code, files
+from pyport.examiner.sealed.compact import rows_of
 from pyport.examiner.sealed.files import canonical, write_recordings
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec, draft
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.files import sha256, write_whole
 from pyport.stages import track
 
-SCHEMA = "pyport.sealed/1"
+SCHEMA = "pyport.sealed/2"
 
 
 @dataclass(frozen=True)
 class Folder:
-    """Where the parts of a set are."""
+    """Where the parts of a set are, and whose answers are meant: the program's, or a baseline's."""
 
     root: Path
+    by: str = "reports"
 
     @property
     def seal(self) -> Path:
@@ -67,11 +69,11 @@ class Folder:
 
     def report(self, case: str) -> Path:
         """Return what the solver said of it."""
-        return self.root / "reports" / case / "report.json"
+        return self.root / self.by / case / "report.json"
 
     def rows(self, case: str) -> Path:
         """Return its residuals, reading by reading."""
-        return self.root / "reports" / case / "rows.csv"
+        return self.root / self.by / case / "rows.csv"
 
 
 def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON holds
@@ -106,6 +108,8 @@ def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
         "sealed_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "solver_sha256": drawn["solver_sha256"],
         "examiner_sha256": drawn["examiner_sha256"],
+        "solver_parts": code.parts(code.SOLVER),
+        "examiner_parts": code.parts(code.EXAMINER),
         "libraries": drawn["libraries"],
         "thresholds": THRESHOLDS,
         "cases": cases,
@@ -199,12 +203,30 @@ def check_untouched(root: Path) -> None:
         then = sealed[f"{who}_sha256"]
         if then != now:
             raise BadInput(
-                f"the {who} has changed since the set was sealed (now {now[:12]}, then"
-                f" {then[:12]}): expected the same, or a new set",
+                f"the {who} has changed since the set was sealed ({moved_on(sealed, who)}):"
+                " expected the same, or a new set",
                 folder.seal,
             )
     if sealed["thresholds"] != THRESHOLDS:
         raise BadInput("the thresholds are not those of this examiner", folder.seal)
+
+
+_SHOWN = 8
+
+
+def moved_on(sealed: dict[str, Any], who: str) -> str:
+    """Return what has changed of the solver or the examiner since a seal, in words; "" if nothing.
+
+    `who`: "solver" or "examiner".
+    """
+    unit = code.SOLVER if who == "solver" else code.EXAMINER
+    now = code.parts(unit)
+    then, whole = sealed[f"{who}_sha256"], code.whole(now)
+    if then == whole:
+        return ""
+    changed = code.changes(sealed.get(f"{who}_parts") or {}, now)
+    more = f" and {len(changed) - _SHOWN} more" if len(changed) > _SHOWN else ""
+    return f"{then[:12]} then, {whole[:12]} now; {', '.join(changed[:_SHOWN])}{more}"
 
 
 def check_answers(root: Path) -> None:
@@ -214,6 +236,7 @@ def check_answers(root: Path) -> None:
         path = folder.report(name)
         if not path.exists() or sha256(path) != expected:
             raise BadInput("this report is not the one that stood when the set was opened", path)
-        rows, examined = folder.rows(name), read_report(path)["examined"]
-        if rows.exists() and sha256(rows) != examined.get("rows_sha256"):
-            raise BadInput("these residuals are not those that came with the report", rows)
+        rows, left_out = folder.rows(name), read_report(path).get("left_out")
+        said = rows_of(left_out) if left_out else ""
+        if rows.exists() and rows.read_text(encoding="utf-8") != said:
+            raise BadInput("these residuals are not those of the report", rows)

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
+from pyport.examiner.sealed.compact import compact, rows_of
 from pyport.examiner.sealed.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.files import sha256, write_whole
@@ -113,27 +114,33 @@ def _sit(task: Task, recordings: Path, out: Path) -> str | None:
 
 
 def _keep(task: Task, answer: Path, failure: str | None, took_s: float) -> None:
-    """Move an answer into the set, the report last, so that a report means that all is there."""
-    report = task.folder.report(task.case)
+    """Write an answer into the set."""
     examined: dict[str, Any] = {"seconds": round(took_s, 2)}
     content: dict[str, Any] = {}
     if failure is None:
-        content, failure = _answered(answer / "report.json")
+        content, failure = _answered(answer)
     if failure is not None:
         examined["failed"] = failure
-    elif (answer / "rows.csv").exists():
-        with write_whole(task.folder.rows(task.case), "wb") as file:
-            file.write((answer / "rows.csv").read_bytes())
-        examined["rows_sha256"] = sha256(task.folder.rows(task.case))
-    with write_whole(report) as file:
-        json.dump({**content, "examined": examined}, file, indent=1)
+    else:
+        examined["report_sha256"] = sha256(answer / "report.json")
+    keep(task.folder, task.case, {**content, "examined": examined})
 
 
-def _answered(report: Path) -> tuple[dict[str, Any], str | None]:
-    """Return a solver's report, or nothing and why there is none to score."""
+def keep(folder: Folder, case: str, report: dict[str, Any]) -> None:
+    """Write a compact report, last, so that a report means that all is there, and its rows."""
+    if report.get("left_out"):
+        with write_whole(folder.rows(case)) as file:
+            file.write(rows_of(report["left_out"]))
+    with write_whole(folder.report(case)) as file:
+        json.dump(report, file, separators=(",", ":"), ensure_ascii=False)
+
+
+def _answered(answer: Path) -> tuple[dict[str, Any], str | None]:
+    """Return what is kept of a solver's report, or nothing and why there is none to score."""
+    report = answer / "report.json"
     if not report.exists():
         return {}, "the solver ended well and left no report.json"
     try:
-        return check_report(read_json(report), report), None
+        return compact(check_report(read_json(report), report), answer / "rows.csv"), None
     except BadInput as error:
         return {}, f"the solver's report.json cannot be scored: {error.message}"

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import files, seal
+from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.examine import examine
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.published import read_json
@@ -105,25 +105,3 @@ def test_other_thresholds_are_refused(answered):
 
     with pytest.raises(BadInput, match="thresholds"):
         examine(answered)
-
-
-def test_a_tree_hash_sees_every_byte_and_every_name(tmp_path):
-    """Changing or renaming a file changes it; compiled files and the part left out do not."""
-    (tmp_path / "part").mkdir()
-    (tmp_path / "a.py").write_text("x = 1\n")
-    (tmp_path / "part" / "b.py").write_text("y = 1\n")
-    without = files.tree(tmp_path, without=tmp_path / "part")
-    seen = {files.tree(tmp_path)}
-
-    (tmp_path / "a.py").write_text("x = 2\n")
-    seen.add(files.tree(tmp_path))
-    (tmp_path / "a.py").rename(tmp_path / "c.py")
-    seen.add(files.tree(tmp_path))
-    (tmp_path / "c.py").rename(tmp_path / "a.py")
-    (tmp_path / "a.py").write_text("x = 1\n")
-    (tmp_path / "__pycache__").mkdir()
-    (tmp_path / "__pycache__" / "a.pyc").write_text("compiled")
-    (tmp_path / "part" / "b.py").write_text("y = 2\n")
-
-    assert len(seen) == 3
-    assert files.tree(tmp_path, without=tmp_path / "part") == without

@@ -22,13 +22,13 @@ def test_a_solver_sees_the_recordings_and_nothing_else(sealed):
     solve.run(sealed, 2, ("fake_solver", "silent"))
 
     assert len(reports(sealed)) == 11
-    assert all(one["beside"] == ["recordings.csv"] for one in reports(sealed))
+    assert all(one["two_axes"]["beside"] == ["recordings.csv"] for one in reports(sealed))
 
 
 def test_a_held_model_is_asked_for_on_the_command_line(sealed):
     """The arguments that a case was sealed with reach the solver."""
     solve.run(sealed, 2, ("fake_solver", "silent"))
-    held = [one["arguments"] for one in reports(sealed) if one["arguments"]]
+    held = [said for one in reports(sealed) if (said := one["two_axes"]["arguments"])]
 
     assert held == [["--model", "none", "--refit", "none"]]
 
