@@ -41,7 +41,8 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
         outcome = _searched(setup, banned, tell)
         wrong = _wrong_sizes(outcome)
         if not wrong:
-            return _walk(_standing(outcome, tell), banned, tell)
+            standing = _standing(outcome, tell)
+            return outcome if standing is outcome else _walk(standing, banned, tell)
         tell(f"{', '.join(sorted(wrong))}: not the size that physics gives, once more without")
         banned |= wrong
 
@@ -62,6 +63,7 @@ def _searched(setup: Problem, banned: frozenset[str], tell: Callable[[str], None
 
 def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Drop what the noise, estimated with it and without it, can do as well; the weakest first."""
+    before = now
     while now.chosen:
         sure = side_by_side(partial(_standing_of, now), now.chosen)
         weakest = min(range(len(sure)), key=lambda n: sure[n])
@@ -70,7 +72,7 @@ def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
         out = now.chosen[weakest]
         tell(f"{out.candidate.effect.id}: the noise does as well")
         now = now.without(out)
-    return replace(now, weighed=weigh(now.setup, now.chosen))
+    return now if now is before else replace(now, weighed=weigh(now.setup, now.chosen))
 
 
 def _standing_of(now: Outcome, one: Chosen) -> float:
