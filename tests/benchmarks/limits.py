@@ -40,10 +40,10 @@ def of_points(count: int, *, angles: bool, functions: tuple[str, ...]) -> Limit:
         What the geometry asks for, a point; a sine comes with its cosine.
     """
     numbers = np.linspace(0.1, 0.9, 2 * (count if angles else BLOCK)).reshape(2, -1)
-    room = np.empty(BLOCK)
+    # Written once before: what fresh pages cost depends on how scattered the memory is by then.
+    room, out = np.ones(BLOCK), np.ones((2, count))
 
     def take() -> None:
-        out = np.empty((2, count))
         for low in range(0, count, BLOCK):
             some = out[:, low : low + BLOCK]
             y, x = numbers[:, low : low + BLOCK] if angles else numbers[:, : some.shape[1]]
