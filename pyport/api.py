@@ -408,7 +408,8 @@ def look(
 
 def _between(elevations: Sequence[float]) -> tuple[float, float]:
     """Return two elevations [deg], the lower one first."""
-    if np.shape(elevations) != (2,):
+    some = isinstance(elevations, Collection) and getattr(elevations, "ndim", 1) == 1
+    if not some or len(elevations) != 2 or isinstance(elevations, str):
         raise refusal("elevations", elevations, "two numbers in degrees")
     low, high = (number("elevations", one, -90, 180) for one in elevations)
     if not low < high:

@@ -136,6 +136,15 @@ def test_a_look_is_words_and_a_report(night):
     assert len(seen.report["next"]) == 2
 
 
+@pytest.mark.parametrize(
+    "elevations", [[3 * units.m, 4 * units.m], [10.0], "10", np.float64(3), [80.0, 10.0]]
+)
+def test_elevations_are_two_numbers_in_degrees(night, elevations):
+    """The lower one first."""
+    with pytest.raises(BadInput, match="elevations"):
+        pyport.look(night, header=SITE, elevations=elevations)
+
+
 def test_names_are_there_before_they_are_imported():
     """`dir` lists them, a wrong name is an AttributeError, nothing heavy is imported."""
     code = (

@@ -64,6 +64,14 @@ def test_a_mean_place_moves_to_the_date(tmp_path):
         read(written(tmp_path, mean.replace("2000.0", "B1900")))
 
 
+def test_a_day_that_is_none_is_refused(tmp_path):
+    """Where a mean place needs the date."""
+    mean = STAR.replace("+36 43 15.36 ", "+36 43 15.36  0.0 0.0 2000.0 ")
+    spoilt = RUN.replace("2007 07 02", "2003 6 0")
+    with pytest.raises(BadInput, match="the date is 2003 6 0, expected year, month and day"):
+        read(written(tmp_path, mean, run=spoilt))
+
+
 def test_the_same_star_from_two_catalogues(tmp_path):
     """3C 273 by its places of B1950 and of J2000: one on the date, to 0.2 arcsec."""
     seen = " 12 29 06.7 +02 03 08.6   15 45.5 0.0"

@@ -10,6 +10,7 @@ nothing, -2.0 +- 3.5, once the places are refracted.
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -162,11 +163,16 @@ def _apparent(
         wanted = "expected B1950.0, a Julian one such as J2000.0, or an apparent place"
         raise line.error(f"the equinox is {further[2]}, {wanted}")
     if len(site) < 6:
-        raise line.error("the run's record tells no date, by which the mean place moves")
-    date = erfa.cal2jd(*(int(float(line.decimal(word, "the date"))) for word in site[3:6]))
+        raise line.error("the run's record gives no date, by which the mean place moves")
+    year, month, day = (int(float(line.decimal(word, "the date"))) for word in site[3:6])
+    try:
+        dt.date(year, month, day)
+    except (ValueError, OverflowError):
+        wanted = f"the date is {' '.join(site[3:6])}, expected year, month and day"
+        raise line.error(wanted) from None
     place = to_j2000(Place(ra * DEG, dec * DEG, pm_ra * 15 * ARCSEC, pm_dec * ARCSEC), of)
     star_ra, star_dec, origins = erfa.atci13(
-        place.ra, place.dec, place.pm_ra, place.pm_dec, 0.0, 0.0, *date
+        place.ra, place.dec, place.pm_ra, place.pm_dec, 0.0, 0.0, *erfa.cal2jd(year, month, day)
     )
     return math.degrees(float(star_ra) - float(origins)) % 360, math.degrees(float(star_dec))
 
