@@ -273,10 +273,9 @@ def answer(method: str, recordings: Path, arguments: Sequence[str] = ()) -> dict
     `arguments`: what the case was sealed with; `--refit none` holds the model.
     """
     try:
-        night = Night.read(recordings, held="none" in arguments)
-    except BadInput as error:
-        return {"findings": [], "examined": {"failed": error.message}}
-    picked = METHODS[method](Problem.of(night))
+        picked = METHODS[method](Problem.of(Night.read(recordings, held="none" in arguments)))
+    except (BadInput, np.linalg.LinAlgError, ValueError) as error:
+        return {"findings": [], "examined": {"failed": str(error)}}
     findings: dict[str, dict[str, Any]] = {}
     for term, values, sigmas in picked:
         one = findings.setdefault(

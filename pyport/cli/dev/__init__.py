@@ -18,6 +18,7 @@ command = Lazy(
         "mounts": "Count what is found, and what is not there, on German, fork and X-Y mounts.",
         "nights": "Count false alarms of the watch, and measure delays, on simulated nights.",
         "nulls": "Count false claims, and how often sigmas hold, in simulated noise.",
+        "prove": "Seal cases, answer them, open them: a proof in three commits; verify one.",
         "real": "Run fit and diagnose on public recordings, beside what was published of them.",
         "reduction": "Take nutation, aberration, UT1, ... out of offsets; print their sizes.",
         "replays": "Replay public recordings to the watch: what is raised, and what is known.",
@@ -29,6 +30,7 @@ command = Lazy(
         "simulated": "calibrate efficiency mounts nights nulls",
         "recorded": "acceptance field-system real reduction replays verify",
         "listed": "effects keys thresholds",
+        "proof": "prove",
     },
     help="Check the program: its catalogue, its promises, its answers to simulated recordings.",
 )

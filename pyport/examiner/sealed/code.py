@@ -34,9 +34,7 @@ class Unit:
 #: From a file of recordings to report.json, as `pyport diagnose` goes.
 SOLVER = Unit(("pipeline",), frozenset({"page", "plots"}))
 #: What draws cases, hides, opens, judges and scores them, and the baselines.
-EXAMINER = Unit(
-    tuple(f"examiner.{name}" for name in ("baselines", "sealed.examine", "sealed.solve"))
-)
+EXAMINER = Unit(("examiner.sealed.again", "examiner.sealed.cell"))
 
 
 def parts(unit: Unit, package: Path = PACKAGE) -> dict[str, str]:
