@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from pyport.correction.use import PointingModel
     from pyport.diagnosis import diagnose as steps
-    from pyport.diagnosis.finding import Finding
+    from pyport.diagnosis.naming.finding import Finding
     from pyport.fitting import fit as fitting
     from pyport.models.conditions import Value
     from pyport.models.model import Model

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.diagnosis.arrays.report import report as report_array
-from pyport.diagnosis.arrays.site import with_site
+from pyport.diagnosis.arrays.report import with_site
 from pyport.diagnosis.arrays.words import words
 from pyport.diagnosis.diagnose import diagnose
 from pyport.errors import BadInput

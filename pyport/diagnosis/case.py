@@ -7,28 +7,21 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
-from pyport.diagnosis import shapes
 from pyport.diagnosis.candidates import Blocks, Candidate, Untestable
-from pyport.diagnosis.evidence import Evidence
 from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part
-from pyport.least_squares.robust import Refit
 from pyport.models.model import Model, Term
-from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import Frame, estimate, frame, reweighed
+from pyport.noise.estimate import Frame, frame
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Noise, Series
+from pyport.noise.whitening import Series
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
 from pyport.stages import stage
-from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST
-
-DRAWS = 300
+from pyport.thresholds import FEWEST
 
 
 @dataclass(frozen=True)
@@ -176,40 +169,6 @@ class Problem:
         return np.concatenate(out, axis=1)
 
 
-@dataclass(frozen=True)
-class WhitenedData:
-    """The evidence, weighed with the noise that a choice of effects leaves.
-
-    Attributes
-    ----------
-    covariance
-        Of the readings.
-    white
-        All columns and the data, whitened, shape (M, K + 1): see `Covariance.whiten`.
-    evidence
-        Their products.
-    """
-
-    covariance: Covariance
-    white: Array
-    evidence: Evidence
-
-    @property
-    def noises(self) -> tuple[Noise, ...]:
-        """Return the noise of each series."""
-        return self.covariance.noises
-
-    @property
-    def weights(self) -> Array:
-        """Return the robust weights of the readings, shape (m,)."""
-        return self.covariance.weights
-
-    @property
-    def used(self) -> NDArray[np.bool_]:
-        """Tell which readings are no outliers, shape (m,)."""
-        return self.covariance.used
-
-
 @stage("preparing columns")
 def prepare(
     recordings: Recordings, model: Model, refit: Collection[str] | None = None, seed: int = 0
@@ -236,7 +195,7 @@ def prepare(
     departing = any(one.of == "session" for one in given.departures)
     if departing:
         candidates = listing.but_of_every_session(candidates)
-    generic, others = shapes.design(recordings, data)
+    generic, others = listing.shapes_of(recordings, data)
     first = base_columns.shape[1]
     own = any("session" in term.per for term in terms)
     block_of_row, names = group(recordings, ("antenna", "session"))
@@ -267,88 +226,6 @@ def prepare(
     )
 
 
-@stage("whitening")
-def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> WhitenedData:
-    """Fit the noise that is left beside the model and some effects, and weigh everything by it.
-
-    See `noise` for `searching`.
-    """
-    covariance = noise(setup, chosen, searching=searching)
-    return _weighed(setup, chosen, covariance, covariance.whiten(setup.data))
-
-
-@stage("whitening")
-def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
-    """Return what `weigh` does for what looks at the model and the data alone.
-
-    No other column is whitened: they are zero. An array's common mode asks for all.
-    """
-    if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return weigh(setup, chosen)
-    covariance = noise(setup, chosen)
-    white = whiten_model(setup, covariance, (*setup.base, *chosen))
-    return _weighed(setup, chosen, covariance, white)
-
-
-def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chosen]) -> Array:
-    """Return some choices' columns and the data, whitened, all others zero, (M, K + 1)."""
-    size = setup.columns.shape[1]
-    columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
-    own = np.unique(np.concatenate(columns))
-    data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
-    # Column by column in memory: no page of those that stay zero is touched.
-    white = np.zeros((covariance.means.stop, size + 1), order="F")
-    white[:, np.append(own, size)] = covariance.whiten(data)
-    return white
-
-
-def _weighed(
-    setup: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array
-) -> WhitenedData:
-    evidence = Evidence(
-        white,
-        np.resize(setup.block, len(white)),
-        np.resize(setup.stack.is_y, len(white)).astype(np.intp),
-        setup.blocks,
-        common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
-        pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
-        draws=DRAWS,
-        dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
-        rng=np.random.default_rng(setup.seed),
-    )
-    return WhitenedData(covariance, white, evidence)
-
-
-@stage("whitening")
-def weigh_alike(setup: Problem, chosen: Sequence[Chosen], known: Covariance) -> WhitenedData:
-    """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
-    design = setup.expanded([*setup.base, *chosen])
-    covariance = reweighed(known, setup.residual, design)
-    setup.known[_key(chosen, searching=True)] = tuple(chosen), covariance
-    return weigh(setup, chosen)
-
-
-def _key(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
-    return (searching, *sorted((id(one.candidate), one.scope) for one in chosen))
-
-
-@stage("fitting noise")
-def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
-    """Estimate the noise beside some effects, or remember it.
-
-    Columns that join the design later do not touch it. While a search goes on, what its
-    candidates could explain is no noise; in a final fit (`searching` false) it is.
-    """
-    key = _key(chosen, searching=searching)
-    if key not in setup.known:
-        design = setup.expanded([*setup.base, *chosen])
-        shapes = setup.possible if searching else None
-        covariance = estimate(setup.residual, design, setup.frame, shapes)
-        # The choices are kept as long as the key that their identities make.
-        setup.known[key] = tuple(chosen), covariance
-    return setup.known[key][1]
-
-
 def temporal(setup: Problem, effect: Effect) -> bool:
     """Tell whether an effect changes with time alone, and the noise may do what it does.
 
@@ -365,22 +242,6 @@ def _scans(recordings: Recordings, data: Stack) -> Codes:
     session, _ = group(recordings, ("session",))
     keys = np.stack([session[data.row], time[data.row], data.is_y])
     return np.unique(keys, axis=1, return_inverse=True)[1].ravel()
-
-
-def _common_excess(
-    setup: Problem,
-    fitted: Sequence[Chosen],
-    white: Array,
-    covariance: Covariance,
-) -> common_mode.Excess:
-    """Return how much more scans scatter in common than independent antennas would."""
-    if setup.blocks.antennas < ENOUGH_ANTENNAS:
-        return common_mode.Excess()
-    columns = setup.expanded(fitted, of=white)
-    left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
-    means = covariance.means
-    one = covariance.whiten(np.ones((len(setup.columns), 1)))[means, 0]
-    return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
 
 
 def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:

@@ -3,6 +3,9 @@
 A noise that was estimated beside the model alone has taken a step for a night's departure or a
 drift, and beside it the step gains nothing. So changes are looked for beside what the noise does
 within a session; whether one is more than the noise can do is then for its confirmation to say.
+
+Which member of its family an effect is, the moment of a step, the curve of an edge: a choice that
+was made from all readings flatters the prediction of those that are left out.
 """
 
 from __future__ import annotations
@@ -12,14 +15,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, whiten_model
+from pyport.angles import Array
+from pyport.diagnosis.case import Anew, Chosen, Problem, temporal
 from pyport.diagnosis.evidence import CandidateFit, at_best
-from pyport.diagnosis.identify import TIE
-from pyport.diagnosis.view import shown_beside
+from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.shapes.edges import edges_of
+from pyport.diagnosis.turns import TIE
+from pyport.diagnosis.weighing import View, WhitenedData, plain_view, shown_beside, whiten_model
+from pyport.effects import Effect, catalogue
+from pyport.effects.epochs import clock, epoch_step
 from pyport.effects.oscillation import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
-from pyport.thresholds import CONVINCING, MOST_CHANGES
+from pyport.thresholds import CONVINCING, FEWEST, MOST_CHANGES
 
 
 @stage("proposing changes")
@@ -99,3 +107,154 @@ def _session_s(setup: Problem) -> float:
         if (own := setup.session[part.first] == one).any()
     ]
     return float(np.median(spans)) if spans else 0.0
+
+
+#: The best moment of each of so many stretches of time is weighed with the drift.
+STRETCHES = 24
+
+
+@stage("refining steps and edges")
+def refine(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], plain: Chosen
+) -> tuple[Problem, Chosen, float, float]:
+    """Move the moment or edge of a choice to where it fits best, beside the rest of the model.
+
+    Returns
+    -------
+    setup, chosen
+        The case with the columns of the refined effect added, and the choice;
+        both as they were where there is nothing to move.
+    more
+        By what factor the gain has grown.
+    price
+        What the further numbers of a moment or a curve must earn.
+    """
+    effect = plain.candidate.effect
+    if plain.scope != "all":
+        return setup, plain, 1.0, 0.0
+    step = effect.is_change and effect.parameter is not None
+    if not step and effect.edge is None:
+        return setup, plain, 1.0, 0.0
+    view = plain_view(setup, weighed, chosen)
+    of_number = np.log(max(len(view.rows), 3))
+    if step:
+        tried = [(one, float(of_number)) for one in _moments(setup, view, effect)]
+    else:
+        tried = edges_of(setup, view, effect)
+    # A drift pulls as a step does: what was found as if there were none is weighed with it.
+    which = list(plain.candidate.coefficients)
+    found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one, _ in tried]
+    old = setup.columns[:, plain.candidate.columns]
+    before, *gains = _gains(setup, weighed, chosen, [old, *found])
+    best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
+    more = gains[best] / max(before, 1e-300)
+    price = tried[best][1] - plain.candidate.price
+    if more <= 1:
+        return setup, plain, 1.0, 0.0
+    better, columns = tried[best][0], found[best]
+    start = setup.columns.shape[1]
+    candidate = replace(
+        plain.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
+    )
+    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    return wider, Chosen(candidate, plain.scope), more, max(float(price), 0.0)
+
+
+def _gains(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], some: Sequence[Array]
+) -> list[float]:
+    """Return what each of some blocks of columns (m, k) gains beside the model."""
+    model = setup.expanded((*setup.base, *chosen), of=weighed.white)
+    white = weighed.covariance.whiten(np.concatenate(some, axis=1))
+    both = np.concatenate([white, weighed.white[:, -1:]], axis=1)
+    both -= model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    gains, start = [], 0
+    for columns in some:
+        own = both[:, start : start + columns.shape[1]]
+        start += columns.shape[1]
+        seen = own.T @ both[:, -1]
+        gains.append(float(seen @ np.linalg.pinv(own.T @ own, hermitian=True) @ seen))
+    return gains
+
+
+def _moments(setup: Problem, view: View, effect: Effect) -> list[Effect]:
+    """Return steps at the moments between two recordings that fit best, one in each stretch."""
+    at = setup.recordings.at
+    # With every row after the step its columns are those of the effect everywhere.
+    whole = catalogue(at.mount)[effect.id]
+    always = epoch_step(-1e15, whole, of_order=True)
+    columns = setup.stack.columns(always, at)[view.rows] * view.root[:, None]
+    time = clock(at)[setup.stack.row][view.rows]
+    order = np.argsort(time, kind="stable")
+    time, columns = time[order], columns[order]
+    since = _from_the_end(columns[:, :, None] * columns[:, None, :])
+    crossed = _from_the_end(view.basis[order][:, :, None] * columns[:, None, :])
+    seen = _from_the_end(columns * view.left[order][:, None])
+    information = since - crossed.transpose(0, 2, 1) @ crossed
+    there = np.flatnonzero(np.diff(time, prepend=time[0]) > 0)
+    there = there[(there >= FEWEST) & (there <= len(time) - FEWEST)]
+    if len(there) == 0:
+        return [effect]
+    values = (np.linalg.pinv(information[there], hermitian=True) @ seen[there][:, :, None])[:, :, 0]
+    gains = (values * seen[there]).sum(axis=1)
+    stretches = np.array_split(np.arange(len(there)), min(STRETCHES, len(there)))
+    best = [int(there[one[np.argmax(gains[one])]]) for one in stretches]
+    of_order = effect.changes_with == "order"
+    return [epoch_step(float(time[n - 1] + time[n]) / 2, whole, of_order=of_order) for n in best]
+
+
+def _from_the_end(values: Array) -> Array:
+    """Return sums from each row to the last."""
+    return np.asarray(values[::-1].cumsum(axis=0)[::-1])
+
+
+@stage("choosing anew")
+def columns_anew(
+    setup: Problem, weighed: WhitenedData, covariance: Covariance, chosen: Sequence[Chosen]
+) -> list[Anew]:
+    """Return each choice as readings of full weight would choose it.
+
+    Parameters
+    ----------
+    setup, weighed
+        The case and its last weighing.
+    covariance
+        Its noise, with no weight on the readings that must not choose.
+    chosen
+        What was chosen from all readings.
+    """
+    return [
+        _anew(setup, weighed, covariance, [each for each in chosen if each is not one], one)
+        for one in chosen
+    ]
+
+
+def _anew(
+    setup: Problem,
+    weighed: WhitenedData,
+    covariance: Covariance,
+    others: Sequence[Chosen],
+    one: Chosen,
+) -> Anew:
+    effect = one.candidate.effect
+    if effect.id == OSCILLATION:
+        fresh = oscillations.again(setup, covariance, others, effect)
+        if fresh.changes_with == "stretch":
+            # Amplitudes that few readings tell would be fitted to their noise.
+            curve = oscillations.predicted(setup, covariance, others, fresh)
+            return Anew(np.zeros((len(curve), 0)), curve)
+        columns = setup.stack.columns(fresh, setup.recordings.at)
+        return Anew(columns[:, columns.any(axis=0)])
+    family = [each for each in setup.candidates if each.effect.id == effect.id]
+    if len(family) < 2 or one.scope != "all":
+        return Anew(setup.expanded([one]))
+    if temporal(setup, effect):
+        covariance = still_noise(setup, covariance)
+    white = whiten_model(setup, covariance, (*setup.base, *others))
+    seen = replace(weighed, covariance=covariance, white=white)
+    worth = [at_best(*each)[0] for each in shown_beside(setup, seen, others, family)]
+    best = family[int(np.argmax(worth))]
+    if any(each is one.candidate for each in family):
+        return Anew(setup.expanded([Chosen(best, one.scope)]))
+    wider, refined, *_ = refine(setup, seen, others, Chosen(best, one.scope))
+    return Anew(wider.expanded([refined]))

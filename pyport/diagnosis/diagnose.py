@@ -8,19 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis import findings as reading
-from pyport.diagnosis import guards, holdout, joint
-from pyport.diagnosis import scene as scenes
+from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Problem, WhitenedData, prepare, weigh
-from pyport.diagnosis.edge_paths import averaged
+from pyport.diagnosis.case import Problem, prepare
 from pyport.diagnosis.evidence import CandidateFit
-from pyport.diagnosis.finding import Finding, HeldOut
-from pyport.diagnosis.search import search
-from pyport.diagnosis.settle import Dropped, Unseen, settled, unseen
-from pyport.diagnosis.significance import family_p_value, gain_needed, threshold
-from pyport.diagnosis.steps import Outcome, Step
-from pyport.diagnosis.two_axes import Disagreement, disagreements
+from pyport.diagnosis.holdout import Unseen, unseen
+from pyport.diagnosis.joint import Disagreement, disagreements
+from pyport.diagnosis.naming import findings as reading
+from pyport.diagnosis.naming import guards
+from pyport.diagnosis.naming import scene as scenes
+from pyport.diagnosis.naming.finding import Finding, HeldOut
+from pyport.diagnosis.search import Dropped, search, settled
+from pyport.diagnosis.shapes.edge_paths import averaged
+from pyport.diagnosis.turns import Outcome, Step, family_p_value, gain_needed, threshold
+from pyport.diagnosis.weighing import WhitenedData, weigh
 from pyport.diagnosis.winner import trials_of
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination

@@ -9,15 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis.anew import columns_anew
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.changes import columns_anew
+from pyport.diagnosis.joint import rms
+from pyport.diagnosis.naming.finding import HeldOut
+from pyport.diagnosis.weighing import WhitenedData
+from pyport.least_squares import robust
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.stages import stage
-from pyport.thresholds import BLOCKS, CLIP, FOLDS, MOST_FOLDS, SEVERAL
+from pyport.thresholds import BLOCKS, CLIP, FOLDS, GROSS, MOST_FOLDS, SEVERAL
 
+#: Stretches left out that tell how far a held-out rms may be off.
+FEWEST_STRETCHES = 3
 #: A prediction is open when more than this share of its columns is what the fit leaves open.
 OPEN = 1e-4
 
@@ -219,3 +225,76 @@ def _without_each(
         rows = np.flatnonzero(fold == one)
         own = Gram.of(white[rows], block[rows], len(setup.blocks)).matrices
         yield int(one), Gram(whole - own).solve(parts), rows
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Residuals of readings that the fit had not seen, before and after [rad], shape (m,) each.
+
+    `stretch` (m,) numbers what was left out together: a fold within a session; `counted` (m,)
+    tells which readings were predicted by both and are no gross errors.
+    """
+
+    partition: Folds
+    stretch: Codes
+    before: Array
+    after: Array
+    counted: NDArray[np.bool_]
+
+    def rms(self) -> tuple[float, float]:
+        """Return the plain rms before and after, over all readings that count [rad]."""
+        return rms(self.before[self.counted]), rms(self.after[self.counted])
+
+    def compared(self, rows: NDArray[np.bool_], floor: Array) -> HeldOut:
+        """Return the plain rms over some rows (m,), and that of the scatter alone (m,)."""
+        both = rows & self.counted
+        return HeldOut(
+            self.partition.scheme,
+            rms(self.before[both]),
+            rms(self.after[both]),
+            rms(floor[both]),
+            self._fall_sigma(both),
+            int((rows & ~self.counted).sum()),
+        )
+
+    def _fall_sigma(self, rows: NDArray[np.bool_]) -> float | None:
+        """Return the error of the fall of the rms [rad], its stretches drawn independently."""
+        stretch = np.unique(self.stretch[rows], return_inverse=True)[1]
+        count = int(stretch.max(initial=-1)) + 1
+        if count < FEWEST_STRETCHES:
+            return None
+        before, after = self.before[rows], self.after[rows]
+        share = before**2 / max(rms(before), 1e-300) - after**2 / max(rms(after), 1e-300)
+        # The derivative of each rms by its mean square is one over twice the rms.
+        share = (share - share.mean()) / (2 * len(share))
+        sums = np.bincount(stretch, share, count)
+        return float(np.sqrt(count / (count - 1) * np.sum(sums**2)))
+
+
+def unseen(
+    setup: Problem,
+    weighed: tuple[WhitenedData, WhitenedData],
+    before: tuple[Chosen, ...],
+    after: tuple[Chosen, ...],
+    partition: Folds,
+) -> Unseen:
+    """Predict what was left out with and without some effects, each under its own noise.
+
+    A reading is a gross error when both predictions miss it by more than `GROSS` times the
+    scatter that the readings of the other folds have about theirs.
+    """
+    first = residuals(setup, weighed[0], before, partition, after if before else ())
+    second = residuals(setup, weighed[1], after, partition)
+    finite = np.isfinite(first) & np.isfinite(second)
+    nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)
+    counted = finite.copy()
+    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    series = antenna * 2 + setup.stack.is_y
+    for one in np.unique(series):
+        for fold in np.unique(partition.fold[series == one]):
+            own = (series == one) & (partition.fold == fold)
+            others = (series == one) & (partition.fold != fold) & finite
+            if others.any():
+                counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
+    stretch = np.unique([setup.session, partition.fold], axis=1, return_inverse=True)[1].ravel()
+    return Unseen(partition, stretch, first, second, counted)

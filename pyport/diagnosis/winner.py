@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis import identify, oscillations
+from pyport.diagnosis import turns
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData, temporal, weigh
-from pyport.diagnosis.changes import proposed
-from pyport.diagnosis.confirm import confirmed
+from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.changes import proposed, refine
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
-from pyport.diagnosis.refine import refine
+from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
 from pyport.effects.oscillation import OSCILLATION
 from pyport.threads import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
@@ -124,7 +124,7 @@ def _first(
 
 
 def _rank(one: Winner) -> float:
-    return -round(one.trial.evidence, identify.TIE)
+    return -round(one.trial.evidence, turns.TIE)
 
 
 def _changes(
@@ -245,10 +245,10 @@ def _worth(
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]
-    named.sort(key=lambda trial: -round(trial.evidence, identify.TIE))
-    sound = [trial for trial in named if identify.fits_physics(trial)]
+    named.sort(key=lambda trial: -round(trial.evidence, turns.TIE))
+    sound = [trial for trial in named if turns.fits_physics(trial)]
     best = sound[0].evidence if sound else least
-    leader = next((t for t in named if identify.seen(t)), None)
+    leader = next((t for t in named if turns.seen(t)), None)
     if leader is not None and leader.evidence > best + LEADS:
         return [leader, *sound]
     return sound

@@ -10,7 +10,7 @@ from html import escape
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.words import number
+from pyport.diagnosis.naming.words import number
 from pyport.effects.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import toml_spelled

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.diagnose import Diagnosis
-from pyport.diagnosis.finding import Finding
+from pyport.diagnosis.naming.finding import Finding
 from pyport.least_squares.gram import inverted
 from pyport.page.picture import Column, Layer, Picture, Side
 

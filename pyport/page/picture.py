@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, HOUR, Array, handy
 from pyport.columns import SPELLED, shown
-from pyport.diagnosis.finding import Interval
 from pyport.diagnosis.joint import rms
+from pyport.diagnosis.naming.finding import Interval
 from pyport.mounts import ALTAZ
 from pyport.page.markup import Linear
 from pyport.recordings.schema import Recordings, Stack

@@ -9,9 +9,8 @@ import numpy as np
 
 from pyport.angles import ARCMIN, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.repeat import Repeat
+from pyport.diagnosis.arrays.repeat import Repeat, Unseen, medians
 from pyport.diagnosis.arrays.report import ArrayReport, Session
-from pyport.diagnosis.arrays.unseen import Unseen, medians
 from pyport.diagnosis.arrays.words import SECOND
 from pyport.report import pictures
 from pyport.report.figures import BLUE, GREY, ORANGE, SCREEN_DPI

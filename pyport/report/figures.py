@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pyport.diagnosis.diagnose import Diagnosis
-    from pyport.diagnosis.finding import Finding, Parameter
+    from pyport.diagnosis.naming.finding import Finding, Parameter
 
 #: Okabe and Ito's colours, which every eye can distinguish.
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.diagnosis import finding as found
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import sigmas
+from pyport.diagnosis.naming import finding as found
 from pyport.effects.fields import UNKNOWN
 from pyport.fitting import combinations
 from pyport.models.complete import Left, Solved, complete

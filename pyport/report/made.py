@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import noise_words, words
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
-from pyport.diagnosis.joint import Joint, rms
-from pyport.diagnosis.soundness import nothing, warnings
-from pyport.diagnosis.two_axes import Disagreement
+from pyport.diagnosis.joint import Disagreement, Joint, rms
+from pyport.diagnosis.naming import remarks, words
+from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput
 from pyport.files import sha256
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, sky_rms
@@ -155,10 +154,10 @@ def _noise(diagnosis: Diagnosis) -> Noise:
         _median_floor(along),
         max(times, default=None),
         parts[0][1].how if parts else "reml",
-        tuple(Departure(**one) for one in noise_words.departures(diagnosis)),
-        tuple(Drift(**one) for one in noise_words.drifts(diagnosis)),
-        tuple(Growth(**one) for one in noise_words.by_elevation(diagnosis)),
-        tuple(noise_words.sentences(diagnosis)),
+        tuple(Departure(**one) for one in remarks.departures(diagnosis)),
+        tuple(Drift(**one) for one in remarks.drifts(diagnosis)),
+        tuple(Growth(**one) for one in remarks.by_elevation(diagnosis)),
+        tuple(remarks.sentences(diagnosis)),
     )
 
 

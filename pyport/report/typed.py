@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from pyport.diagnosis.finding import Evidence, Interval, Parameter
+from pyport.diagnosis.naming.finding import Evidence, Interval, Parameter
 
 SCHEMA = "pyport.diagnosis/1"
 #: Marks what is said on the terminal and stands in no file.

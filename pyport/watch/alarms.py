@@ -11,9 +11,9 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pyport.angles import ARCSEC, Array
-from pyport.diagnosis.finding import Parameter
-from pyport.diagnosis.identify import decide_by
-from pyport.diagnosis.words import number
+from pyport.diagnosis.naming.finding import Parameter
+from pyport.diagnosis.naming.words import number
+from pyport.diagnosis.turns import decide_by
 from pyport.watch.antenna import Antenna
 from pyport.watch.changes import Change
 from pyport.watch.composite import log_omitted

@@ -133,7 +133,7 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
     An effect is hidden in them, or nothing: where a cause is hidden that no candidate stands
     for, the search goes on and on. Each of `more` columns that nobody knows is tried as a curve.
     """
-    from pyport.diagnosis import candidates, shapes
+    from pyport.diagnosis import candidates
     from pyport.diagnosis.diagnose import diagnose as run
     from pyport.examiner.sealed.files import write_recordings
     from pyport.examiner.worlds.kinds import make_case
@@ -146,7 +146,7 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
         recordings = read_file(path)
     unknown = np.random.default_rng(1).random((more, len(recordings)))
     recordings.at.columns.update({f"unknown_{n}": one for n, one in enumerate(unknown)})
-    for module in (candidates, shapes):
+    for module in (candidates, candidates):
         module.design = cut(module.design, every)  # type: ignore[attr-defined]
     begin, worked = time.perf_counter(), time.process_time()
     done = run(recordings, load("altaz"))

@@ -8,8 +8,8 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import holdout
-from pyport.diagnosis.anew import columns_anew
 from pyport.diagnosis.case import prepare
+from pyport.diagnosis.changes import columns_anew
 from pyport.diagnosis.search import search
 from pyport.formats.models import load
 

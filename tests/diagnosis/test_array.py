@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyport.diagnosis.array import split
+from pyport.diagnosis.arrays.findings import split
 
 
 def coefficients(common, own, sigma, seed):

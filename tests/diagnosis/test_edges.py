@@ -5,9 +5,9 @@ import pytest
 from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.edge_paths import CLIMB, _good, _log_likely, _path
-from pyport.diagnosis.edges import _path as cheapest
-from pyport.diagnosis.edges import sky_of
+from pyport.diagnosis.shapes.edge_paths import CLIMB, _good, _log_likely, _path
+from pyport.diagnosis.shapes.edges import _path as cheapest
+from pyport.diagnosis.shapes.edges import sky_of
 from pyport.effects.structure import FreeEdge
 from pyport.formats.models import load
 

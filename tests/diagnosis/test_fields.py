@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis.boxes import boxes
-from pyport.diagnosis.case import prepare, weigh
+from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.field_families import Field
-from pyport.diagnosis.fields import Ground, region
+from pyport.diagnosis.shapes.boxes import Field, boxes
+from pyport.diagnosis.shapes.fields import Ground, region
+from pyport.diagnosis.weighing import weigh
 from pyport.formats.models import load
 
 

@@ -11,8 +11,8 @@ from diagnosis.made import recordings
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.noise_words import by_elevation, sentences
-from pyport.diagnosis.settle import Dropped
+from pyport.diagnosis.naming.remarks import by_elevation, sentences
+from pyport.diagnosis.search import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis import holdout, oscillations, periods, winner
-from pyport.diagnosis.case import Chosen, prepare, weigh
+from pyport.diagnosis import holdout, winner
+from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.shapes import oscillations, periods
+from pyport.diagnosis.weighing import weigh
 from pyport.effects.oscillation import OSCILLATION, oscillation
 from pyport.formats.models import load
 

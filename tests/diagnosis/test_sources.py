@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pyport.diagnosis import guards
-from pyport.diagnosis.guards import comes_back, night_of
+from pyport.diagnosis.naming import guards
+from pyport.diagnosis.naming.guards import comes_back, night_of
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
 from pyport.recordings.sky import NIGHT_GAP_S

@@ -11,8 +11,8 @@ from diagnosis.test_verdict import finding
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.finding import Parameter, beyond
-from pyport.diagnosis.scene import centred
+from pyport.diagnosis.naming.finding import Parameter, beyond
+from pyport.diagnosis.naming.scene import centred
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
 from pyport.report.made import report_of

@@ -3,8 +3,8 @@
 import numpy as np
 from diagnosis.made import recordings
 
-from pyport.diagnosis import words
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming import words
 from pyport.fitting import soundness
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
@@ -28,8 +28,9 @@ def test_named_by_the_search_the_cause_settles_it():
 
 def test_a_wave_in_one_axis_alone_is_told_with_its_place_and_its_cause():
     """Beside the bare model the tilt differs, across elevation, and an eccentricity settles it."""
-    from pyport.diagnosis.case import prepare, weigh
-    from pyport.diagnosis.two_axes import disagreements
+    from pyport.diagnosis.case import prepare
+    from pyport.diagnosis.joint import disagreements
+    from pyport.diagnosis.weighing import weigh
 
     setup = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))
     (one,) = disagreements(setup, weigh(setup), ())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pyport.diagnosis.finding import Evidence, Finding, Stability, Where
-from pyport.diagnosis.verdict import judged
+from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
+from pyport.diagnosis.naming.verdict import judged
 from pyport.thresholds import NOTICEABLE, STABLE
 
 

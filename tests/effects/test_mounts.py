@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from pyport.cli import pyport
-from pyport.diagnosis.finding import Parameter, Where
-from pyport.diagnosis.words import sentence
+from pyport.diagnosis.naming.finding import Parameter, Where
+from pyport.diagnosis.naming.words import sentence
 from pyport.effects import CATALOGUE
 from pyport.effects.encoders import azimuth_harmonics
 from pyport.effects.mounts import MOUNTS, declared, meaning, times

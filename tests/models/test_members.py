@@ -10,7 +10,7 @@ import pytest
 from effects import heavens, mechanics
 from effects.cases import AT
 
-from pyport.diagnosis import shapes
+from pyport.diagnosis import candidates
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.fields import KINDS, field, values
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
@@ -128,7 +128,7 @@ def test_every_shape_that_a_diagnosis_tries_can_be_kept():
     """On either axis: the columns of the search are those that a file gives back."""
     measured = made.recordings(300, 1)
     rows = stack(measured)
-    columns, found = shapes.design(measured, rows)
+    columns, found = candidates.shapes_of(measured, rows)
 
     assert len(found) > 100
     for one in found:

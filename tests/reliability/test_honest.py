@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pyport.diagnosis import joint
-from pyport.diagnosis import scene as scenes
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.finding import Stability
-from pyport.diagnosis.guards import carriers
+from pyport.diagnosis.naming import scene as scenes
+from pyport.diagnosis.naming.finding import Stability
+from pyport.diagnosis.naming.guards import carriers
+from pyport.diagnosis.naming.remarks import warnings
+from pyport.diagnosis.naming.verdict import DRAWS, judged, stability
 from pyport.diagnosis.search import search
-from pyport.diagnosis.soundness import warnings
-from pyport.diagnosis.verdict import DRAWS, judged, stability
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
 from pyport.report.made import report_of

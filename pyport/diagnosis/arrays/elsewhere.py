@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from pyport.diagnosis.arrays.blocks import Block, blocks
+from pyport.diagnosis.arrays.repeat import Unseen, unseen
 from pyport.diagnosis.arrays.report import ArrayReport, shared_shapes
-from pyport.diagnosis.arrays.unseen import Unseen, unseen
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
 from pyport.threads import one_thread

@@ -9,8 +9,8 @@ import numpy as np
 
 from pyport.angles import ARCMIN, ARCSEC, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
+from pyport.diagnosis.arrays.repeat import FACTOR, Unseen, medians
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of
-from pyport.diagnosis.arrays.unseen import FACTOR, Unseen, medians
 
 _WIDTH = 96
 #: Radians of hour angle in a second of time.

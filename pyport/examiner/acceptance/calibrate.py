@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from pyport.diagnosis.case import prepare, weigh
-from pyport.diagnosis.significance import family_p_value
+from pyport.diagnosis.case import prepare
+from pyport.diagnosis.turns import family_p_value
+from pyport.diagnosis.weighing import weigh
 from pyport.diagnosis.winner import confirmed_changes, trials_of
 from pyport.examiner import program
 from pyport.examiner.nulls import nulls

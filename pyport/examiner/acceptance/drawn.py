@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCMIN, DEG
-from pyport.diagnosis.arrays.unseen import medians
+from pyport.diagnosis.arrays.repeat import medians
 from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.files import Rate, write_recordings
 from pyport.examiner.sealed.judge import Verdict, judge, place, read_table

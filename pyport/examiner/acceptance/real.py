@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from pyport.angles import ARCSEC, Array
-from pyport.diagnosis import words as explained
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
+from pyport.diagnosis.naming import words as explained
 from pyport.effects import CATALOGUE
 from pyport.examiner.acceptance.drawn import Line
 from pyport.formats.models import load

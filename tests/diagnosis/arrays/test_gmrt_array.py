@@ -7,8 +7,8 @@ from samples import sample
 
 from pyport.angles import ARCMIN
 from pyport.diagnosis.arrays.elsewhere import predict
+from pyport.diagnosis.arrays.repeat import medians
 from pyport.diagnosis.arrays.report import SCAN, report
-from pyport.diagnosis.arrays.unseen import medians
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 from pyport.recordings import read

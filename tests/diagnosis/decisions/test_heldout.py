@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from diagnosis.decisions.stubs import Columns, candidate, setup, step, trial
 
-from pyport.diagnosis import holdout, scene, settle
+from pyport.diagnosis import holdout, search
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.naming import scene
+from pyport.diagnosis.turns import Outcome
 from pyport.least_squares.gram import Solution
 
 
@@ -211,7 +212,7 @@ def unseen(monkeypatch, first, second, fold):
         block=np.zeros(len(first), int),
         stack=SimpleNamespace(is_y=np.ones(len(first), bool)),
     )
-    return settle.unseen(case, (None, None), (), (), holdout.Folds("", np.asarray(fold)))
+    return holdout.unseen(case, (None, None), (), (), holdout.Folds("", np.asarray(fold)))
 
 
 @pytest.mark.parametrize(
@@ -254,10 +255,10 @@ def settled(monkeypatch, rms, evidences):
     def of(_setup, _weighed, before, after, _partition):
         return SimpleNamespace(rms=lambda: (rms[key(before)], rms[key(after)]))
 
-    monkeypatch.setattr(settle, "unseen", of)
-    monkeypatch.setattr(settle, "weigh", lambda *_, **__: None)
-    monkeypatch.setattr(settle.holdout, "folds", lambda *_: None)
-    found = settle._worst(
+    monkeypatch.setattr(search, "unseen", of)
+    monkeypatch.setattr(search, "weigh", lambda *_, **__: None)
+    monkeypatch.setattr(search.holdout, "folds", lambda *_: None)
+    found = search._worst(
         Outcome(setup(), tuple(one.chosen for one in steps), steps, None, 0.001, ())
     )
     return found and found[0].candidate.effect.id
@@ -304,10 +305,10 @@ def test_members_of_a_family_are_tried_beside_noise_of_their_own(monkeypatch, be
     first = trial("azimuth_harmonics", 100.0, of=candidate("azimuth_harmonics", choices=3))
     other = trial("azimuth_harmonics", 100.0 - behind, of=candidate("azimuth_harmonics", choices=3))
     monkeypatch.setattr(
-        settle, "likeliest", lambda _s, _o, members: asked.append(members) or members[-1]
+        search, "likeliest", lambda _s, _o, members: asked.append(members) or members[-1]
     )
     one = step(first, trials=[other])
-    end = settle._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    end = search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert bool(asked) == tried
     assert (end.chosen[0].candidate is other.candidate) == tried
@@ -321,10 +322,10 @@ def test_three_members_at_most_are_tried(monkeypatch):
         for n in range(9)
     ]
     monkeypatch.setattr(
-        settle, "likeliest", lambda _s, _o, members: asked.extend(members) or members[0]
+        search, "likeliest", lambda _s, _o, members: asked.extend(members) or members[0]
     )
     one = step(some[0], trials=some[1:])
-    settle._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert len(asked) == 3
 

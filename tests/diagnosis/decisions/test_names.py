@@ -8,17 +8,18 @@ import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import array_findings, guards, identify
-from pyport.diagnosis import verdict as resampling
-from pyport.diagnosis.finding import Evidence, Finding, Stability, Where
-from pyport.diagnosis.verdict import judged
+from pyport.diagnosis import turns
+from pyport.diagnosis.naming import guards, scene
+from pyport.diagnosis.naming import verdict as resampling
+from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
+from pyport.diagnosis.naming.verdict import judged
 from pyport.effects import CATALOGUE, Coefficient
 
 
 def members(rivals, winner=None, **alike):
     """Return the class of a winner, refraction, among rivals."""
     winner = winner or trial("refraction", 100.0, gain=1000.0)
-    return identify.name(winner, [winner, *rivals], beside(**alike)).members
+    return turns.name(winner, [winner, *rivals], beside(**alike)).members
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,7 @@ def test_the_runner_up_is_the_best_outside_of_the_class():
     """Of those outside, the one with the most evidence."""
     winner = trial("refraction", 100.0, gain=1000.0)
     rivals = [trial("skew", 20.0), trial("sag_sine", 30.0), trial("tilt", 95.0)]
-    found = identify.name(winner, [winner, *rivals], beside())
+    found = turns.name(winner, [winner, *rivals], beside())
 
     assert found.members == ("refraction", "tilt")
     assert found.runner_up.candidate.effect.id == "sag_sine"
@@ -137,7 +138,7 @@ def known_size(value_arcsec, sigma_arcsec):
 )
 def test_a_size_that_physics_fixes_must_come_out(value, sigma, fits):
     """Within four sigma and a tenth of it, of a sigma that is at most half of it."""
-    assert identify.fits_physics(known_size(value, sigma)) == fits
+    assert turns.fits_physics(known_size(value, sigma)) == fits
 
 
 @pytest.mark.parametrize(
@@ -157,7 +158,7 @@ def test_a_size_that_physics_fixes_must_come_out(value, sigma, fits):
 )
 def test_other_causes_may_bend_a_known_size_by_a_factor_of_two(value, sigma, seen):
     """With its sign, and seen: the sigma at most half of it."""
-    assert identify.seen(known_size(value, sigma)) == seen
+    assert turns.seen(known_size(value, sigma)) == seen
 
 
 @pytest.mark.parametrize(
@@ -181,7 +182,7 @@ def test_strengths_in_two_halves_refute_a_name(extra, sigma, passed):
     white[0] = [size, 0.0, size]
     white[1] = [0.0, size, extra * size]
 
-    assert array_findings._compare(white, "the later half").passed == passed
+    assert scene._compare(white, "the later half").passed == passed
 
 
 NAMED = Finding(

@@ -8,12 +8,14 @@ from diagnosis.decisions.stubs import setup
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.diagnosis import array, boxes, edges, fields, refine, shapes, two_axes, words
-from pyport.diagnosis.arrays import lasting, places, repeat
+from pyport.diagnosis import candidates, changes, joint
+from pyport.diagnosis.arrays import findings, lasting, places, repeat
 from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.field_families import Field
-from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.view import View
+from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming.finding import Evidence, Finding, Where
+from pyport.diagnosis.shapes import boxes, edges, fields
+from pyport.diagnosis.shapes.boxes import Field
+from pyport.diagnosis.weighing import View
 from pyport.effects import CATALOGUE
 from pyport.fitting.two_axes import Difference
 from pyport.recordings.schema import stack
@@ -45,7 +47,7 @@ def test_a_step_has_eight_readings_on_either_side(after, placed):
     order = np.argsort(time, kind="stable")
     left = np.zeros(60)
     left[order[-after:]] = 5.0
-    found = refine._moments(problem, viewed(left), CATALOGUE["epoch_offset"])
+    found = changes._moments(problem, viewed(left), CATALOGUE["epoch_offset"])
     moments = [one.parameter for one in found]
     middle = (time[order[-after - 1]] + time[order[-after]]) / 2
 
@@ -92,10 +94,12 @@ def test_an_edge_needs_thirty_two_elevations():
 def test_a_stretch_of_a_sixteenth_has_eight_readings(rows, inside):
     """Fewer are a handful of outliers."""
     given = recordings(rows, 0)
-    found = shapes.design(given, stack(given))[1]
+    found = candidates.shapes_of(given, stack(given))[1]
     widths = [
-        np.count_nonzero(shapes.fields.values(one, given.at).any(axis=1))
-        for one in (shape.bumps for shape in shapes._shapes(given) if shape.family == "an offset")
+        np.count_nonzero(candidates.fields.values(one, given.at).any(axis=1))
+        for one in (
+            shape.bumps for shape in candidates._shapes(given) if shape.family == "an offset"
+        )
     ]
     kept = [one for one in found if one.effect.sentence.startswith("an offset")]
 
@@ -175,7 +179,7 @@ def parts(values, sigma, sessions=1):
     antenna = np.repeat(ANTENNAS[: len(values)], sessions)
     session = np.tile([f"s{n}" for n in range(sessions)], len(values))
     value = np.repeat(values, sessions) + 0.0
-    return array.split(antenna, session, value, np.full(len(value), sigma))
+    return findings.split(antenna, session, value, np.full(len(value), sigma))
 
 
 @pytest.mark.parametrize(
@@ -189,7 +193,7 @@ def test_a_common_part_is_there_from_three_sigma(common, there):
 @pytest.mark.parametrize(("own", "there"), [(3.3, True), (2.7, False), (1.7, False), (5.5, True)])
 def test_an_antenna_stands_out_from_three_sigma(own, there):
     """Of its own error and that of the mean of all."""
-    found = array.Split(
+    found = findings.Split(
         ("",), np.zeros(1), np.ones(1), ANTENNAS[:2], np.array([0.0, own]), np.ones(2), 0.0, 0.0, 0
     )
 
@@ -203,12 +207,12 @@ def test_parts_of_antennas_are_about_what_they_share():
     np.testing.assert_allclose(found.own, [-2, -1, 0, 3], atol=1e-6)
     assert found.common[0] == pytest.approx(3.0, abs=1e-6)
     assert found.spread == pytest.approx(np.std([1, 2, 3, 6], ddof=1), rel=0.01)
-    moved = array.split(
+    moved = findings.split(
         np.repeat(ANTENNAS[:4], 2), np.tile(["a", "b"], 4), np.tile([0.0, 1.0], 4), np.full(8, 0.1)
     )
     assert moved.changes
     # Each weighs by its error and the scatter of antennas together, and own parts have no mean.
-    uneven = array.split(
+    uneven = findings.split(
         np.array(["A", "B", "A", "B"]),
         np.array(["a", "a", "b", "b"]),
         np.array([0.0, 10.0, 0.0, 4.0]),
@@ -298,8 +302,8 @@ def apart(sigmas):
 )
 def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
     """In an axis and a half."""
-    half = two_axes.Half("below", apart(1.0))
-    split = two_axes.Split((half, half), apart(sigmas), apart(0.5))
+    half = joint.Half("below", apart(1.0))
+    split = joint.Split((half, half), apart(sigmas), apart(0.5))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert said.startswith("It lies in x") == placed
@@ -308,8 +312,8 @@ def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
 @pytest.mark.parametrize(("sigmas", "same"), [(1.8, True), (2.2, False), (1.2, True), (3.5, False)])
 def test_halves_two_sigma_apart_agree(sigmas, same):
     """Then the other axis has one tilt in both."""
-    half = two_axes.Half("below", apart(1.0))
-    split = two_axes.Split((half, half), apart(8.0), apart(sigmas))
+    half = joint.Half("below", apart(1.0))
+    split = joint.Split((half, half), apart(8.0), apart(sigmas))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert ("y has one in both" in said) == same
@@ -337,7 +341,7 @@ def causes(gain, left, count=1):
     )
     one = SimpleNamespace(candidate="the effect")
     found = Difference(**{**vars(difference), "chi2": 100.0})
-    return [name for name, _ in two_axes._Ground._causes(ground, one, found)]
+    return [name for name, _ in joint._Ground._causes(ground, one, found)]
 
 
 @pytest.mark.parametrize(

@@ -8,19 +8,11 @@ import pytest
 from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
 from scipy.stats import chi2
 
-from pyport.diagnosis import (
-    case,
-    changes,
-    confirm,
-    diagnose,
-    nonparametric,
-    search,
-    soundness,
-    winner,
-)
+from pyport.diagnosis import case, changes, diagnose, search, weighing, winner
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.significance import family_p_value, gain_needed, threshold
-from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.naming import remarks
+from pyport.diagnosis.shapes import fields
+from pyport.diagnosis.turns import Outcome, family_p_value, gain_needed, threshold
 from pyport.diagnosis.winner import Winner
 from pyport.noise.covariance import Covariance, Departures
 from pyport.noise.whitening import Noise
@@ -107,7 +99,7 @@ def test_a_search_that_stopped_there_says_so(turns, warned):
         weighed=SimpleNamespace(used=np.ones(100, bool)),
     )
 
-    assert any("did not come to its end" in one for one in soundness.warnings(done)) == warned
+    assert any("did not come to its end" in one for one in remarks.warnings(done)) == warned
 
 
 @pytest.mark.parametrize(
@@ -117,7 +109,7 @@ def test_silence_is_no_all_clear_where_something_is_left(p_value, clear):
     """Up to a p-value of one in a hundred what is left does not look like the noise."""
     done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
 
-    assert soundness.nothing(done).startswith("Nothing is missing") == clear
+    assert remarks.nothing(done).startswith("Nothing is missing") == clear
 
 
 @pytest.mark.parametrize(
@@ -382,8 +374,8 @@ def test_an_effect_pays_for_being_one_of_many():
     some = tuple(candidate(name) for name in ("epoch_tilt", "drift", *NAMES))
     problem = setup(candidates=some)
 
-    assert confirm._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
-    assert confirm._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(len(NAMES)))
+    assert weighing._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
+    assert weighing._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(len(NAMES)))
 
 
 def test_departures_as_wide_as_the_scatter_are_half_as_probable():
@@ -391,7 +383,7 @@ def test_departures_as_wide_as_the_scatter_are_half_as_probable():
     noise = SimpleNamespace(between=3.0, within=4.0)
     known = SimpleNamespace(noises=[noise], departures=[SimpleNamespace(sigma=5.0)])
 
-    assert confirm._improbable(known) == pytest.approx(2 * np.log(2))
+    assert weighing._improbable(known) == pytest.approx(2 * np.log(2))
 
 
 def test_evidence_beside_a_model_is_that_of_dense_algebra():
@@ -404,7 +396,7 @@ def test_evidence_beside_a_model_is_that_of_dense_algebra():
         noises=[SimpleNamespace(between=2.0, within=0.0)],
         departures=[],
     )
-    lack, gained = confirm._lack(plain, model, own, value)
+    lack, gained = weighing._lack(plain, model, own, value)
     basis = np.linalg.qr(model)[0]
     left = (value - basis @ (basis.T @ value)) / 2
     wanted = 30 * np.log(4) + np.linalg.slogdet(model.T @ model / 4)[1] + left @ left
@@ -422,13 +414,13 @@ def field(evidence, directions=1):
 def instead(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
     """Tell whether a field takes the place of names from some turn on."""
     ground = SimpleNamespace(worths=lambda: worths, worth_of=lambda one: one)
-    monkeypatch.setattr(nonparametric, "Ground", lambda *_: ground)
-    monkeypatch.setattr(nonparametric, "boxes", lambda *_: [])
-    monkeypatch.setattr(nonparametric, "weigh_model", lambda *_: None)
-    monkeypatch.setattr(nonparametric, "family_p_value", lambda _: p_value)
-    monkeypatch.setattr(nonparametric, "_together", lambda *_: together)
-    monkeypatch.setattr(nonparametric, "_with_field", lambda *_: "a field")
-    return nonparametric.field_instead(now, turn) == "a field"
+    monkeypatch.setattr(fields, "Ground", lambda *_: ground)
+    monkeypatch.setattr(fields, "boxes", lambda *_: [])
+    monkeypatch.setattr(fields, "weigh_model", lambda *_: None)
+    monkeypatch.setattr(fields, "family_p_value", lambda _: p_value)
+    monkeypatch.setattr(fields, "_together", lambda *_: together)
+    monkeypatch.setattr(fields, "_with_field", lambda *_: "a field")
+    return fields.field_instead(now, turn) == "a field"
 
 
 @pytest.mark.parametrize(
@@ -471,7 +463,7 @@ def test_each_name_beyond_the_first_costs_twelve(names, evidence):
     steps = [step(trial("refraction", 20.0, gain=25.0))] * names
     problem = setup(expanded=lambda _: None)
 
-    assert nonparametric._together(ground, problem, steps) == pytest.approx(evidence)
+    assert fields._together(ground, problem, steps) == pytest.approx(evidence)
 
 
 def test_a_p_value_is_the_share_of_draws_that_do_as_well():

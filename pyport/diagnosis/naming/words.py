@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, handy
-from pyport.diagnosis.finding import Parameter, Where
-from pyport.diagnosis.two_axes import Disagreement, Split
+from pyport.diagnosis.joint import Disagreement, Split
+from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
@@ -17,7 +17,7 @@ from pyport.mounts import ALTAZ
 from pyport.thresholds import SEEN, SIGNIFICANT
 
 if TYPE_CHECKING:
-    from pyport.diagnosis.identify import Name
+    from pyport.diagnosis.turns import Name
     from pyport.fitting.combinations import Combination
 
 

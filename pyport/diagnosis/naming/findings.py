@@ -6,23 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.diagnosis import array_findings, identify, oscillating, words
-from pyport.diagnosis.array_findings import of_array, taken_apart
-from pyport.diagnosis.edges import curve_points
-from pyport.diagnosis.finding import Finding, Where, beyond
-from pyport.diagnosis.joint import contribution, largest_offset, visible
-from pyport.diagnosis.scene import (
+from pyport.angles import ARCSEC, DEG, Array
+from pyport.diagnosis import turns
+from pyport.diagnosis.arrays.findings import of_array, taken_apart
+from pyport.diagnosis.joint import contribution, excess_of, largest_offset, visible
+from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
+from pyport.diagnosis.naming.scene import (
     Scene,
     axes,
     centred,
     evidence_of,
+    halves,
     held_out,
+    known,
     moved_antennas,
     parameters_of,
     size,
 )
-from pyport.diagnosis.steps import Step
-from pyport.diagnosis.verdict import honest
+from pyport.diagnosis.naming.verdict import honest
+from pyport.diagnosis.shapes.edges import curve_points
+from pyport.diagnosis.shapes.oscillations import likeliest_period
+from pyport.diagnosis.turns import Step
 from pyport.effects.mounts import declared
 from pyport.effects.oscillation import OSCILLATION
 from pyport.stages import stage
@@ -54,13 +59,11 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     seen = visible(setup, scene.weighed, curve)
     effect = chosen.candidate.effect
     of_time = effect.id == OSCILLATION
-    parameters = (oscillating.parameters if of_time else parameters_of)(scene, choice)
-    called = identify.name(step.winner, step.trials, step.beside)
-    checks = array_findings.halves(setup, scene.weighed, scene.joint, choice)
+    parameters = (oscillation_parameters if of_time else parameters_of)(scene, choice)
+    called = turns.name(step.winner, step.trials, step.beside)
+    checks = halves(setup, scene.weighed, scene.joint, choice)
     checks += [
-        array_findings.known(p.value, p.sigma, p.expected, p.name)
-        for p in parameters
-        if p.expected is not None
+        known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
     whole = scene.outcome.chosen
     others = tuple(one for one in whole if one is not chosen)
@@ -100,7 +103,49 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),
-        decide_by=identify.decide_by(called.members, called.others) if named else words.WATCH,
+        decide_by=turns.decide_by(called.members, called.others) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
+
+
+def oscillation_parameters(scene: Scene, choice: int) -> list[Parameter]:
+    """Return the period of an oscillation [min], its amplitudes, and phases where one holds.
+
+    The amplitude of a wandering one is the root mean square of those of its stretches, less what
+    their errors add. A phase of 0 has the sine begin at the moment that the variant names.
+    """
+    chosen, setup = scene.joint.choices[choice], scene.setup
+    effect = chosen.candidate.effect
+    others = [one for one in scene.outcome.chosen if one is not chosen]
+    _, sigma, _ = likeliest_period(setup, scene.weighed.covariance, others, effect)
+    found = [Parameter("period", effect.member["period_s"] / 60, sigma / 60, "min")]
+    where = scene.joint.slice(choice)
+    known = scene.joint.solution.known[where]
+    value = scene.joint.solution.values[where][known]
+    excess = excess_of(scene.joint, len(setup.residual))
+    covariance = excess * scene.joint.solution.covariance[where, where][np.ix_(known, known)]
+    names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
+    for axis in ("xel", "el"):
+        own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]
+        if own:
+            found += _of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
+    return found
+
+
+def _of_axis(axis: str, value: Array, covariance: Array, *, held: bool) -> list[Parameter]:
+    """Return the amplitude in an axis, and the phase where one is `held`."""
+    waves = max(len(value) // 2, 1)
+    size = float(np.sqrt(value @ value / waves))
+    along = value / (waves * max(size, 1e-300))
+    sigma = float(np.sqrt(along @ covariance @ along))
+    if not held:
+        size = float(np.sqrt(max(size**2 - np.trace(covariance) / waves, 0.0)))
+        return [Parameter(f"amplitude_{axis}", size / ARCSEC, sigma / ARCSEC, "arcsec")]
+    across = np.array([-along[1], along[0]])
+    phase = float(np.arctan2(value[1], value[0]))
+    error = float(np.sqrt(across @ covariance @ across)) / max(size, 1e-300)
+    return [
+        Parameter(f"amplitude_{axis}", size / ARCSEC, sigma / ARCSEC, "arcsec"),
+        Parameter(f"phase_{axis}", phase / DEG, min(error, np.pi) / DEG, "deg"),
+    ]

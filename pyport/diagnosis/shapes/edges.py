@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Problem
-from pyport.diagnosis.view import View
+from pyport.diagnosis.weighing import View
 from pyport.effects import Effect
 from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
 from pyport.thresholds import FEWEST

@@ -1,4 +1,4 @@
-"""What is said of the noise: what sessions and sources do, where it grows, what was derived."""
+"""What is said beside findings: of the noise, of the fits, and where there is nothing."""
 
 from __future__ import annotations
 
@@ -11,6 +11,13 @@ from pyport.recordings.sky import ORDER, SESSIONS
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from pyport.diagnosis.joint import Joint
+from pyport.diagnosis.naming.guards import smallest_seen
+from pyport.fitting.soundness import doubts
+from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
 #: Scatter that differs by less than a quarter between low and high, or that a drift widens by
@@ -138,3 +145,55 @@ def sentences(diagnosis: Diagnosis) -> list[str]:
     if ORDER in meta:
         said.append(f"Time is not recorded: the order is {meta[ORDER].partition(',')[0]}")
     return said
+
+
+def warnings(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence for everything that a user should know before trusting the numbers."""
+    alone = list(_of(diagnosis, diagnosis.before))
+    found = [f"fit of the model: {one}" for one in alone]
+    if diagnosis.findings:
+        both = (one for one in _of(diagnosis, diagnosis.after) if one not in alone)
+        found += [f"fit with what was found: {one}" for one in both]
+    if len(diagnosis.steps) >= MOST_FINDINGS:
+        found.append(
+            f"the search did not come to its end: it stopped at {MOST_FINDINGS} effects, and more "
+            "may be left"
+        )
+    return found
+
+
+def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
+    """Yield what is wrong with one fit."""
+    solution = fit.solution
+    known = solution.known
+    if not known.all():
+        of_choice = np.repeat(np.arange(len(fit.choices)), np.diff(fit.starts))
+        names = [fit.choices[n].candidate.effect.id for n in np.unique(of_choice[~known])]
+        yield (
+            f"{int((~known).sum())} of {len(known)} coefficients are not determined, of "
+            f"{', '.join(dict.fromkeys(names))}"
+        )
+    yield from doubts(
+        condition=solution.condition,
+        covariance=solution.covariance[np.ix_(known, known)],
+        numbers=int(diagnosis.weighed.used.sum()),
+        rank=solution.rank,
+    )
+
+
+def nothing(diagnosis: Diagnosis) -> str:
+    """Return what is said where no finding is: what was looked for, and how little was to be seen.
+
+    No finding is no all-clear: few recordings show large effects only, and what is left may not
+    look like noise though nothing that was tried predicts unseen data better.
+    """
+    seen = smallest_seen(diagnosis.detection_limits)
+    more = "" if seen is None else f"; {seen}"
+    if diagnosis.too_few is not None:
+        return f"{diagnosis.too_few.sentence}{more}"
+    if diagnosis.p_value > FAMILY_ERROR:
+        return f"Nothing is missing that these recordings could show{more}"
+    return (
+        "What is left does not look like the noise that was assumed, but nothing that was tried "
+        "predicts unseen data better"
+    )

@@ -1,15 +1,19 @@
-"""Naming: which effects the data cannot distinguish from the winner, and what would."""
+"""Turns of a search: how sure each is, what it added, and what that may be called."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects import degeneracies
 from pyport.least_squares.gram import inverted
+from pyport.stages import stage
 from pyport.thresholds import (
     ALIKE,
     BENT,
@@ -21,6 +25,122 @@ from pyport.thresholds import (
     REFUTES,
     SEEN,
 )
+
+
+@stage("significance")
+def family_p_value(trials: Sequence[CandidateFit]) -> float:
+    """Return the probability that pure noise gives a search as good as the best of these.
+
+    Each trial is scored by the chance of its gain under the F distribution; the
+    best score is compared with the best score of every draw. Beyond the last
+    draw the chance is that of the best trial alone times the number of
+    independent trials that the draws show.
+    """
+    if not trials:
+        return 1.0
+    best = float(_log_chances(trials, np.array([[trial.gain] for trial in trials])).min())
+    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
+    above = (1 + int((drawn <= best).sum())) / (1 + len(drawn))
+    if above > 5 / (1 + len(drawn)):
+        return float(above)
+    independent = max(1.0, np.log(2) / -np.log1p(-np.exp(float(np.median(drawn)))))
+    return float(min(above, -np.expm1(-independent * np.exp(best))))
+
+
+def _log_chances(trials: Sequence[CandidateFit], gains: Array) -> Array:
+    """Return log-chances of gains at least this large from noise, shape (trials, ...).
+
+    The F distribution's tail is an incomplete beta function; where that
+    underflows its leading term stands for it.
+    """
+    from scipy.special import betainc, betaln
+
+    half = np.array([[trial.dof / 2] for trial in trials])
+    rest = np.array([[min(trial.noise_dof, 1e6) / 2] for trial in trials])
+    x = rest / (rest + gains / 2)
+    chance = betainc(rest, half, x)
+    # Where x is one the chance is one, and its leading term, no number then, is not asked.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        leading = rest * np.log(x) + (half - 1) * np.log1p(-x) - np.log(rest) - betaln(rest, half)
+        return np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
+
+
+@stage("significance")
+def threshold(trials: Sequence[CandidateFit], chance: float) -> float:
+    """Return the log-chance that the best of a search falls below in `chance` of all noise."""
+    if not trials:
+        return float("-inf")
+    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
+    return float(np.quantile(drawn, chance))
+
+
+def gain_needed(trial: CandidateFit, log_chance: float) -> float:
+    """Return the gain whose chance under noise is `exp(log_chance)`."""
+    from scipy.special import betaincinv
+
+    rest = min(trial.noise_dof, 1e6) / 2
+    x = float(betaincinv(rest, trial.dof / 2, np.exp(log_chance)))
+    return 2 * rest * (1 - x) / max(x, 1e-300)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One turn of the search.
+
+    Attributes
+    ----------
+    winner, chosen
+        The trial that won, and what was added: the winner with its moment or edge refined.
+    trials
+        Everything that was tried beside the model of that turn.
+    before
+        The model of that turn, without the winner.
+    beside
+        The evidence as it was weighed in that turn, with that model projected out.
+    p_value
+        Chance that noise alone gives a search as good as this, over all trials.
+    price
+        What the choice of the winner among its family cost, in twice the log odds.
+    """
+
+    winner: CandidateFit
+    chosen: Chosen
+    trials: tuple[CandidateFit, ...]
+    before: tuple[Chosen, ...]
+    beside: Projection
+    p_value: float
+    price: float = 0.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The end of a search: what was chosen in which turn, and the evidence weighed with all of it.
+
+    `setup` is the case with the columns of what was refined added to it.
+    `p_value` is that of the first turn: is there any mismatch at all?
+    `last` holds the trials of the turn that found nothing more.
+    """
+
+    setup: Problem
+    chosen: tuple[Chosen, ...]
+    steps: tuple[Step, ...]
+    weighed: WhitenedData
+    p_value: float
+    last: tuple[CandidateFit, ...]
+
+    def step_of(self, one: Chosen) -> Step:
+        """Return the last turn in which something was chosen."""
+        return next(step for step in reversed(self.steps) if step.chosen is one)
+
+    def others(self, one: Chosen) -> tuple[Chosen, ...]:
+        """Return what else was chosen."""
+        return tuple(each for each in self.chosen if each is not one)
+
+    def without(self, one: Chosen) -> Outcome:
+        """Return the end with something dropped, its turn too; nothing is weighed anew."""
+        steps = tuple(step for step in self.steps if step.chosen is not one)
+        return replace(self, chosen=self.others(one), steps=steps)
+
 
 #: Evidence is compared to so many decimals: of effects that draw one and the same curve the
 #: catalogue's first stands, whatever rounding says.

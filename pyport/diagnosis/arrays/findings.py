@@ -9,90 +9,130 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis import identify, words
-from pyport.diagnosis.array import Split, split
+from pyport.diagnosis import turns
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Problem, WhitenedData
-from pyport.diagnosis.finding import Evidence, Finding, Where
-from pyport.diagnosis.identify import agrees
-from pyport.diagnosis.joint import Joint, contribution, sigmas, visible
-from pyport.diagnosis.scene import (
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.joint import sigmas, visible
+from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming.finding import Evidence, Finding, Where
+from pyport.diagnosis.naming.scene import (
     Scene,
     axes,
     centred,
     evidence_of,
+    halves,
     held_out,
     noisy_antennas,
     scaled,
     size,
 )
-from pyport.diagnosis.steps import Step
-from pyport.least_squares.gram import Gram
-from pyport.thresholds import REFUTES, SAME_STRENGTH, SEVERAL, SIGNIFICANT
+from pyport.diagnosis.turns import Step
+from pyport.thresholds import SEVERAL, SIGNIFICANT
 
 
 @dataclass(frozen=True)
-class Check:
-    """A check, whether it was passed, and its outcome in words."""
+class Split:
+    """A coefficient of many antennas, taken apart.
 
-    passed: bool
-    words: str
-
-
-def halves(setup: Problem, weighed: WhitenedData, joint: Joint, choice: int) -> list[Check]:
-    """Compare an effect's strength in halves of the data, with everything else refitted.
-
-    The fitted curve of the effect gets a second coefficient that acts in one
-    half only; one means the same strength, so the second must come out zero.
+    Attributes
+    ----------
+    sessions, common, common_sigma
+        The part that all antennas share, session by session, shape (S,).
+    antennas, own, own_sigma
+        Each antenna's own part, shape (A,), zero on average.
+    spread
+        Scatter of the own parts beyond their errors.
+    chi_squared, dof
+        Of the common part being the same in all sessions.
     """
-    curve = contribution(setup, joint, choice)
-    found = []
-    for label, mask in _halves(setup).items():
-        if np.abs(curve[mask]).max(initial=0) == 0 or np.abs(curve[~mask]).max(initial=0) == 0:
-            continue
-        others = setup.expanded([c for n, c in enumerate(joint.choices) if n != choice])
-        columns = np.concatenate(
-            [others, curve[:, None], (curve * mask)[:, None], setup.residual[:, None]], axis=1
-        )
-        white = weighed.covariance.whiten(columns)
-        found.append(_compare(white, label))
-    return [check for check in found if check is not None]
+
+    sessions: tuple[str, ...]
+    common: Array
+    common_sigma: Array
+    antennas: tuple[str, ...]
+    own: Array
+    own_sigma: Array
+    spread: float
+    chi_squared: float
+    dof: int
+
+    @property
+    def has_common(self) -> bool:
+        """Tell whether any session's common part stands out of its error."""
+        return bool(np.any(np.abs(self.common) > SIGNIFICANT * self.common_sigma))
+
+    @property
+    def standing_out(self) -> NDArray[np.bool_]:
+        """Tell which antennas have a part of their own, shape (A,)."""
+        return np.abs(self.own) > SIGNIFICANT * self.own_sigma
+
+    @property
+    def changes(self) -> bool:
+        """Tell whether the common part changes from session to session."""
+        from scipy.stats import chi2
+
+        return self.dof > 0 and bool(chi2.sf(self.chi_squared, self.dof) < 1e-3)
 
 
-def _compare(white: Array, label: str) -> Check | None:
-    from pyport.least_squares.gram import Part
+def split(
+    antenna: NDArray[np.str_], session: NDArray[np.str_], value: Array, sigma: Array
+) -> Split:
+    """Take coefficients apart into a common part per session and an own part per antenna.
 
-    gram = Gram.of(white, np.zeros(len(white), np.intp), 1)
-    size = white.shape[1] - 1
-    solution = gram.solve([Part(np.arange(size), np.zeros(1, np.intp))])
-    if not solution.known[-2:].all():
-        return None
-    extra, sigma = solution.values[-1], float(np.sqrt(solution.covariance[-1, -1]))
-    differs = abs(extra) > REFUTES * sigma and abs(extra) > SAME_STRENGTH
-    words = f"strength in {label}: {1 + extra:+.2f} +- {sigma:.2f} of the rest's"
-    return Check(not differs, words)
+    Parameters
+    ----------
+    antenna, session
+        Labels of each coefficient, shape (n,).
+    value, sigma
+        The coefficients and their errors, shape (n,); errors must be finite and above zero.
+
+    Returns
+    -------
+    Split
+        The own parts are random about zero with a scatter found from the data
+        (DerSimonian & Laird 1986), so that one precise antenna does not define
+        what is common to all.
+    """
+    antennas, a = np.unique(antenna, return_inverse=True)
+    sessions, s = np.unique(session, return_inverse=True)
+    spread = _spread(s, value, sigma)
+    weight = 1 / (sigma**2 + spread**2)
+    common = np.bincount(s, weight * value) / np.bincount(s, weight)
+    for _ in range(200):
+        left = np.bincount(a, (value - common[s]) / sigma**2) / np.bincount(a, 1 / sigma**2)
+        left -= np.mean(left)
+        updated = np.bincount(s, weight * (value - left[a])) / np.bincount(s, weight)
+        if np.allclose(updated, common, rtol=0, atol=1e-6 * sigma.min()):
+            break
+        common = updated
+    common_sigma = np.sqrt(
+        1 / np.bincount(s, 1 / sigma**2) + spread**2 / np.maximum(np.bincount(s), 1)
+    )
+    own_sigma = np.sqrt(1 / np.bincount(a, 1 / sigma**2) + 1 / (1 / sigma**2).sum())
+    # Sessions share the antennas, so the spread of own parts drops out of their differences.
+    difference_sigma = np.sqrt(1 / np.bincount(s, 1 / sigma**2))
+    mean = np.average(common, weights=1 / difference_sigma**2)
+    chi_squared = float((((common - mean) / difference_sigma) ** 2).sum())
+    return Split(
+        tuple(map(str, sessions)),
+        common,
+        common_sigma,
+        tuple(map(str, antennas)),
+        left,
+        own_sigma,
+        spread,
+        chi_squared,
+        len(sessions) - 1,
+    )
 
 
-def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:
-    """Return the halves that the readings can be split into."""
-    at, row = setup.recordings.at, setup.stack.row
-    found = {
-        "the upper half in elevation": (at.el > np.median(at.el))[row],
-        "the eastern half of the sky": (np.sin(at.az) > 0)[row],
-    }
-    if "time" in at:
-        time = np.asarray(at.column("time"), float)
-        if np.isfinite(time).all() and np.ptp(time) > 0:
-            found["the later half"] = (time > np.median(time))[row]
-    if setup.stack.is_y.any() and not setup.stack.is_y.all():
-        found["elevation"] = setup.stack.is_y
-    return found
-
-
-def known(value: float, sigma: float, expected: float, what: str) -> Check:
-    """Compare a coefficient with the value that physics fixes."""
-    words = f"{what} = {value:.4g} +- {sigma:.2g}, physics says {expected:.4g}"
-    return Check(agrees(value, sigma, expected), words)
+def _spread(s: NDArray[np.intp], value: Array, sigma: Array) -> float:
+    """Return the scatter of antennas about their session's mean beyond their errors."""
+    weight = 1 / sigma**2
+    mean = np.bincount(s, weight * value) / np.bincount(s, weight)
+    excess = float((weight * (value - mean[s]) ** 2).sum()) - (len(value) - s.max() - 1)
+    total = weight.sum() - (np.bincount(s, weight**2) / np.bincount(s, weight)).sum()
+    return float(np.sqrt(max(0.0, excess / max(total, 1e-300))))
 
 
 #: Columns this parallel are one and the same.
@@ -133,7 +173,7 @@ def _own(
     column = setup.columns[:, chosen.candidate.columns[0]]
     curve = column * np.array([of_antenna.get(str(name), 0.0) for name in antennas])
     seen = visible(setup, scene.weighed, curve)
-    called = identify.name(step.winner, step.trials, step.beside)
+    called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)
     return Finding(
         effect=effect.id,
@@ -147,7 +187,7 @@ def _own(
         true_rms=size(scene, centred(scene, curve), rows),
         variant=effect.variant,
         heldout=held_out(scene, earlier, (*earlier, chosen), rows),
-        decide_by=identify.decide_by(called.members),
+        decide_by=turns.decide_by(called.members),
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
@@ -182,11 +222,11 @@ def _shared(
         sentence=words.common(partner.effect, parameters, several=several),
         where=Where(axes(setup, seen)),
         parameters=tuple(parameters),
-        evidence=_gain_of(step, common, identify.name(step.winner, step.trials, step.beside)),
+        evidence=_gain_of(step, common, turns.name(step.winner, step.trials, step.beside)),
         visible_rms=size(scene, seen, curve != 0),
         true_rms=size(scene, centred(scene, curve), curve != 0),
         heldout=held_out(scene, earlier, (*earlier, common), np.abs(curve) > 0),
-        decide_by=identify.decide_by(members),
+        decide_by=turns.decide_by(members),
         curve=seen,
     )
 
@@ -235,7 +275,7 @@ def _ratio(setup: Problem, partner: Candidate, candidate: Candidate) -> float:
     return float(setup.columns[:, partner.columns[0]] @ column / (column @ column))
 
 
-def _gain_of(step: Step, chosen: Chosen, called: identify.Name) -> Evidence:
+def _gain_of(step: Step, chosen: Chosen, called: turns.Name) -> Evidence:
     """Return the evidence of a narrower choice, as it was tried in the same turn."""
     same = [
         trial

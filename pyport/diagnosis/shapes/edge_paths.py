@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array, Codes
-from pyport.diagnosis.case import Chosen, weigh_alike
-from pyport.diagnosis.edges import LEVELS, Sky, sky_of
-from pyport.diagnosis.steps import Outcome
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.shapes.edges import LEVELS, Sky, sky_of
+from pyport.diagnosis.turns import Outcome
+from pyport.diagnosis.weighing import weigh_alike
 from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
@@ -27,6 +28,7 @@ from pyport.thresholds import FEWEST
 
 if TYPE_CHECKING:
     from celerite2 import GaussianProcess
+
 
 Flags = NDArray[np.bool_]
 

@@ -15,14 +15,13 @@ from itertools import pairwise
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis import identify
+from pyport.diagnosis import turns
 from pyport.diagnosis.case import Chosen, Problem, temporal
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
-from pyport.diagnosis.finding import Finding, Stability
-from pyport.diagnosis.guards import Refusal, refusal
-from pyport.diagnosis.identify import TIE, decide_by, fits_physics
-from pyport.diagnosis.scene import Scene
-from pyport.diagnosis.steps import Step
+from pyport.diagnosis.naming.finding import Finding, Stability
+from pyport.diagnosis.naming.guards import Refusal, refusal
+from pyport.diagnosis.naming.scene import Scene
+from pyport.diagnosis.turns import TIE, Step, decide_by, fits_physics
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of
 from pyport.recordings.sky import clock
@@ -187,7 +186,7 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
     comes_back = None
     if told:
         members = {name for one in told for name in one.members}
-        members.update(identify.name(step.winner, step.trials, step.beside).members)
+        members.update(turns.name(step.winner, step.trials, step.beside).members)
         comes_back = stability(scene, choice, step, members)
     out = []
     for one in found:

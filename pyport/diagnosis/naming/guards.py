@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.case import Problem
-from pyport.diagnosis.scene import Scene
+from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.thresholds import (

@@ -16,9 +16,8 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.confirm import beside_model
 from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.periods import (
+from pyport.diagnosis.shapes.periods import (
     OVERSAMPLED,
     PERIODS_FREE,
     Peak,
@@ -29,6 +28,7 @@ from pyport.diagnosis.periods import (
     stretches_of,
     view_of,
 )
+from pyport.diagnosis.weighing import beside_model
 from pyport.effects.base import Effect
 from pyport.effects.oscillation import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance

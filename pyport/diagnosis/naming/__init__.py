@@ -1,0 +1,1 @@
+"""What was found: its name if the recordings can carry one, its numbers, its words."""

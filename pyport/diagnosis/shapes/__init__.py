@@ -1,0 +1,1 @@
+"""Misfits of no particular form, edges, boxes and waves: what has no name or is a curve."""

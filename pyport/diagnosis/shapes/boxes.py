@@ -1,0 +1,251 @@
+"""Forms of a nameless misfit: bumps over the sky, along a column, in time; waves; boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import numbers
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.naming.finding import Interval
+from pyport.diagnosis.weighing import WhitenedData, plain_view
+from pyport.effects import fields
+from pyport.effects.fields import Bumps, inside
+from pyport.thresholds import FEWEST
+
+#: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
+OVER_SKY = (20 * DEG, 45 * DEG)
+ALONG_AZIMUTH = (6 * DEG, 20 * DEG)
+ALONG_ELEVATION = (5 * DEG,)
+#: Bumps along a column: so many over the ranks of its values.
+ALONG_COLUMN = 10
+#: Lengths of bumps in time. [s]
+IN_TIME = (6 * 3600.0, 86400.0)
+#: More bumps in time than this say that the campaign is too long for them.
+MOST_BUMPS = 160
+#: Waves: this often around and this often up.
+WAVES_AROUND, WAVES_UPWARD = range(1, 6), range(4)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A family of forms that a misfit may take.
+
+    Attributes
+    ----------
+    family, variant
+        What kind of field it is, and which of its kind.
+    columns
+        Its bumps, shape (m, K).
+    choices
+        How many of its kind are tried.
+    along
+        The column that it follows, and the column's values, shape (m,); none for the sky's.
+    region
+        Where it is confined to, where that is known beforehand.
+    of_time
+        Whether it belongs to the moments of its recordings: no other session has it.
+    bumps, axes, which
+        What its columns are made of, for any place in the sky: see `pyport.effects.fields.field`;
+        no axes where both measure it alike.
+    """
+
+    family: str
+    variant: str
+    columns: Array
+    choices: int = 1
+    along: tuple[str, Array] | None = None
+    region: tuple[Interval, ...] = ()
+    of_time: bool = False
+    bumps: Bumps = field(default_factory=dict)
+    axes: tuple[int, ...] = ()
+    which: tuple[int, ...] = ()
+
+
+def families(setup: Problem) -> Iterator[tuple[int, Field]]:
+    """Yield every field that these recordings could show, as if both axes measured it alike.
+
+    With each comes how many there are of its kind.
+    """
+    sky = [
+        _field(setup, "a smooth field over the sky", f"{w / DEG:.0f} deg wide", "sky", width_rad=w)
+        for w in OVER_SKY
+    ]
+    waves = [
+        _field(setup, "a wave over the sky", _wave_name(m, n), "wave", around=m, upward=n)
+        for m in WAVES_AROUND
+        for n in WAVES_UPWARD
+    ]
+    for kind in (sky, waves, [*_curves(setup), *_in_time(setup)]):
+        for one in kind:
+            yield len(kind), one
+
+
+def _field(
+    setup: Problem,
+    family: str,
+    variant: str,
+    kind: str,
+    *,
+    along: tuple[str, Array] | None = None,
+    of_time: bool = False,
+    **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
+) -> Field:
+    """Return a field with its bumps at the readings."""
+    bumps = {"kind": kind, **numbers_of}
+    columns = fields.values(bumps, setup.recordings.at)[setup.stack.row]
+    return Field(family, variant, columns, along=along, of_time=of_time, bumps=bumps)
+
+
+def _wave_name(m: int, n: int) -> str:
+    return f"goes with {m} A" + (f" and {n} E" if n else "")
+
+
+def _curves(setup: Problem) -> Iterator[Field]:
+    """Yield bumps along azimuth, elevation and every column of numbers."""
+    at, row = setup.recordings.at, setup.stack.row
+    az, el = at.az[row], at.el[row]
+    for width in ALONG_AZIMUTH:
+        along = "az_deg", az % (2 * np.pi) / DEG
+        yield _curve(setup, "azimuth", along, width_rad=width)
+    for width in ALONG_ELEVATION:
+        centres = np.arange(el.min(), el.max() + width, width).tolist()
+        along = "el_deg", el / DEG
+        yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres)
+    for name, values in numbers(setup.recordings).items():
+        if name not in ("az_deg", "el_deg", "time", "order"):
+            ordered = np.sort(values).tolist()
+            along = name, values[row]
+            yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+
+
+def _curve(setup: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
+    return _field(setup, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
+
+
+def _in_time(setup: Problem) -> Iterator[Field]:
+    """Yield bumps in time, where there are recordings."""
+    at, row = setup.recordings.at, setup.stack.row
+    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+        return
+    time = at.numbers("time")[row]
+    for length in IN_TIME:
+        centres = np.unique(np.round(time / length)) * length
+        if 3 <= len(centres) <= MOST_BUMPS:
+            how = f"follows time, over {length / 3600:.0f} h"
+            told = {"length_s": length, "centres_s": centres.tolist()}
+            yield _field(setup, "a smooth curve", how, "time", of_time=True, **told)
+
+
+#: Cells that the sky is cut into: of equal width around, of equal counts upward.
+AROUND, UPWARD = 24, 16
+#: A box is at most so many cells wide.
+WIDEST = 16
+#: First step by which an edge is moved, and how often it is halved. [rad]
+_FIRST, _HALVED = 6 * DEG, 6
+
+Edges = tuple[float, float, float, float]
+
+
+def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
+    """Return the box of each axis whose offset explains most of what a model leaves."""
+    seen = plain_view(setup, weighed, chosen)
+    at, row = setup.recordings.at, setup.stack.row
+    az, el = at.az % (2 * np.pi), at.el
+    found = []
+    for axis, is_y in (("xel", False), ("el", True)):
+        of_axis = setup.stack.is_y[seen.rows] == is_y
+        if of_axis.sum() < 4 * FEWEST:
+            continue
+        rows = row[seen.rows[of_axis]]
+        weight = seen.root[of_axis] ** 2
+        pull = seen.root[of_axis] * seen.left[of_axis]
+        start, tried = _scanned(az[rows], el[rows], weight, pull)
+        edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
+        there = inside(az[row], el[row], edges) & (setup.stack.is_y == is_y)
+        left, right, low, high = (float(edge / DEG) for edge in edges)
+        region = Interval("az_deg", left % 360, right % 360), Interval("el_deg", low, high)
+        words = (
+            f"{axis}: inside azimuth {left % 360:.1f} to {right % 360:.1f} deg, "
+            f"elevation {low:.1f} to {high:.1f} deg"
+        )
+        exact = [float(edge) for edge in edges]
+        bumps = {"kind": "box", "az_rad": exact[:2], "el_rad": exact[2:]}
+        column = there[:, None].astype(float)
+        found.append(
+            Field(
+                "an offset",
+                words,
+                column,
+                tried,
+                region=region,
+                bumps=bumps,
+                axes=(int(is_y),),
+                which=(0,),
+            )
+        )
+    return found
+
+
+def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, int]:
+    """Return the edges of the best box made of cells, and how many boxes were tried."""
+    steps = np.unique(np.quantile(el, np.linspace(0, 1, UPWARD + 1)))
+    if len(steps) == 1:  # one elevation for all: a box goes past it on both sides
+        steps = steps[0] + _FIRST * np.array([-1.0, 1.0])
+    column = np.minimum((az * AROUND / (2 * np.pi)).astype(int), AROUND - 1)
+    line = np.clip(np.searchsorted(steps, el, side="right") - 1, 0, len(steps) - 2)
+    sums = np.zeros((3, AROUND, len(steps) - 1))
+    for total, values in zip(sums, (np.ones(len(az)), weight, pull), strict=True):
+        np.add.at(total, (column, line), values)
+    around = np.concatenate([sums, sums[:, :WIDEST]], axis=1)
+    grown = np.pad(around, ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
+    best, edges, tried = -1.0, (0.0, 0.0, 0.0, 0.0), 0
+    whole = weight.sum()
+    lows, highs = np.triu_indices(len(steps), 1)
+    cell = 2 * np.pi / AROUND
+    for width in range(1, WIDEST + 1):
+        strip = grown[:, width : width + AROUND] - grown[:, :AROUND]
+        count, mass, moved = strip[:, :, highs] - strip[:, :, lows]
+        length = mass * (1 - mass / whole)
+        gain = np.where(count >= FEWEST, moved**2 / np.maximum(length, 1e-12), 0.0)
+        tried += gain.size
+        if gain.max() > best:
+            best = float(gain.max())
+            first, pair = np.unravel_index(int(np.argmax(gain)), gain.shape)
+            left = float(first) * cell
+            edges = left, left + width * cell, float(steps[lows[pair]]), float(steps[highs[pair]])
+    return edges, tried
+
+
+def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edges], float]:
+    whole = weight.sum()
+
+    def gain(edges: Edges) -> float:
+        there = inside(az, el, edges)
+        if there.sum() < FEWEST or edges[1] - edges[0] > 2 * np.pi:
+            return 0.0
+        mass = weight[there].sum()
+        return float(pull[there].sum() ** 2 / max(mass * (1 - mass / whole), 1e-12))
+
+    return gain
+
+
+def _climbed(gain: Callable[[Edges], float], start: Edges) -> Edges:
+    """Move the edges, one after the other, by steps that halve, while the gain grows."""
+    best, most, step = start, gain(start), _FIRST
+    for _ in range(_HALVED):
+        moved = True
+        while moved:
+            moved = False
+            for n in range(4):
+                for way in (step, -step):
+                    tried = tuple(edge + way * (k == n) for k, edge in enumerate(best))
+                    score = gain(tried)  # type: ignore[arg-type]
+                    if tried[0] < tried[1] and tried[2] < tried[3] and score > most:
+                        best, most, moved = tried, score, True  # type: ignore[assignment]
+        step /= 2
+    return best
