@@ -23,24 +23,19 @@ CATALOGUE: dict[str, Effect]
 
 _FAMILIES = (
     "geometry",
-    "gravity",
     "encoders",
-    "rail",
-    "polar",
+    "mounts",
     "site",
     "astrometry",
-    "sources",
     "atmosphere",
-    "propagation",
     "drive",
     "thermal",
     "receiver",
     "rotation",
     "structure",
     "epochs",
-    "oscillation",
+    "fields",
     "driven",
-    "empirical",
 )
 
 
@@ -57,7 +52,7 @@ def __getattr__(name: str) -> object:
 @functools.cache
 def catalogue(mount: Mount) -> dict[str, Effect]:
     """Return every effect that a mount may have, in its words, by its id."""
-    from pyport.effects.on_mount import concerns, on
+    from pyport.effects.mounts import concerns, on
 
     families = [importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES]
     effects = [one for family in families for one in family.EFFECTS if concerns(one, mount)]
@@ -66,7 +61,7 @@ def catalogue(mount: Mount) -> dict[str, Effect]:
 
 def register(effect: Effect) -> None:
     """Add an effect to the catalogue of every mount that has it, as long as the program runs."""
-    from pyport.effects.on_mount import concerns, on
+    from pyport.effects.mounts import concerns, on
 
     for mount in KINDS.values():
         if concerns(effect, mount):

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from pyport.effects import known
-from pyport.effects.on_mount import said
+from pyport.effects.mounts import said
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 

@@ -10,8 +10,7 @@ from types import ModuleType
 from pyport.effects import CATALOGUE, FAMILIES, Effect, catalogue
 from pyport.effects.base import Coefficient
 from pyport.effects.degeneracies import USUAL, WHERE, Alike, alike
-from pyport.effects.mounts import MOUNTS
-from pyport.effects.on_mount import on, said
+from pyport.effects.mounts import MOUNTS, on, said
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, Mount
 

@@ -1,4 +1,4 @@
-"""Driven terms: a term of the mount that follows a recorded condition."""
+"""Driven terms, which follow a recorded condition; shapes of models without a cause."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.geometry import collimation, elevation_zero, tilt
-from pyport.effects.gravity import sag_cosine
+from pyport.effects.geometry import collimation, elevation_zero, sag_cosine, tilt
 from pyport.effects.rotation import LEAST_ARC, OFFSETS_AND_SIZES, PLACES, angle_columns, arc
 from pyport.effects.thermal import sun
 
@@ -289,6 +288,25 @@ _AIR = Driver(
     terms=_BEYOND_TEMPERATURE,
     follows="temperature_c",
 )
+
+
+def hour_angle_wave(at: Circumstances) -> tuple[Array, Array]:
+    """Return cos h and sin h along elevation."""
+    hour_angle = at.column("hour_angle")
+    return stack(at, (0, np.cos(hour_angle)), (0, np.sin(hour_angle)))
+
+
 EFFECTS = (
     replace(driven("tilt", _AIR), sentence="a term of the mount follows a recorded condition"),
+    Effect(
+        "hour_angle_wave",
+        "the elevation offset follows a cosine of hour angle",
+        "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), section 4",
+        (Coefficient("hour_angle_cosine"), Coefficient("hour_angle_sine")),
+        hour_angle_wave,
+        physical=False,
+        acts_in=SKY,
+        needs=("hour_angle_h",),
+        formula=("", "c cos H + s sin H"),
+    ),
 )

@@ -1,11 +1,11 @@
-"""The mount's geometry: encoder zeros, collimation, skew and tilt."""
+"""The mount's geometry and gravity: encoder zeros, collimation, skew, tilt and sag."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from pyport.angles import Array
-from pyport.effects.base import AXES, LASTING, ZERO, Circumstances, Coefficient, Effect, stack
+from pyport.effects.base import AXES, LASTING, SKY, ZERO, Circumstances, Coefficient, Effect, stack
 
 _FIELD_SYSTEM = "Himwich, Mark IV Field System documentation, Pointing Model (1993)"
 
@@ -42,6 +42,20 @@ def tilt(at: Circumstances) -> tuple[Array, Array]:
 
 #: What differs between nights without saying anything of the telescope: refitted on another one.
 NIGHTLY = ("azimuth_zero", "elevation_zero", "collimation")
+
+
+_BORKOWSKI = "Borkowski, RT32 Pointing Model (2004), eq. 17 and 19"
+
+
+def sag_cosine(at: Circumstances) -> tuple[Array, Array]:
+    """Return g cos E along elevation: the moment of a weight about the elevation axis."""
+    return stack(at, (0, np.cos(at.el)))
+
+
+def sag_sine(at: Circumstances) -> tuple[Array, Array]:
+    """Return h sin E along elevation: the second quadrature of the same moment."""
+    return stack(at, (0, np.sin(at.el)))
+
 
 EFFECTS = (
     Effect(
@@ -99,5 +113,26 @@ EFFECTS = (
         in_arrays=LASTING,
         pattern="once per turn of azimuth, in both axes",
         formula=("n sin E sin A - e sin E cos A", "n cos A + e sin A"),
+    ),
+    Effect(
+        "sag_cosine",
+        "the structure sags under gravity, most at the horizon",
+        _BORKOWSKI,
+        (Coefficient("sag_cosine"),),
+        sag_cosine,
+        formula=("", "g cos E"),
+        acts_in=SKY,
+        in_arrays=LASTING,
+        pattern="in elevation, with the cosine of elevation",
+    ),
+    Effect(
+        "sag_sine",
+        "the structure sags under gravity, most at the zenith",
+        _BORKOWSKI,
+        (Coefficient("sag_sine"),),
+        sag_sine,
+        formula=("", "h sin E"),
+        acts_in=SKY,
+        pattern="in elevation, with the sine of elevation",
     ),
 )

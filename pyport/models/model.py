@@ -156,7 +156,7 @@ class Model:
         """
         if mount is ALTAZ and self.mount is ALTAZ:
             return self
-        from pyport.effects.on_mount import concerns, on
+        from pyport.effects.mounts import concerns, on
 
         for term in self.terms:
             if self.given is not None or not concerns(term.effect, mount):

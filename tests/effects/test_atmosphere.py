@@ -7,8 +7,7 @@ import pytest
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances
-from pyport.effects.atmosphere import SHAPES, formula_of_refraction
-from pyport.effects.refraction import refraction
+from pyport.effects.atmosphere import SHAPES, formula_of_refraction, mean_refraction
 
 
 def looking(*el_deg: float) -> Circumstances:
@@ -21,7 +20,9 @@ def looking(*el_deg: float) -> Circumstances:
 def test_shape_is_the_formula_over_its_value_at_45_degrees(name):
     """The coefficient is the refraction at 45 deg; nothing moves across elevation."""
     x, y = formula_of_refraction(name).columns(looking(5, 20, 45, 70))
-    expected = refraction(name, np.array([5, 20, 45, 70]) * DEG) / refraction(name, 45 * DEG)
+    expected = mean_refraction(name, np.array([5, 20, 45, 70]) * DEG) / mean_refraction(
+        name, 45 * DEG
+    )
 
     assert not x.any()
     np.testing.assert_allclose(y[:, 0], expected, rtol=1e-12)

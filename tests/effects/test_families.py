@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.oscillation import oscillation
+from pyport.effects.fields import oscillation
 from pyport.effects.receiver import band_of, bands
 
 AT = campaign()

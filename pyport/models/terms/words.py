@@ -12,7 +12,7 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects import Circumstances, Coefficient, Effect
 from pyport.effects.base import stack
-from pyport.effects.on_mount import on
+from pyport.effects.mounts import on
 from pyport.models.terms.shapes import PRODUCT, Shape
 from pyport.mounts import BY_MODEL
 

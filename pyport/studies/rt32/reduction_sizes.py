@@ -8,8 +8,15 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.effects import Circumstances, Site
-from pyport.effects.celestial import TT_MINUS_UTC_DAYS, UNIX_EPOCH_JD, axes, days, sun
-from pyport.effects.orientation import pole, ut1_minus_utc
+from pyport.effects.site import (
+    TT_MINUS_UTC_DAYS,
+    UNIX_EPOCH_JD,
+    axes,
+    days,
+    pole,
+    sun,
+    ut1_minus_utc,
+)
 from pyport.recordings.reduction import ARCSEC_PER_SECOND, STEPS, left_out
 from pyport.recordings.sky import horizon
 
