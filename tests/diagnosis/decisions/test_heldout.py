@@ -366,13 +366,13 @@ def test_an_axis_belongs_to_a_finding_from_a_fifth(other, axes):
 STRETCHES, LENGTH = 40, 25
 
 
-def with_offsets(rng: np.random.Generator, stretches: int = STRETCHES) -> settle.Unseen:
+def with_offsets(rng: np.random.Generator, stretches: int = STRETCHES) -> holdout.Unseen:
     """Return residuals before and after, each stretch with an offset of its own."""
     stretch = np.repeat(np.arange(stretches), LENGTH)
     noise = rng.normal(size=len(stretch)) + rng.normal(size=stretches)[stretch]
     cause = np.tile(np.sin(np.arange(LENGTH)), stretches)
     partition = holdout.Folds("", stretch)
-    return settle.Unseen(partition, stretch, noise + 2 * cause, noise, np.ones(len(stretch), bool))
+    return holdout.Unseen(partition, stretch, noise + 2 * cause, noise, np.ones(len(stretch), bool))
 
 
 def test_the_stated_error_of_a_fall_is_how_far_it_scatters():
@@ -387,6 +387,6 @@ def test_the_stated_error_of_a_fall_is_how_far_it_scatters():
 
 def test_too_few_stretches_state_no_error():
     """Two say nothing of how they scatter."""
-    few = settle.FEWEST_STRETCHES - 1
+    few = holdout.FEWEST_STRETCHES - 1
     rows = np.ones(few * LENGTH, bool)
     assert with_offsets(np.random.default_rng(1), few).compared(rows, 0.0 * rows).fall_sigma is None
