@@ -70,8 +70,13 @@ def write(file: ModelFile, path: Path) -> None:
     tree |= file.details
     tree["coefficients"] = {name: _as_json(by_name.get(name, nothing[name])) for name in UNITS}
     with write_whole(path) as out:
-        json.dump(tree, out, indent=2, default=float)
+        json.dump(tree, out, indent=2, default=_plain)
         out.write("\n")
+
+
+def _plain(value: object) -> float | str:
+    """Return a number of decimals, or a date, as JSON can hold it."""
+    return float(value) if isinstance(value, Decimal) else str(value)
 
 
 def _as_json(entry: Entry) -> dict[str, Any]:

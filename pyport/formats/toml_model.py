@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import json
+import math
 import tomllib
+from collections.abc import Callable
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
@@ -18,6 +21,35 @@ from pyport.recordings.formats.csv import read_text
 #: Keys of the value and its sigma in a unit.
 _SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
 _MARKS = ("fixed", "used", "parallel")
+
+
+def _whole(value: object) -> bool:
+    """Tell whether this is a list of whole numbers that are not negative."""
+    some = isinstance(value, list)
+    return some and all(type(one) is int and one >= 0 for one in cast("list[Any]", value))
+
+
+#: What writers ask of details, and in words.
+_DETAILS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "statistics": (
+        lambda one: isinstance(one, dict) and all(map(_is_number, one.values())),
+        "a table of numbers",
+    ),
+    "number_and_date": (
+        lambda one: _whole(one) and len(one) >= 6,
+        "six whole numbers or more",
+    ),
+    "flags": (
+        lambda one: _whole(one) and all(flag <= 4 for flag in one),
+        "whole numbers from 0 to 4",
+    ),
+    "comments": (lambda one: isinstance(one, str), "a text"),
+}
+
+
+def _is_number(value: object) -> bool:
+    known = isinstance(value, Decimal | int) and not isinstance(value, bool)
+    return known and Decimal(cast("Decimal", value)).is_finite()
 
 
 def names_terms(path: Path) -> bool:
@@ -48,8 +80,22 @@ def read(path: Path) -> ModelFile:
         raise BadInput("no [[term]] table: a model lists its terms, one table each", path)
     found = tuple(_entry(row, vocabulary, path) for row in rows)
     details = tree.get("details", {})
-    title, phi = str(tree.get("name", "")), Decimal(str(tree.get("phi_deg", 90)))
-    return ModelFile(vocabulary, found, title, phi, details)
+    if not isinstance(details, dict):
+        raise BadInput(f"details is {details!r:.40}, expected a table", path)
+    for name, (holds, wanted) in _DETAILS.items():
+        if name in details and not holds(details[name]):
+            raise BadInput(f"{name} is {details[name]!r:.40}, expected {wanted}", path)
+    flags = details.get("flags", ())
+    if flags and max(_place(one) for one in found) > len(flags):
+        raise BadInput(f"{len(flags)} flags, expected one for each parameter", path)
+    phi = _number(tree.get("phi_deg", 90), "phi_deg", path)
+    return ModelFile(vocabulary, found, str(tree.get("name", "")), phi, details)
+
+
+def _place(entry: Entry) -> int:
+    """Return which of P1, P2, ... a term is, 0 where it is none of them."""
+    number = entry.name.removeprefix("P")
+    return int(number) if number.isdecimal() and len(number) < 4 else 0
 
 
 def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
@@ -77,10 +123,8 @@ def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
 
 
 def _number(value: object, what: str, path: Path) -> Decimal:
-    if isinstance(value, Decimal | int) and not isinstance(value, bool):
-        number = Decimal(value)
-        if number.is_finite():
-            return number
+    if _is_number(value):
+        return Decimal(cast("Decimal", value))
     raise BadInput(f"{what} is {value!r}, expected a number", path)
 
 
@@ -126,6 +170,10 @@ def _pairs(table: Any) -> str:  # noqa: ANN401 - what a file's details hold
 
 def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
     """Return a value as TOML spells it; nothing (None) cannot be spelled."""
+    if isinstance(value, dt.date | dt.time):
+        return value.isoformat()
+    if isinstance(value, Decimal | float) and not math.isfinite(value):
+        return str(float(value))
     if isinstance(value, Decimal):
         text = f"{value:f}"
         return text if "." in text else f"{text}.0" if value.as_tuple().exponent else text

@@ -6,7 +6,7 @@ from decimal import Decimal
 import pytest
 
 from pyport.errors import BadInput
-from pyport.formats import models
+from pyport.formats import models, toml_model
 from pyport.formats.convert import convert
 from pyport.formats.models import load
 from pyport.models.terms.field_system import UNITS
@@ -192,6 +192,22 @@ def test_a_toml_of_terms_is_a_model(tmp_path):
     assert [t.effect.coefficients[0].name for t in model.fitted()] == ["HSCA5CE8"]
 
 
+IA = 'vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_arcsec = 1\n'
+P2 = 'vocabulary = "field-system"\n[[term]]\nname = "P2"\nvalue_deg = 1\n'
+
+
+def test_whatever_a_toml_says_of_its_terms_is_kept(tmp_path):
+    """Dates, times and infinite numbers."""
+    path, copy = tmp_path / "mine.toml", tmp_path / "copy.toml"
+    said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\nfar = [inf, 1.5]\n"
+    path.write_text(f"{IA}[details]\n{said}")
+    file = models.read(path)
+    toml_model.write(file, copy)
+
+    assert models.read(copy).details == file.details
+    assert len(file.details) == 4
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -202,6 +218,13 @@ def test_a_toml_of_terms_is_a_model(tmp_path):
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = "x"\n', "expected a number"),
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = nan\n', "expected a number"),
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = 1\nfixed = 2\n', "true or fal"),
+        (f"{IA}[details]\nstatistics = 3\n", "statistics is 3, expected a table of numbers"),
+        (f"{IA}[details]\nflags = [5]\n", "whole numbers from 0 to 4"),
+        (f"{IA}[details]\nnumber_and_date = 2026-11-22\n", "six whole numbers"),
+        (f"{IA}[details]\ncomments = 1\n", "expected a text"),
+        (f"details = 1\n{IA}", "details is 1, expected a table"),
+        (f"phi_deg = 2026-11-22\n{IA}", "phi_deg is .*, expected a number"),
+        (f"{P2}[details]\nflags = [1]\n", "1 flags, expected one for each parameter"),
     ],
 )
 def test_a_bad_toml_of_terms_is_refused(tmp_path, text, words):
