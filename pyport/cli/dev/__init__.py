@@ -10,6 +10,7 @@ command = Lazy(
     {
         "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
         "calibrate": "Count false alarms against each threshold, and coverage, in simulated noise.",
+        "challenge": "Write recordings of hidden causes for others to solve; score their answers.",
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
         "efficiency": "Hold detections and names against what an ideal observer could detect.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
@@ -30,7 +31,7 @@ command = Lazy(
         "simulated": "calibrate efficiency mounts nights nulls",
         "recorded": "acceptance field-system real reduction replays verify",
         "listed": "effects keys thresholds",
-        "proof": "prove",
+        "proof": "challenge prove",
     },
     help="Check the program: its catalogue, its promises, its answers to simulated recordings.",
 )

@@ -1,13 +1,17 @@
-"""`pyport dev prove`: a proof in three commits."""
+"""`pyport dev prove`, `challenge`: sealed cases for the program, and for any other."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, in_json, option, say
+from pyport.cli.manners import PATH, flag, in_json, option, say
 from pyport.errors import BadInput
+
+if TYPE_CHECKING:
+    from pyport.examiner.sealed.score import Row
 
 _NEXT = (
     "no answer was given yet; commit the seal alone",
@@ -77,3 +81,55 @@ def _verify(place: Path, again: str, jobs: int, *, as_json: bool) -> None:
         say("", checks, as_json=True)
     if not all(one.passed for one in checks):
         raise SystemExit(1)
+
+
+@click.command(
+    "challenge", epilog="Example: pyport dev challenge --seed 7 --cases 40 out/challenge"
+)
+@click.argument("folder", metavar="OUT", type=PATH)
+@click.argument("answers", metavar="[ANSWERS]...", nargs=-1)
+@option("--seed", "What everything is drawn from; who is to answer does not know it.", type=int)
+@option("--cases", "How many.", 40)
+@flag("--score", "Score ANSWERS: files, and bic, lasso, pyport, who answer now.")
+@option("--jobs", "Cases at the same time.", 1)
+@in_json
+def challenge(
+    folder: Path,
+    answers: tuple[str, ...],
+    seed: int | None,
+    cases: int,
+    jobs: int,
+    *,
+    score: bool,
+    as_json: bool,
+) -> None:
+    """Write recordings of hidden causes to OUT, for any program to solve, and score answers.
+
+    OUT/README.md says what is asked and how it is answered. The key lies in OUT.vault: it is kept
+    back, and --score needs it.
+    """
+    from pyport.examiner.sealed import challenge as challenges
+
+    if not score:
+        if seed is None or answers:
+            raise BadInput("expected --seed N, or --score and ANSWERS")
+        sealed = challenges.challenge(folder, seed, cases)
+        count = len(sealed["cases"])
+        text = f"{count} cases in {folder}; the key is in {folder}.vault: keep it back"
+        say(text, {"cases": count, "folder": folder}, as_json=as_json)
+        return
+    if not answers:
+        raise BadInput("whose answers? expected files, or bic, lasso, pyport")
+    scored = challenges.scores(folder, answers, jobs)
+    say(lambda: _table(scored), scored, as_json=as_json)
+
+
+def _table(scored: dict[str, list[Row]]) -> str:
+    """Return the rows of several, side by side, as Markdown."""
+    from pyport.examiner.sealed.challenge import beside
+
+    lines = [f"| what | needed | {' | '.join(scored)} |", "|---|---|" + "---|" * len(scored)]
+    for what, needed, rows in beside(scored):
+        cells = [rows[by].result if by in rows else "-" for by in scored]
+        lines.append(f"| {what} | {needed} | {' | '.join(cells)} |")
+    return "\n".join(lines)

@@ -27,15 +27,19 @@ def commitment(nonce: str, text: str) -> str:
 
 
 @functools.cache
+def parts(unit: code.Unit) -> dict[str, str]:
+    """Return the parts of a unit of this program, read once."""
+    return code.parts(unit)
+
+
 def solver() -> str:
     """Return the hash of the program on trial."""
-    return code.whole(code.parts(code.SOLVER))
+    return code.whole(parts(code.SOLVER))
 
 
-@functools.cache
 def examiner() -> str:
     """Return the hash of what examines it, the scoring script in it."""
-    return code.whole(code.parts(code.EXAMINER))
+    return code.whole(parts(code.EXAMINER))
 
 
 #: Decimals of columns: offsets to a third of a milliarcsecond, places to four of them.

@@ -7,7 +7,7 @@ with the same seeds and nonces, and makes what it would have made.
 from __future__ import annotations
 
 import json
-import secrets
+import random
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -151,11 +151,12 @@ def shuffled(specs: list[Spec], rng: np.random.Generator) -> list[Spec]:
 LIBRARIES = ("numpy", "scipy", "astropy", "pyerfa")
 
 
-def draft(path: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
+def draft(path: Path, name: str, specs: Sequence[Spec], chance: random.Random) -> dict[str, Any]:
     """Draw the order, seeds and nonces of a set, or return those that were drawn for it before.
 
     `path`: where it is kept.
     `name`, `specs`: the set and its cases.
+    `chance`: what is drawn from.
     Raises `BadInput`: what was drawn before is for another set, or for another program.
     """
     asked = {
@@ -167,12 +168,12 @@ def draft(path: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
     }
     if path.exists():
         return _as_asked(path, asked)
-    order = shuffled(list(specs), np.random.default_rng(secrets.randbits(128)))
+    order = shuffled(list(specs), np.random.default_rng(chance.getrandbits(128)))
     cases = [
         {
             "case": f"case-{number:04d}",
-            "seed": secrets.randbits(64),
-            "nonce": secrets.token_hex(32),
+            "seed": chance.getrandbits(64),
+            "nonce": f"{chance.getrandbits(256):064x}",
             "spec": spec.as_json(),
         }
         for number, spec in enumerate(order, start=1)

@@ -93,11 +93,11 @@ def _answers(plan: Plan, sealed: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def answer_beside(root: Path, jobs: int = 1) -> None:
-    """Let the baselines answer what they have not answered yet."""
+def answer_beside(root: Path, jobs: int = 1, who: Iterable[str] = baselines.METHODS) -> None:
+    """Let the baselines, or some of them, answer what they have not answered yet."""
     tasks = [
         (Folder(root, by), one["case"], one["arguments"])
-        for by in baselines.METHODS
+        for by in who
         for one in read_seal(Folder(root).seal)["cases"]
         if not Folder(root, by).report(one["case"]).exists()
     ]

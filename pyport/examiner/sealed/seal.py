@@ -13,6 +13,7 @@ and a vault beside it, which holds truths and nonces until then.
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -83,7 +84,9 @@ def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON h
         file.write("\n")
 
 
-def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
+def seal(
+    root: Path, name: str, specs: Sequence[Spec], chance: random.Random | None = None
+) -> dict[str, Any]:
     """Draw the truths of a set, write its recordings, and publish what fixes them.
 
     Killed and called again with the same cases it goes on, and seals the set that it began.
@@ -91,6 +94,7 @@ def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
     `root`: folder of the set, new or empty; the vault is made beside it.
     `name`: what the set is called in the ledger.
     `specs`: its cases, before their seeds are drawn.
+    `chance`: what order, seeds and nonces are drawn from; the system's entropy when not given.
     Raises `BadInput`: the folder holds something already: a set is sealed once. Or sealing was
       begun there with other cases, or by another program.
     """
@@ -100,7 +104,7 @@ def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
             # A hidden file is what is left of a run that was killed as it began.
             if place.exists() and any(one.name[0] != "." for one in place.iterdir()):
                 raise BadInput("this folder is not empty: expected a new one for each set", place)
-    drawn = draft(folder.draft, name, specs)
+    drawn = draft(folder.draft, name, specs, chance or random.SystemRandom())
     cases = [_seal_case(folder, one) for one in track(drawn["cases"], "sealing")]
     sealed = {
         "schema": SCHEMA,
@@ -108,8 +112,8 @@ def seal(root: Path, name: str, specs: Sequence[Spec]) -> dict[str, Any]:
         "sealed_utc": datetime.now(UTC).isoformat(timespec="seconds"),
         "solver_sha256": drawn["solver_sha256"],
         "examiner_sha256": drawn["examiner_sha256"],
-        "solver_parts": code.parts(code.SOLVER),
-        "examiner_parts": code.parts(code.EXAMINER),
+        "solver_parts": files.parts(code.SOLVER),
+        "examiner_parts": files.parts(code.EXAMINER),
         "libraries": drawn["libraries"],
         "thresholds": THRESHOLDS,
         "cases": cases,
@@ -220,7 +224,7 @@ def moved_on(sealed: dict[str, Any], who: str) -> str:
     `who`: "solver" or "examiner".
     """
     unit = code.SOLVER if who == "solver" else code.EXAMINER
-    now = code.parts(unit)
+    now = files.parts(unit)
     then, whole = sealed[f"{who}_sha256"], code.whole(now)
     if then == whole:
         return ""

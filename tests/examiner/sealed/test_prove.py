@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from pyport.cli.dev.proof import prove as command
 from pyport.errors import BadInput
-from pyport.examiner.sealed import code, files, solve
+from pyport.examiner.sealed import code, solve
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.prove import Plan, advance, read_lines, write_lines
 from pyport.examiner.sealed.verify import alike, verify
@@ -52,11 +52,7 @@ def units():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(code, "SOLVER", code.Unit(("thresholds", "angles")))
         patch.setattr(code, "EXAMINER", code.Unit(("examiner.scores",)))
-        files.solver.cache_clear()
-        files.examiner.cache_clear()
         yield
-    files.solver.cache_clear()
-    files.examiner.cache_clear()
 
 
 @pytest.fixture(scope="module")
