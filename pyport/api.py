@@ -132,8 +132,8 @@ class Diagnosis(Shown):
 
     def summary(self) -> str:
         """Return the diagnosis in words, as the command prints it."""
+        from pyport.report.folder import text
         from pyport.report.made import report_of
-        from pyport.report.text import text
 
         return text(report_of(self.result))
 

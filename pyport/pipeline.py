@@ -141,9 +141,9 @@ def _run_one(
     from pyport.formats.completed import write_model
     from pyport.report.array import write_places
     from pyport.report.figures import write_findings
+    from pyport.report.folder import text as in_words
     from pyport.report.folder import write
     from pyport.report.made import report_of
-    from pyport.report.text import text as in_words
     from pyport.report.typed import as_json
 
     recordings = stage("reading")(read)(request.file, request.given, spread, request.folder)

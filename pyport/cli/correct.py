@@ -165,7 +165,7 @@ def compare(
 
 def _signs(context: click.Context, _: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's
     if value:
-        from pyport.formats.conventions import table
+        from pyport.formats.convert import table
 
         click.echo("\n".join(table()))
         context.exit()

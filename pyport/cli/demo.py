@@ -116,7 +116,7 @@ def _night(picture: Path) -> list[str]:
     from pyport.files import write_whole
     from pyport.plots.night import night
     from pyport.watch.live import live
-    from pyport.watch.outputs import words
+    from pyport.watch.state import words
 
     kind, number, seed = NIGHT
     drawn = draw(Case(kind, number, seed, step=True))

@@ -153,8 +153,7 @@ def predict(
     """
     from pyport.files import write_whole
     from pyport.formats.models import load
-    from pyport.prediction import rehearsal, words
-    from pyport.prediction.compare import compare
+    from pyport.prediction import compare, rehearsal
     from pyport.recordings import read
     from pyport.stages import working
 
@@ -163,7 +162,7 @@ def predict(
     measured, first = read(recordings, given), load(model)
     rivals = [load(one) for one in against]
     with working("comparing") as tell:
-        done = compare(
+        done = compare.compare(
             measured,
             first,
             rivals,
@@ -179,11 +178,11 @@ def predict(
             from pyport.prediction.rehearsal import write_grid
 
             write_grid(measured, first, grid)
-    whole = json.dumps(words.as_json(done, rehearsals), indent=1, allow_nan=False)
+    whole = json.dumps(compare.as_json(done, rehearsals), indent=1, allow_nan=False)
     if out is not None:
         with write_whole(out / "prediction.json") as file:
             file.write(whole + "\n")
-    text = words.text(done) + ("\n" + words.of_rehearsals(rehearsals) if rehearsals else "")
+    text = compare.text(done) + ("\n" + compare.of_rehearsals(rehearsals) if rehearsals else "")
     click.echo(whole if as_json else text)
 
 

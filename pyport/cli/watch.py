@@ -96,8 +96,8 @@ def command(
     alarm says what changed, since when, how large, how sure and what to do next; events are
     printed, with --json as JSON lines. Called again after a kill, it goes on where it was.
     """
-    from pyport.watch.outputs import line, words
     from pyport.watch.run import Options, Process, alone, forever
+    from pyport.watch.state import line, words
 
     def say(event: Event) -> None:
         click.echo(line(event) if as_json else words(event))

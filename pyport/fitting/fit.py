@@ -15,9 +15,8 @@ from pyport.errors import BadInput
 from pyport.fitting.two_axes import Difference, from_products
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term
-from pyport.noise.coefficients import solve
+from pyport.noise.coefficients import equal, solve
 from pyport.noise.covariance import Covariance
-from pyport.noise.equal import equal
 from pyport.noise.estimate import Frame, estimate, frame
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights

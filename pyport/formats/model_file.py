@@ -11,7 +11,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.models.complete import KEPT
 from pyport.models.model import Model, Term
-from pyport.models.terms import editing, field_system, tpoint, tpoint_polar
+from pyport.models.terms import editing, field_system, tpoint
 from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
 from pyport.mounts import BY_MODEL
@@ -24,7 +24,7 @@ _RADIAN_DEG = Decimal("57.295779513082320876798")
 #: Vocabularies: name -> word, and shape -> name and sign.
 WORDS: dict[str, Callable[[str], Word | None]] = {
     "tpoint": tpoint.word,
-    "tpoint-equatorial": tpoint_polar.word,
+    "tpoint-equatorial": tpoint.polar_word,
     "field-system": field_system.word,
     "field-system-hadc": field_system.word_on_leaning,
     "field-system-xy": field_system.word_on_leaning,
@@ -33,7 +33,7 @@ WORDS: dict[str, Callable[[str], Word | None]] = {
 }
 NAMES: dict[str, Callable[[Shape], tuple[str, int] | None]] = {
     "tpoint": tpoint.name_of,
-    "tpoint-equatorial": tpoint_polar.name_of,
+    "tpoint-equatorial": tpoint.polar_name_of,
     "field-system": field_system.name_of,
     "field-system-hadc": field_system.name_on_leaning,
     "field-system-xy": field_system.name_on_leaning,

@@ -1,19 +1,193 @@
-"""Model files of all formats: read by suffix or content, written by suffix."""
+"""Model files of all formats, read by suffix or content, and TOML with any program's names."""
 
 from __future__ import annotations
 
+import datetime as dt
+import json
+import math
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import Any, cast
 
 from pyport.errors import BadInput
-from pyport.files import is_file
-from pyport.formats import discos, katpoint_model, ska_mid, toml_model, tpoint_mod
+from pyport.files import is_file, write_whole
+from pyport.formats import discos, katpoint_model, tpoint_mod
 from pyport.formats.field_system import ctl
-from pyport.formats.model_file import ModelFile
+from pyport.formats.model_file import WORDS, Entry, ModelFile
 from pyport.models import toml
 from pyport.models.model import BUILT_IN, Model
-from pyport.recordings.formats.lines import Line
+from pyport.models.terms import editing
+from pyport.models.terms.words import SCALES
+from pyport.recordings.formats.csv import Line, read_text
+
+#: Keys of the value and its sigma in a unit.
+_SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
+_MARKS = ("fixed", "used", "parallel")
+
+
+def _whole(value: object) -> bool:
+    """Tell whether this is a list of whole numbers that are not negative."""
+    some = isinstance(value, list)
+    return some and all(type(one) is int and one >= 0 for one in cast("list[Any]", value))
+
+
+#: What writers ask of details, and in words.
+_DETAILS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "statistics": (
+        lambda one: isinstance(one, dict) and all(map(_is_number, one.values())),
+        "a table of numbers",
+    ),
+    "number_and_date": (
+        lambda one: _whole(one) and len(one) >= 6,
+        "six whole numbers or more",
+    ),
+    "flags": (
+        lambda one: _whole(one) and all(flag <= 4 for flag in one),
+        "whole numbers from 0 to 4",
+    ),
+    "comments": (lambda one: isinstance(one, str), "a text"),
+}
+
+
+def _is_number(value: object) -> bool:
+    known = isinstance(value, Decimal | int) and not isinstance(value, bool)
+    return known and Decimal(cast("Decimal", value)).is_finite()
+
+
+def names_terms(path: Path) -> bool:
+    """Tell whether a TOML file names its vocabulary; one that lists effects does not."""
+    try:
+        return "vocabulary" in tomllib.loads(read_text(path))
+    except (ValueError, RecursionError):  # whoever reads the file as effects says what is wrong
+        return False
+
+
+def read_toml(path: Path) -> ModelFile:
+    """Read a model in the vocabulary that the file names.
+
+    Raises `BadInput`: the file is no such TOML, or a term is none of its vocabulary.
+    """
+    try:
+        tree = tomllib.loads(read_text(path), parse_float=Decimal)
+    except BadInput:
+        raise
+    except (ValueError, InvalidOperation, RecursionError) as error:
+        raise BadInput(f"{error}: expected TOML", path) from None
+    vocabulary = str(tree.get("vocabulary"))
+    if vocabulary not in WORDS:
+        wanted = f"expected one of {', '.join(WORDS)}"
+        raise BadInput(f"no vocabulary is called {vocabulary[:20]!r}, {wanted}", path)
+    rows = tree.get("term")
+    if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
+        raise BadInput("no [[term]] table: a model lists its terms, one table each", path)
+    found = tuple(_entry(row, vocabulary, path) for row in rows)
+    details = tree.get("details", {})
+    if not isinstance(details, dict):
+        raise BadInput(f"details is {details!r:.40}, expected a table", path)
+    for name, (holds, wanted) in _DETAILS.items():
+        if name in details and not holds(details[name]):
+            raise BadInput(f"{name} is {details[name]!r:.40}, expected {wanted}", path)
+    flags = details.get("flags", ())
+    if flags and max(_place(one) for one in found) > len(flags):
+        raise BadInput(f"{len(flags)} flags, expected one for each parameter", path)
+    phi = _number(tree.get("phi_deg", 90), "phi_deg", path)
+    return ModelFile(vocabulary, found, str(tree.get("name", "")), phi, details)
+
+
+def _place(entry: Entry) -> int:
+    """Return which of P1, P2, ... a term is, 0 where it is none of them."""
+    number = entry.name.removeprefix("P")
+    return int(number) if number.isdecimal() and len(number) < 4 else 0
+
+
+def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
+    name = str(row.get("name"))
+    meant = str(row.get("formula", ""))
+    if not meant and WORDS[vocabulary](name) is None:
+        wrong = f"{name[:20]!r} is no term that pyport knows of {vocabulary}"
+        raise BadInput(f"{wrong}; say what it does: formula = 'x = sin 3A sin E'", path)
+    if meant:
+        try:
+            editing.formula_word(name, meant)
+        except BadInput as error:
+            raise BadInput(error.message, path) from None
+    units = [unit for unit, suffix in _SUFFIX.items() if f"value{suffix}" in row]
+    if len(units) != 1:
+        raise BadInput(f"{name} expects one of {_values()}", path)
+    (unit,) = units
+    value, sigma = (row.get(f"{key}{_SUFFIX[unit]}") for key in ("value", "sigma"))
+    marks = {mark: row[mark] for mark in _MARKS if mark in row}
+    number = _number(value, f"{name}'s value", path)
+    spread = None if sigma is None else _number(sigma, f"{name}'s sigma", path)
+    if not all(isinstance(mark, bool) for mark in marks.values()):
+        raise BadInput(f"{name}: {', '.join(marks)} are true or false", path)
+    return Entry(name, number, unit, spread, **marks, formula=meant)
+
+
+def _number(value: object, what: str, path: Path) -> Decimal:
+    if _is_number(value):
+        return Decimal(cast("Decimal", value))
+    raise BadInput(f"{what} is {value!r}, expected a number", path)
+
+
+def _values() -> str:
+    return ", ".join(f"value{suffix}" for suffix in _SUFFIX.values())
+
+
+def write(file: ModelFile, path: Path) -> None:
+    """Write a model with its digits as they stand."""
+    with write_whole(path) as out:
+        if file.title:
+            out.write(f"name = {json.dumps(file.title)}\n")
+        out.write(f"vocabulary = {json.dumps(file.vocabulary)}\n")
+        if file.phi_deg != Decimal(90):
+            out.write(f"phi_deg = {file.phi_deg:f}\n")
+        for entry in file.entries:
+            out.write(_row(entry))
+        if file.details:
+            out.write(f"\n[details]\n{_pairs(file.details)}")
+
+
+def _row(entry: Entry) -> str:
+    suffix = _SUFFIX[entry.unit]
+    text = f"\n[[term]]\nname = {json.dumps(entry.name)}\nvalue{suffix} = {_literal(entry.value)}\n"
+    if entry.formula:
+        text += f"formula = {json.dumps(entry.formula)}\n"
+    if entry.sigma is not None:
+        text += f"sigma{suffix} = {_literal(entry.sigma)}\n"
+    default = Entry("", Decimal(0), "")
+    for mark in _MARKS:
+        if getattr(entry, mark) != getattr(default, mark):
+            text += f"{mark} = {str(getattr(entry, mark)).lower()}\n"
+    return text
+
+
+def _pairs(table: Any) -> str:  # noqa: ANN401 - what a file's details hold
+    return "".join(
+        f"{json.dumps(str(key))} = {_literal(value)}\n"
+        for key, value in table.items()
+        if value is not None
+    )
+
+
+def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
+    """Return a value as TOML spells it; nothing (None) cannot be spelled."""
+    if isinstance(value, dt.date | dt.time):
+        return value.isoformat()
+    if isinstance(value, Decimal | float) and not math.isfinite(value):
+        return str(float(value))
+    if isinstance(value, Decimal):
+        text = f"{value:f}"
+        return text if "." in text else f"{text}.0" if value.as_tuple().exponent else text
+    if isinstance(value, dict):
+        pairs = (f"{json.dumps(str(k))} = {_literal(v)}" for k, v in value.items() if v is not None)
+        return f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(_literal(one) for one in value if one is not None)}]"
+    return json.dumps(value)
 
 
 @dataclass(frozen=True)
@@ -42,9 +216,15 @@ FORMATS = {
         ModelFormat(
             "katpoint", (".txt", ".katpoint"), "katpoint", katpoint_model.read, katpoint_model.write
         ),
-        ModelFormat("ska-mid", (".json",), "ska-mid", ska_mid.read, ska_mid.write),
+        ModelFormat(
+            "ska-mid",
+            (".json",),
+            "ska-mid",
+            katpoint_model.read_ska_mid,
+            katpoint_model.write_ska_mid,
+        ),
         ModelFormat("discos", (".xml",), "field-system", discos.read, discos.write),
-        ModelFormat("toml", (".toml",), "", toml_model.read, toml_model.write),
+        ModelFormat("toml", (".toml",), "", read_toml, write),
     )
 }
 BY_SUFFIX = {suffix: one for one in FORMATS.values() for suffix in one.suffixes}
@@ -67,7 +247,7 @@ def load(name: str) -> Model:
     if not is_file(path):
         known = ", ".join(sorted(BUILT_IN))
         raise BadInput(f"no model and no file is called {name!r}; built in are {known}")
-    if path.suffix.lower() == ".toml" and not toml_model.names_terms(path):
+    if path.suffix.lower() == ".toml" and not names_terms(path):
         return toml.model_of(path)
     return read(name).model(path.stem)
 

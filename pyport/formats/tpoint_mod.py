@@ -14,8 +14,8 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
-from pyport.models.terms import editing, tpoint, tpoint_polar
-from pyport.recordings.formats.lines import Line, lines_of, padded
+from pyport.models.terms import editing, tpoint
+from pyport.recordings.formats.csv import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
 STATISTICS = ("stars", "sky_rms_arcsec", "refraction_a_arcsec", "refraction_b_arcsec")
@@ -44,7 +44,7 @@ def read(path: Path) -> ModelFile:
         raise BadInput("no terms below the statistics", path, body[0].number)
     known = [one.name for one in entries if not one.formula]
     polar = any(tpoint.word(name) is None for name in known)
-    foreign = [name for name in known if polar and tpoint_polar.word(name) is None]
+    foreign = [name for name in known if polar and tpoint.polar_word(name) is None]
     if polar and len(known) < len(entries):
         raise BadInput(
             "a user's formula is one of azimuth and elevation, the mount's are not", path
@@ -90,7 +90,7 @@ def _entry(line: Line, meant: dict[str, str]) -> Entry:
     if len(words) < 2:
         raise line.error(f"this is {text[:60]!r}, expected a term and its coefficient")
     name = words[0]
-    if name not in meant and tpoint.word(name) is None and tpoint_polar.word(name) is None:
+    if name not in meant and tpoint.word(name) is None and tpoint.polar_word(name) is None:
         wrong = f"{name[:20]!r} is no term of an alt-azimuth or equatorial mount that pyport knows"
         example = f"! {name[:20]}: x = sin 3A sin E"
         raise line.error(f"{wrong}; say what it does in a line such as '{example}'")

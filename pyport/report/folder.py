@@ -1,4 +1,4 @@
-"""The folder of a diagnosis: files of one run, and of no other.
+"""The folder of a diagnosis, files of one run and of no other; and its text for the terminal.
 
 report.json is written last and holds the hash of every file beside it. A run
 that is killed between two files leaves a folder whose files are not those that
@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import textwrap
 from collections.abc import Container, Iterable
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,128 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
+from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.pointing import kernel
 from pyport.report.made import report_of
-from pyport.report.typed import Report, as_json
+from pyport.report.typed import Dropped, Finding, HeldOut, Report, as_json
+
+_WIDTH = 96
+#: Effects shown with their detection limit when nothing was found.
+_LIMITS = 6
+
+
+def text(report: Report) -> str:
+    """Return a report as plain text."""
+    given = report.input
+    aside, what = len(given.set_aside), f"{given.used} recordings"
+    if (made := given.reduction) is not None:
+        aside = sum(made["set_aside"].values())
+        what = (
+            f"{made['rows']} recordings in {made['points']} normal points "
+            f"{made['patch_deg']:g} deg wide, {made['outliers']} readings outliers"
+        )
+    lines = [f"{given.file}: {what}, {aside} excluded, model {report.model.name}"]
+    if report.mismatch:
+        lines.append(f"The model leaves something out (chance of noise alone {_chance(report)}).")
+        for n, finding in enumerate(report.findings, 1):
+            lines += _finding(n, finding)
+    else:
+        chance = "" if report.too_few else f" (p = {_chance(report)})"
+        lines += _wrapped(f"{report.verdict}{chance}.")
+        limits = sorted(report.detection_limit_arcsec.items(), key=lambda item: item[1])[:_LIMITS]
+        if limits:
+            seen = ", ".join(f"{effect} {size:.2g} arcsec" for effect, size in limits)
+            lines += _wrapped(f"Would have been seen in half of all cases, as rms: {seen}.")
+    for together in report.combinations[:MOST_COMBINATIONS]:
+        lines += _wrapped(f"Degenerate terms: {together.sentence}.")
+    if (more := len(report.combinations) - MOST_COMBINATIONS) > 0:
+        lines.append(f"Degenerate terms: {more} more combinations, see report.json.")
+    for one in report.two_axes:
+        lines += _wrapped(one.sentence)
+    for said in (*report.noise.sentences, *map(_dropped, report.dropped)):
+        lines += _wrapped(f"{said}.")
+    lines += _improvement(report)
+    lines += report.corrections
+    for sentence in report.warnings:
+        lines += _wrapped(f"Warning: {sentence}.")
+    return "\n".join(lines)
+
+
+def _finding(n: int, finding: Finding) -> list[str]:
+    head = f"{n}. {finding.effect}" + (f" ({finding.variant})" if finding.variant else "")
+    lines = [f"{head}, {finding.verdict}: {finding.sentence}."]
+    if len(finding.class_) > 1:
+        lines.append(f"   Could as well be: {', '.join(finding.class_[1:])}.")
+    if finding.looks_like:
+        lines.append(f"   Looks like: {finding.looks_like}.")
+    if subset := finding.where.subset.get("antenna"):
+        lines.append(f"   Antennas: {' '.join(subset)}.")
+    lines.append(f"   {finding.size[0].upper()}{finding.size[1:]}.")
+    if (held := finding.heldout) is not None:
+        lines.append(
+            f"   On data that the fit had not seen ({held.scheme}): rms {_change(held)}, "
+            f"noise floor {held.noise_floor_arcsec:.3g}."
+        )
+    if finding.decide_by:
+        lines.append(f"   Next: {finding.decide_by}.")
+    return [part for line in lines for part in _wrapped(line)]
+
+
+def _dropped(one: Dropped) -> str:
+    which = f"{one.effect} ({one.variant})" if one.variant else one.effect
+    return f"Looked at and dropped: {which}: {one.reason}"
+
+
+def _wrapped(line: str) -> list[str]:
+    indent = " " * (len(line) - len(line.lstrip()) or 3)
+    return textwrap.wrap(line, _WIDTH, subsequent_indent=indent, drop_whitespace=True)
+
+
+def _improvement(report: Report) -> list[str]:
+    """Return what became of the rms, over all readings and, for an array, antenna by antenna."""
+    held = report.fit.heldout
+    change, floor = f"rms per axis {_change(held)}", f"noise floor {held.noise_floor_arcsec:.3g}"
+    lines = [_in_fit(report), f"Cross-validated ({held.scheme}): {change}, {floor}."]
+    table = [one for one in report.antennas if not one.drowns_in_noise]
+    if len(table) > 1 and report.mismatch:
+        factor = [one.heldout_before_arcsec / max(one.heldout_after_arcsec, 1e-9) for one in table]
+        lines.append(
+            f"Antenna by antenna the held-out rms falls by a factor {np.median(factor):.2f} in the "
+            f"median; {sum(f >= 2 for f in factor)} of {len(factor)} fall by two or more."
+        )
+    if report.noisy:
+        lines.append(f"Drown in their own noise and are not counted: {' '.join(report.noisy)}.")
+    if report.input.outliers:
+        lines.append(f"Outliers: {report.input.outliers} readings; see weight in rows.csv.")
+    return [part for line in lines for part in _wrapped(line)]
+
+
+def _change(held: HeldOut) -> str:
+    """Return the rms before and after, and by how much it falls with its error."""
+    before, after = held.rms_before_arcsec, held.rms_after_arcsec
+    change = f"{before:.3g} -> {after:.3g} arcsec"
+    if not held.rms_fall_sigma_arcsec:
+        return change
+    return f"{change} (less by {before - after:.3g} +- {held.rms_fall_sigma_arcsec:.2g})"
+
+
+def _in_fit(report: Report) -> str:
+    """Return the rms in the fit, per axis and on the sky, and what they are of."""
+    fits, told = (report.fit.before, report.fit.after), []
+    for name, key in (*((axis, key) for key, axis in report.mount.axes.items()), ("sky", "sky")):
+        sizes = [getattr(one, f"rms_{key}_arcsec") for one in fits]
+        values = [f"{one:.3g}" for one in sizes if one is not None][: 1 + report.mismatch]
+        if values:
+            told.append(f"{name} {' -> '.join(values)}")
+    return (
+        f"In the fit, rms: {', '.join(told)} arcsec; per axis, and on the sky the root of the mean "
+        "of x^2 + y^2, outliers excluded, not reduced for fitted terms (as TPOINT's sky rms)."
+    )
+
+
+def _chance(report: Report) -> str:
+    return f"{report.p_value:.2g}"
+
 
 REPORT = "report.json"
 #: What a diagnosis writes beside its report.

@@ -17,7 +17,7 @@ from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
 from pyport.watch.composite import FEWEST_IN_NIGHT, FEWEST_NIGHTS
 from pyport.watch.follow import Batch, Cursor
-from pyport.watch.outputs import Outputs
+from pyport.watch.state import Outputs
 from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch
 
 STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"

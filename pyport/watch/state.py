@@ -1,12 +1,16 @@
-"""The state of a watch, kept whole after every pointing, and taken up again."""
+"""The state of a watch, kept whole after every pointing and taken up again; what it writes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
+import shlex
+import subprocess
 import tokenize
 import zipfile
 import zlib
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -125,3 +129,132 @@ def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]]
             if name not in told[part] and value is None:
                 raise KeyError(name)
             setattr(one, name, tuple(value) if isinstance(value, list) else value)
+
+
+EVENTS, STATUS, METRICS, ACTED = "events.jsonl", "status.json", "metrics.prom", "acted"
+#: A command that has not ended by then is given up [s].
+PATIENCE_S = 60.0
+
+
+class Outputs:
+    """The files in a watch's folder, and the command that is run for each event.
+
+    The state of the watch is kept first and holds the last events; what was kept and not told is
+    told at the next start, what was told is not told again. A command that was killed is run again.
+
+    `command` is run for each event, its JSON on standard input; "" is none. `say` prints an event.
+    """
+
+    def __init__(self, folder: Path, command: str, say: Callable[[Event], None]):
+        self.folder, self.command, self.say = folder, shlex.split(command), say
+        self.told = _last(folder / EVENTS)
+        self.acted = self.told
+        if self.command and (folder / ACTED).is_file():
+            self.acted = int((folder / ACTED).read_text(encoding="ascii") or 0)
+
+    def begin(self) -> None:
+        """Forget what an earlier watch told: this one begins without a state."""
+        for name in (EVENTS, ACTED):
+            (self.folder / name).unlink(missing_ok=True)
+        self.told = self.acted = 0
+
+    def tell(self, watch: Watch) -> list[str]:
+        """Tell what happened since the last time; return what went wrong with the command."""
+        new = [one for one in watch.events if one.number > self.told]
+        if new:
+            with (self.folder / EVENTS).open("a", encoding="utf-8") as file:
+                for one in new:
+                    file.write(line(one) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+            self.told = new[-1].number
+            for one in new:
+                self.say(one)
+        wrong = list(self._act(watch)) if self.command else []
+        with write_whole(self.folder / STATUS) as file:
+            file.write(json.dumps(watch.status(), indent=1) + "\n")
+        with write_whole(self.folder / METRICS) as file:
+            file.write(metrics(watch))
+        return wrong
+
+    def _act(self, watch: Watch) -> Iterator[str]:
+        for one in watch.events:
+            if one.number <= self.acted:
+                continue
+            name = self.command[0]
+            said = {"PYPORT_EVENT": one.event, "PYPORT_ALARM": str(one.alarm["number"])}
+            how: dict[str, Any] = {"env": os.environ | said, "timeout": PATIENCE_S}
+            try:
+                done = subprocess.run(  # noqa: S603 - the user's command
+                    self.command, input=line(one), text=True, check=False, **how
+                )
+                if done.returncode:
+                    yield f"{name}: exit status {done.returncode} at event {one.number}"
+            except (OSError, subprocess.TimeoutExpired) as error:
+                yield f"{name}: {error}"
+            self.acted = one.number
+            with write_whole(self.folder / ACTED) as file:
+                file.write(str(one.number))
+
+
+def line(one: Event) -> str:
+    """Return an event as a line of JSON."""
+    return json.dumps(asdict(one))
+
+
+def words(one: Event) -> str:
+    """Return an event as an observer reads it."""
+    alarm = one.alarm
+    whose = f" of {alarm['antenna']}" if alarm["antenna"] else ""
+    when = {"withdrawn": "", "over": ""}.get(one.event, f", since {alarm['since']}")
+    said = f"alarm {alarm['number']}{whose} {one.event}{when}: {alarm['sentence']}"
+    rarity = f"{10 ** min(alarm['log10_likelihood_ratio'], 99):.2g}"
+    if one.event in ("withdrawn", "over"):
+        return said
+    return f"{said}; {rarity} times likelier than no change; next: {alarm['next']}"
+
+
+def _last(path: Path) -> int:
+    """Return the number of the last event in a file; a line that was cut short is taken off."""
+    if not path.is_file():
+        return 0
+    content = path.read_bytes()
+    whole = content[: content.rfind(b"\n") + 1]
+    if whole != content:
+        with path.open("r+b") as file:
+            file.truncate(len(whole))
+    lines = whole.splitlines()
+    return int(json.loads(lines[-1])["number"]) if lines else 0
+
+
+def metrics(watch: Watch) -> str:
+    """Return the status as OpenMetrics text (openmetrics.io, version 1.0.0)."""
+    status: dict[str, Any] = watch.status()
+    lines: list[str] = []
+
+    def add(name: str, kind: str, text: str, values: dict[str, float | None]) -> None:
+        lines.extend([f"# TYPE pyport_watch_{name} {kind}", f"# HELP pyport_watch_{name} {text}"])
+        suffix = "_total" if kind == "counter" else ""
+        for labels, value in values.items():
+            if value is not None:
+                lines.append(f"pyport_watch_{name}{suffix}{labels} {value!r}")
+
+    add("recordings", "counter", "Recordings taken in.", {"": status["rows"]})
+    add("alarms", "counter", "Alarms raised.", {"": status["alarms_raised"]})
+    add("standing", "gauge", "Alarms that stand.", {"": len(status["standing"])})
+    last = watch.recent[-1].time if watch.recent and watch.timed else None
+    add("last_recording_seconds", "gauge", "Time of the last recording.", {"": last})
+    each = {f'{{antenna="{_escaped(name)}"}}': one for name, one in status["antennas"].items()}
+    for key, text in (
+        ("log10_evidence", "Likelihood ratio of a change to none."),
+        ("log10_threshold", "What that ratio must reach for an alarm."),
+        ("scatter_xel_arcsec", "Scatter in cross-elevation."),
+        ("scatter_el_arcsec", "Scatter in elevation."),
+        ("outliers", "Share of outliers."),
+    ):
+        add(key, "gauge", text, {labels: one[key] for labels, one in each.items()})
+    return "\n".join([*lines, "# EOF", ""])
+
+
+def _escaped(label: str) -> str:
+    return label.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")

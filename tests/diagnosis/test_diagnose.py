@@ -8,9 +8,9 @@ from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
+from pyport.report.folder import text as in_words
 from pyport.report.folder import write
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 from pyport.thresholds import FEWEST
 

@@ -18,8 +18,8 @@ from pyport.fitting.soundness import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
 from pyport.recordings.schema import Stack
+from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 
 

@@ -15,8 +15,8 @@ from pyport.effects import CATALOGUE, Circumstances, Coefficient, Effect, descri
 from pyport.effects.base import AXES, stack
 from pyport.formats.models import load
 from pyport.planning.look import look
+from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 
 PER_K = 2.5
 EFFECT = "bearing_warp"

@@ -15,8 +15,8 @@ from pyport.diagnosis.naming.finding import Parameter, beyond
 from pyport.diagnosis.naming.scene import centred
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
+from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 
 

@@ -8,8 +8,8 @@ from pyport.diagnosis.naming import words
 from pyport.fitting import soundness
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
+from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 
 

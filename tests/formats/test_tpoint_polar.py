@@ -12,7 +12,7 @@ from pyport.errors import BadInput
 from pyport.formats.convert import convert
 from pyport.formats.model_file import WORDS
 from pyport.formats.models import load
-from pyport.models.terms import tpoint_polar
+from pyport.models.terms import tpoint
 from pyport.mounts import KINDS
 from pyport.recordings import read
 
@@ -75,7 +75,7 @@ def test_terms_are_those_of_tpoint(name):
     hour_angle, dec, _ = stars()
     az, el = erfa.hd2ae(hour_angle, dec, PHI)
     at = Circumstances(az, el, Site(PHI), mount=KINDS["equatorial"])
-    x, y = tpoint_polar.word(name).columns(at)
+    x, y = tpoint.polar_word(name).columns(at)
     d_hour_angle, d_dec = added(hour_angle, dec)[name]
 
     np.testing.assert_allclose(x, -d_hour_angle * np.cos(dec) + 0 * dec, atol=1e-12)
@@ -85,9 +85,9 @@ def test_terms_are_those_of_tpoint(name):
 @pytest.mark.parametrize("name", FORMULAE)
 def test_every_term_has_a_name(name):
     """What TPOINT calls a shape means it."""
-    ((shape, sign),) = tpoint_polar.word(name).parts
-    other, other_sign = tpoint_polar.name_of(shape)
-    ((again, turned),) = tpoint_polar.word(other).parts
+    ((shape, sign),) = tpoint.polar_word(name).parts
+    other, other_sign = tpoint.polar_name_of(shape)
+    ((again, turned),) = tpoint.polar_word(other).parts
 
     assert again == shape
     assert turned == other_sign
@@ -202,7 +202,7 @@ def test_a_model_of_one_mount_is_refused_by_another(tmp_path):
 
 def test_no_other_vocabulary_has_the_names():
     """A name of an equatorial mount's alone means nothing on an alt-azimuth one."""
-    both = {name for name in tpoint_polar.NAMED if WORDS["tpoint"](name) is not None}
+    both = {name for name in tpoint.POLAR_NAMED if WORDS["tpoint"](name) is not None}
 
     assert both == {"TF", "TX"}
 

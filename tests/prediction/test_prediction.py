@@ -16,8 +16,7 @@ from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Term
-from pyport.prediction import contenders, rehearsal, shrunk, words
-from pyport.prediction.compare import compare
+from pyport.prediction import compare, contenders, rehearsal, shrunk
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
 from pyport.recordings.schema import Recordings
@@ -162,19 +161,19 @@ def test_a_rehearsal_knows_what_terms_picked_from_few_points_are_worth(monkeypat
     assert first.truth == "many"
     assert first.claimed[picked_terms] < first.fresh[picked_terms]
     assert first.fresh["model with waves"] < first.fresh[picked_terms]
-    assert "exactly as many says" in words.of_rehearsals([first])
+    assert "exactly as many says" in compare.of_rehearsals([first])
 
 
 def test_too_few_readings_are_refused():
     """Five pointings cannot be left out in turn beside seven coefficients."""
     with pytest.raises(BadInput, match="too few to leave some out"):
-        compare(_night(4, 12), ALTAZ)
+        compare.compare(_night(4, 12), ALTAZ)
 
 
 def test_a_term_that_lacks_a_column_is_refused():
     """A cosine of hour angle needs an hour angle."""
     with pytest.raises(BadInput, match="needs hour_angle_h"):
-        compare(_night(30, 13), load("gmrt-paper"))
+        compare.compare(_night(30, 13), load("gmrt-paper"))
 
 
 def test_several_antennas_are_told_to_come_one_by_one():
@@ -215,9 +214,9 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
 def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     """The Auxiliary Telescope's 44 points: as many terms picked anew do far worse than held."""
     few = read(DATA / "AT_point_file_20200315T022713.dat")
-    done = compare(few, ALTAZ, [load(str(DATA / "at_20200314_fauto.mod"))])
+    done = compare.compare(few, ALTAZ, [load(str(DATA / "at_20200314_fauto.mod"))])
     held, anew = done.picked
 
     assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]
     assert all(done.own.unseen[way] < anew.unseen[way] for way in done.own.unseen)
-    assert "are an overfit here" in words.text(done)
+    assert "are an overfit here" in compare.text(done)

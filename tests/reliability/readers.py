@@ -175,7 +175,7 @@ def _modules(names: Iterable[str]) -> tuple[str, ...]:
 def readers() -> dict[str, Reader]:
     """Return all readers by name."""
     raw = ("recordings.interpret", "recordings.raw", "columns")
-    lines = ("recordings.formats.lines",)
+    lines = ("recordings.formats.csv",)
     field_system = ("recordings.formats.xtr", *lines)
     terms = ("formats.model_file", *lines)
     katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "recordings.formats.katpoint_csv"
@@ -208,7 +208,7 @@ def readers() -> dict[str, Reader]:
         ("log", ".csv", (NIGHT, seeds.PLAIN), log, ("watch.follow",)),
         ("watch-state", ".npz", (seeds.state(),), state, ("watch.state",)),
         ("catalogue", ".csv", (seeds.CATALOGUE,), read_catalogue, ("planning.target_lists",)),
-        ("completed-model", ".toml", (seeds.completed(),), model, ("formats.toml_model", *terms)),
+        ("completed-model", ".toml", (seeds.completed(),), model, ("formats.models", *terms)),
         *(
             (
                 f"options-{name}",
@@ -228,7 +228,7 @@ def readers() -> dict[str, Reader]:
         ("mask", ".mask", (seeds.mask(),), mask, ("recordings.masks",)),
         ("filter", ".txt", (seeds.FILTER,), filtered, ("recordings.where",)),
         ("toml-effects", ".toml", (seeds.TOML_EFFECTS,), effects, ("models.toml",)),
-        ("toml-terms", ".toml", (seeds.TOML_TERMS,), model, ("formats.toml_model", *terms)),
+        ("toml-terms", ".toml", (seeds.TOML_TERMS,), model, ("formats.models", *terms)),
         ("tpoint-mod", ".mod", (seeds.MOD,), model, ("formats.tpoint_mod", *terms)),
         ("fs-ctl", ".ctl", (seeds.CTL,), model, ("formats.field_system.ctl", *terms)),
         ("fs-err-model", ".err", (seeds.fit(),), model, ("formats.field_system.ctl", *terms)),
@@ -236,7 +236,7 @@ def readers() -> dict[str, Reader]:
         ("fs-fits", ".err", (seeds.fit(),), fits, agrees),
         ("katpoint", ".txt", seeds.KATPOINT, model, ("formats.katpoint_model", *terms)),
         ("katpoint-description", ".txt", seeds.KATPOINT[:1], description, katpoint),
-        ("ska-mid", ".json", (seeds.SKA,), model, ("formats.ska_mid", *terms)),
+        ("ska-mid", ".json", (seeds.SKA,), model, ("formats.katpoint_model", *terms)),
         ("discos", ".xml", (seeds.DISCOS,), model, ("formats.discos", *terms)),
         ("table-binary", ".bin", (seeds.binary(),), table, ("steering.binary", "steering.lookup")),
         ("table-ascii", ".txt", (seeds.ascii_table(),), table, ("steering.ascii",)),

@@ -14,7 +14,7 @@ from pyarrow import parquet
 
 from pyport.cli import pyport
 from pyport.errors import BadInput
-from pyport.formats import katpoint_model, ska_mid
+from pyport.formats import katpoint_model
 from pyport.formats.models import load
 from pyport.models.conditions import columns_of
 from pyport.recordings import read, where
@@ -128,7 +128,7 @@ def test_an_exponent_beyond_any_in_ska_mid(tmp_path):
     path = tmp_path / "a.json"
     path.write_text('{"coefficients": {"IA": {"value": 1e99999999999999999999}}}')
     with pytest.raises(BadInput, match="not SKA-Mid's JSON"):
-        ska_mid.read(path)
+        katpoint_model.read_ska_mid(path)
 
 
 @pytest.mark.parametrize("value", [[1.0, 2.0] * units.deg, 3 * units.m])

@@ -21,8 +21,8 @@ from pyport.diagnosis.naming.verdict import DRAWS, judged, stability
 from pyport.diagnosis.search import search
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
+from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json
 from pyport.thresholds import CARRIERS
 

@@ -24,9 +24,9 @@ from pyport.formats.models import load
 from pyport.page import of_diagnosis
 from pyport.page.document import html
 from pyport.recordings.schema import Recordings
+from pyport.report.folder import text as in_words
 from pyport.report.folder import write_rows
 from pyport.report.made import report_of
-from pyport.report.text import text as in_words
 from pyport.report.typed import as_json as told
 from pyport.studies.rt32 import METHODS, fit_rt32
 from pyport.studies.rt32 import document as rt32_table

@@ -31,7 +31,7 @@ FORBIDDEN = {
 WHO_MAY = {
     "subprocess": {
         *("examiner/sealed/solve.py", "parity/compiled/build.py", "parity/evidence/coverage.py"),
-        *("examiner/real/sets.py", "watch/outputs.py"),
+        *("examiner/real/sets.py", "watch/state.py"),
     },
     "asyncio": {"watch/serve.py"},
     "runpy": {"examiner/sealed/cell.py"},

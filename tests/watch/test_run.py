@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from drawn_nights import text, world, write
 
 from pyport.cli import pyport as program
-from pyport.watch.outputs import EVENTS
+from pyport.watch.state import EVENTS
 
 #: Kills of the test; `make watch-kills` makes 200.
 KILLS = int(os.environ.get("PYPORT_WATCH_KILLS", "3"))

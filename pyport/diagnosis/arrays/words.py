@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pyport.angles import ARCMIN, ARCSEC, HOUR
+from pyport.diagnosis.arrays.blocks import Block, blocks
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.repeat import FACTOR, Unseen, medians
-from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of
+from pyport.diagnosis.arrays.repeat import FACTOR, Unseen, medians, unseen
+from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of, shared_shapes
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.joint import Joint
+from pyport.threads import one_thread
 
 _WIDTH = 96
 #: Radians of hour angle in a second of time.
@@ -212,3 +217,39 @@ def held_out(found: Unseen) -> list[str]:
 def _wrapped(line: str) -> list[str]:
     indent = " " * (len(line) - len(line.lstrip()) + 2)
     return textwrap.wrap(line, _WIDTH, subsequent_indent=indent, drop_whitespace=True)
+
+
+@one_thread
+def predict(known: ArrayReport, setup: Problem, fit: Joint) -> Unseen:
+    """Predict other recordings of an array from recordings that are known.
+
+    Own parts come from the known recordings alone, what a session's antennas
+    share from its other antennas; zeros are fitted anew, on either side of
+    every step that was found in the other recordings.
+
+    Parameters
+    ----------
+    known
+        What is known of the array.
+    setup, fit
+        The case of the recordings to predict, by the same model, and the fit of all found in it.
+    """
+    taken, stem = set(known.parts.sessions), setup.recordings.file.stem
+    fitted, others = (
+        _renamed(blocks(setup, fit, some), taken, stem) for some in (known.form, known.shapes)
+    )
+    return unseen(
+        [*known.fitted, *fitted],
+        [*known.blocks, *others],
+        known.shapes,
+        shared_shapes(known.shapes),
+        sessions={one.session for one in others},
+    )
+
+
+def _renamed(some: Sequence[Block], taken: set[str], stem: str) -> list[Block]:
+    """Return blocks whose sessions are called unlike those taken."""
+    return [
+        replace(one, session=f"{stem} {one.session}".strip()) if one.session in taken else one
+        for one in some
+    ]

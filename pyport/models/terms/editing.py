@@ -17,7 +17,7 @@ from pyport.effects import Effect, catalogue, known
 from pyport.errors import BadInput
 from pyport.models.members import apart
 from pyport.models.model import Model, Term
-from pyport.models.terms import field_system, tpoint, tpoint_polar
+from pyport.models.terms import field_system, tpoint
 from pyport.models.terms.shapes import Shape, Wave, product, ratio, seen
 from pyport.models.terms.tpoint import upward
 from pyport.models.terms.words import Word
@@ -203,7 +203,7 @@ def word_of(name: str) -> Word | None:
 
     Raises `BadInput`: the Field System reserves the name and does nothing with it.
     """
-    word = field_system.word(name) or tpoint.word(name) or tpoint_polar.word(name)
+    word = field_system.word(name) or tpoint.word(name) or tpoint.polar_word(name)
     if word is not None and not word.parts:
         raise BadInput(f"{name} does nothing on an alt-azimuth mount")
     return word

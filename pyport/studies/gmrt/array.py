@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import ARCMIN
-from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.places import Comparison
 from pyport.diagnosis.arrays.repeat import Unseen, medians
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, report
-from pyport.diagnosis.arrays.words import comparison, held_out, words
+from pyport.diagnosis.arrays.words import comparison, held_out, predict, words
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.formats.models import load
 from pyport.recordings import read

@@ -6,9 +6,9 @@ from diagnosis.arrays.made_array import case
 from samples import sample
 
 from pyport.angles import ARCMIN
-from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.repeat import medians
 from pyport.diagnosis.arrays.report import SCAN, report
+from pyport.diagnosis.arrays.words import predict
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 from pyport.recordings import read

@@ -6,9 +6,9 @@ from diagnosis.arrays.made_array import array, case
 
 from pyport.angles import ARCMIN
 from pyport.diagnosis.arrays import words
-from pyport.diagnosis.arrays.elsewhere import predict
 from pyport.diagnosis.arrays.repeat import ALONE, LOUD, MOVED, medians
 from pyport.diagnosis.arrays.report import report
+from pyport.diagnosis.arrays.words import predict
 from pyport.report import array as as_data
 
 EAST_M = np.array([0, 400, -300, 2500, 6000, 9000, -1500, -4000, -8000, 900.0])
