@@ -112,8 +112,11 @@ def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
     if out is not None:
         write(recordings, out)
     if as_json:
-        told = {"averages": [_told(one) for one in found], "set_aside": recordings.set_aside}
-        say("", told, as_json=True)
+        answer = {
+            "averages": [_of_average(one) for one in found],
+            "set_aside": recordings.set_aside,
+        }
+        say("", answer, as_json=True)
         return
     click.echo(text(found))
     for aside in recordings.set_aside:
@@ -122,7 +125,7 @@ def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
         click.echo(f"{len(recordings)} recordings in {out}, {len(recordings.set_aside)} excluded")
 
 
-def _told(one: Average) -> dict[str, object]:
+def _of_average(one: Average) -> dict[str, object]:
     from pyport.angles import ARCMIN
 
     return {

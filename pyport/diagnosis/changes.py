@@ -240,7 +240,7 @@ def _anew(
     if effect.id == OSCILLATION:
         fresh = oscillations.again(setup, covariance, others, effect)
         if fresh.changes_with == "stretch":
-            # Amplitudes that few readings tell would be fitted to their noise.
+            # Amplitudes that rest on few readings would be fitted to their noise.
             curve = oscillations.predicted(setup, covariance, others, fresh)
             return Anew(np.zeros((len(curve), 0)), curve)
         columns = setup.stack.columns(fresh, setup.recordings.at)

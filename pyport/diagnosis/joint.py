@@ -132,7 +132,7 @@ def rms(values: Array, share: Array | None = None) -> float:
 
 Mask = NDArray[np.bool_]
 
-#: So many causes are told that would take most of the disagreement away.
+#: So many causes are named that would take most of the disagreement away.
 MOST_CAUSES = 3
 
 

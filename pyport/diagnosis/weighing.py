@@ -18,6 +18,7 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, temporal
 from pyport.diagnosis.evidence import Evidence, at_best, shown
+from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
@@ -190,9 +191,7 @@ def plain_view(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) 
     rows = np.flatnonzero(weighed.used)
     root = np.sqrt(weighed.weights[rows]) / scatter[rows]
     model = setup.expanded((*setup.base, *chosen))[rows] * root[:, None]
-    model = model / np.maximum(np.linalg.norm(model, axis=0), 1e-300)
-    basis, strength, _ = np.linalg.svd(model, full_matrices=False)
-    basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
+    basis = spanned(model)[0]
     data = setup.residual[rows] * root
     return View(rows, root, basis, data - basis @ (basis.T @ data))
 
@@ -302,17 +301,12 @@ def beside_model(covariance: Covariance, model: Array, value: Array) -> tuple[fl
     basis, left
         Orthonormal directions of the model, and the data without them, shape (M,).
     """
-    length = np.linalg.norm(model, axis=0)
-    basis, strength, _ = np.linalg.svd(
-        model / np.where(length > 0, length, 1.0), full_matrices=False
-    )
-    kept = strength > 1e-9 * strength.max(initial=1e-300)
-    basis = basis[:, kept]
+    basis, strength, length = spanned(model)
     left = value - basis @ (basis.T @ value)
     lack = (
         covariance.log_determinant
         + _improbable(covariance)
-        + 2 * float(np.log(strength[kept]).sum())
+        + 2 * float(np.log(strength).sum())
         + float(left @ left)
     )
     return lack + 2 * float(np.log(length[length > 0]).sum()), basis, left

@@ -1,6 +1,6 @@
 """Oscillations in time; fields: sums of bumps over the sky, along a column or in time.
 
-A diagnosis lays them through what no effect explains. Each field is told by a few
+A diagnosis lays them through what no effect explains. Each field is given by a few
 numbers, so that a file can hold it and it has a value at any place, not only where
 recordings were made.
 """

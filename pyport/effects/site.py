@@ -209,7 +209,7 @@ def _series() -> Array:
 
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
-#: UT1-UTC is told from a constant error where it scatters by this share of itself.
+#: UT1-UTC is distinguished from a constant error where it scatters by this share of itself.
 CHANGED = 0.3
 _CONSTANT, _OMITTED_UT1 = "constant", "UT1-UTC left out"
 

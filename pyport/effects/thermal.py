@@ -25,7 +25,7 @@ _WIND = "Mangum et al. 2006, PASP 118, 1257: wind on antennas in the open"
 
 #: A structure may follow the Sun so many hours late.
 LAGS_H = (1, 2, 3)
-#: Wind speed that the coefficient of `wind_tilt` is told for [m/s].
+#: Wind speed that the coefficient of `wind_tilt` is stated for [m/s].
 REFERENCE_WIND_M_S = 10.0
 
 
@@ -83,7 +83,7 @@ def _thermal_tilt(heating: str = _ALWAYS, lag_h: int = 0) -> Effect:
 
 
 def _thermal_tilts(at: Circumstances) -> tuple[Effect, ...]:
-    """Return a lean at all times and, where day is told from night, by day: at once and late."""
+    """Return a lean at all times and, where day is known from night, by day: at once and late."""
     _, sun_el = _sun(at, 0)
     always = _thermal_tilt()
     by_day: tuple[Effect, ...] = (_thermal_tilt(_BY_DAY), _thermal_tilt(_AS_HIGH))

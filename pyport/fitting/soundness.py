@@ -121,7 +121,7 @@ def positive(covariance: Array) -> bool:
 WEAK = 2.0
 #: Coefficients that correlate by more than this stand for each other.
 TIED = 0.95
-#: So many correlated pairs are told.
+#: So many correlated pairs are named.
 MOST_PAIRS = 6
 
 

@@ -197,6 +197,19 @@ def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:
     return np.concatenate(places, axis=1), np.concatenate([part.columns for part in parts])
 
 
+def spanned(columns: Array) -> tuple[Array, Array, Array]:
+    """Return orthonormal directions (n, r) that span columns (n, k), with their strengths (r,).
+
+    Columns are scaled to unit length first, and what is left of them by rounding is no direction;
+    last come their lengths (k,).
+    """
+    length = np.linalg.norm(columns, axis=0)
+    unit = columns / np.where(length > 0, length, 1.0)
+    basis, strength, _ = np.linalg.svd(unit, full_matrices=False)
+    kept = strength > EMPTY * strength.max(initial=1e-300)
+    return np.asarray(basis[:, kept]), strength[kept], length
+
+
 def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:
     """Return what `inverted` returns but the condition number, sooner where columns differ well."""
     size = len(normal)

@@ -10,6 +10,7 @@ little where they are real, and their errors are those of this estimate under th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -72,8 +73,8 @@ def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
     inverse, _, known = inverse_of(normal)
     values = inverse @ (white[:, :-1].T @ white[:, -1])
     estimator = soft.unwhiten(white[:, :-1]) @ inverse
-    errors = covariance.errors(estimator)
-    wider = widening(covariance, estimator)
+    errors, shares = covariance.errors(estimator)
+    wider = widening(shares)
     return replace(
         best,
         values=values,
@@ -83,7 +84,7 @@ def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
     )
 
 
-def widening(covariance: Covariance, estimator: Array) -> Array:
+def widening(shares: Sequence[tuple[Array, float]]) -> Array:
     """Return by how much what is known of the variances widens each error, shape (P,).
 
     A variance that few sessions show, or a drift that turned few times, is itself uncertain: the
@@ -91,10 +92,9 @@ def widening(covariance: Covariance, estimator: Array) -> Array:
     (Satterthwaite 1946, Biometrics Bulletin 2, 110), and the error is half of the interval of
     Student's t that holds as much as one sigma of a normal.
     """
-    total, rough = np.zeros(estimator.shape[1]), np.zeros(estimator.shape[1])
-    for variance, of in covariance.shares(estimator):
-        total += variance
-        rough += variance**2 / of
+    total = rough = np.zeros(1)
+    for variance, of in shares:
+        total, rough = total + variance, rough + variance**2 / of
     dof = total**2 / np.maximum(rough, 1e-300)
     return np.asarray(stdtrit(np.maximum(dof, 1.0), ndtr(1.0)))
 

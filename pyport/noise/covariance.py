@@ -7,7 +7,7 @@ sessions and of sources, which are random effects.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -224,45 +224,39 @@ class Covariance:
             )
         return columns
 
-    def errors(self, estimators: Array) -> Array:
+    def errors(self, estimators: Array) -> tuple[Array, list[tuple[Array, float]]]:
         """Return rows (r, K) whose products are the covariance of linear estimators (m, K).
 
-        An estimator is the weight of each reading in what is estimated.
+        An estimator is the weight of each reading in what is estimated. With it comes all that adds
+        to their variances, (K,) each, and its degrees of freedom: white scatter, and each drift, of
+        each series; departures of each term.
         """
+        shares: list[tuple[Array, float]] = []
         start, rows = self.means.start, self.means.stop
         out = np.zeros((rows, estimators.shape[1]))
         for part, noise in zip(self.parts, self.noises, strict=True):
-            out[start + part.first], inside = series_errors(
-                estimators[part.rows],
-                self.weights[part.rows],
-                self.precision[part.rows],
-                part,
-                noise,
-            )
+            own = estimators[part.rows], self.weights[part.rows], self.precision[part.rows], part
+            means, inside = series_errors(*own, noise)
+            out[start + part.first] = means
             if inside is not None:
                 out[part.rows] = inside
+            whole = white = _variance(means, inside)
+            if noise.drifts:
+                white = _variance(*series_errors(*own, replace(noise, drifts=())))
+            shares.append((white, noise.dof))
+            drifting = np.maximum(whole - white, 0.0)
+            shares += [
+                (drifting * (amplitude / noise.drift) ** 2, part.turns(memory))
+                for amplitude, memory in noise.drifts
+            ]
         for x, y, correlation in self._coupled:
             out[start + x] += correlation * out[start + y]
             out[start + y] *= np.sqrt(1 - correlation**2)
         departing = [(one.columns * one.sigma).T @ estimators for one in self.departures]
-        return np.concatenate([out, *departing])
-
-    def shares(self, estimators: Array) -> Iterator[tuple[Array, float]]:
-        """Yield what adds to the variances of linear estimators (m, K), and its degrees of freedom.
-
-        White scatter, and each drift, of each series; departures of each term.
-        """
-        for part, noise in zip(self.parts, self.noises, strict=True):
-            own = estimators[part.rows], self.weights[part.rows], self.precision[part.rows]
-            still = replace(noise, drifts=())
-            white = _variance(*own, part, still)
-            yield white, noise.dof
-            drifting = np.maximum(_variance(*own, part, noise) - white, 0.0)
-            for amplitude, memory in noise.drifts:
-                yield drifting * (amplitude / noise.drift) ** 2, part.turns(memory)
-        for one in self.departures:
-            departing = (one.columns * one.sigma).T @ estimators
-            yield (departing**2).sum(axis=0), one.dof
+        shares += [
+            (_variance(rows), one.dof) for rows, one in zip(departing, self.departures, strict=True)
+        ]
+        return np.concatenate([out, *departing]), shares
 
     def _without_departures(self, out: Array) -> Array:
         """Take what departures do out of whitened columns (M, K), in place."""
@@ -398,13 +392,10 @@ class Covariance:
         return found
 
 
-def _variance(
-    estimators: Array, weights: Array, precision: Array, part: Series, noise: Noise
-) -> Array:
-    """Return what a series adds to the variance of linear estimators, shape (K,)."""
-    means, inside = series_errors(estimators, weights, precision, part, noise)
-    found = (means**2).sum(axis=0)
-    return np.asarray(found if inside is None else found + (inside**2).sum(axis=0))
+def _variance(rows: Array, more: Array | None = None) -> Array:
+    """Return the variances of linear estimators whose errors are some rows (r, K), shape (K,)."""
+    found = (rows**2).sum(axis=0)
+    return np.asarray(found if more is None else found + (more**2).sum(axis=0))
 
 
 def both_axes(parts: Sequence[Series], antenna: str) -> tuple[Codes, Codes]:

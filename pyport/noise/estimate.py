@@ -14,6 +14,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.least_squares import robust
+from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, Possible, both_axes
@@ -195,7 +196,7 @@ def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | 
         # What never changes is no drift, whether the model has a constant or lacks one.
         own = np.concatenate([design[part.rows], np.ones((len(part.rows), 1))], axis=1)
         if shapes is None:
-            own = _orthonormal(own[:, own.any(axis=0)])
+            own = spanned(own[:, own.any(axis=0)])[0]
         else:
             own = _rich(own, shapes[n], int(part.pointing.max()) + 1)
         columns.append(own)
@@ -336,7 +337,7 @@ def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
     for part in covariance.parts:
         own = model[part.rows]
         weights[part.rows] = robust.weights(
-            _orthonormal(own[:, own.any(axis=0)]), value[part.rows], FIRST_REACH, floors[part.is_y]
+            spanned(own[:, own.any(axis=0)])[0], value[part.rows], FIRST_REACH, floors[part.is_y]
         )[0]
     return replace(covariance, weights=weights)
 
@@ -385,7 +386,7 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     the noise is not whittled down by the search. The result is orthonormal.
     """
     base = base[:, np.any(base != 0, axis=0)]
-    orthonormal = _orthonormal(base)
+    orthonormal = spanned(base)[0]
     room = max(0, min(pointings // PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
     new = shapes - orthonormal @ (orthonormal.T @ shapes)
     left = np.linalg.norm(new, axis=0)
@@ -399,12 +400,3 @@ def _rich(base: Array, shapes: Array, pointings: int) -> Array:
     rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
     second = most_different(rest, room - first.shape[1], DIFFERENT)
     return np.concatenate([orthonormal, first, second], axis=1)
-
-
-def _orthonormal(columns: Array) -> Array:
-    """Return orthonormal directions that span the columns."""
-    if columns.shape[1] == 0:
-        return columns
-    length = np.linalg.norm(columns, axis=0)
-    directions, strength, _ = np.linalg.svd(columns / length, full_matrices=False)
-    return np.asarray(directions[:, strength > 1e-9 * strength[0]])

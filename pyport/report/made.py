@@ -149,15 +149,16 @@ def _noise(diagnosis: Diagnosis) -> Noise:
     parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True))
     across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
     times = [noise.time_s for _, noise in parts if noise.time_s is not None]
+    does = remarks.departures(diagnosis), remarks.drifts(diagnosis), remarks.by_elevation(diagnosis)
     return Noise(
         _median_floor(across),
         _median_floor(along),
         max(times, default=None),
         parts[0][1].how if parts else "reml",
-        tuple(Departure(**one) for one in remarks.departures(diagnosis)),
-        tuple(Drift(**one) for one in remarks.drifts(diagnosis)),
-        tuple(Growth(**one) for one in remarks.by_elevation(diagnosis)),
-        tuple(remarks.sentences(diagnosis)),
+        tuple(Departure(**one) for one in does[0]),
+        tuple(Drift(**one) for one in does[1]),
+        tuple(Growth(**one) for one in does[2]),
+        tuple(remarks.sentences(*does, diagnosis.setup.recordings.meta)),
     )
 
 

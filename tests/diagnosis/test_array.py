@@ -15,7 +15,7 @@ def coefficients(common, own, sigma, seed):
     return names, sessions.ravel().astype(str), value.ravel(), np.full(sessions.size, sigma)
 
 
-def test_common_and_own_parts_are_told_apart():
+def test_common_and_own_parts_are_distinguished():
     """A part that changes by session and one that stays with the antenna both come back."""
     rng = np.random.default_rng(0)
     own = rng.normal(size=20)

@@ -11,7 +11,7 @@ from diagnosis.made import recordings
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming.remarks import by_elevation, sentences
+from pyport.diagnosis.naming.remarks import by_elevation
 from pyport.diagnosis.search import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import axis_rms, sky_rms
@@ -54,7 +54,7 @@ def test_what_nights_do_is_a_size(wandering):
 def test_what_drifts_is_said_with_its_memory(drifting):
     """In arcseconds and hours, with the nights furthest from usual; the steady axis is not."""
     (one,) = told(report_of(drifting))["noise"]["drifts"]
-    (said,) = [words for words in sentences(drifting) if "drifts" in words]
+    (said,) = [words for words in report_of(drifting).noise.sentences if "drifts" in words]
 
     assert one["axis"] == "elevation"
     assert one["rms_arcsec"] == pytest.approx(10, rel=0.5)
@@ -108,8 +108,8 @@ def test_what_was_derived_is_said():
     del columns["time"]
     order = diagnose(replace(made, at=replace(made.at, columns=columns)), load("altaz"))
 
-    assert any("taken from gaps of more than 6 h" in one for one in sentences(gaps))
-    assert any("the order of the rows" in one for one in sentences(order))
+    assert any("taken from gaps of more than 6 h" in one for one in report_of(gaps).noise.sentences)
+    assert any("the order of the rows" in one for one in report_of(order).noise.sentences)
 
 
 def test_what_was_dropped_is_listed(wandering):

@@ -29,7 +29,7 @@ from pyport.report.typed import as_json as told
             'adds 1.99" rms to the residuals (330" before the fitted terms absorb the rest)',
         ),
         (12.8, 12.9, 'adds 12.8" rms to the residuals'),
-        # Larger than the largest offset of the data: no such number is told.
+        # Larger than the largest offset of the data: no such number is stated.
         (1.99, 1960, 'adds 1.99" rms to the residuals'),
     ],
 )

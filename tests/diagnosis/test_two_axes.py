@@ -26,7 +26,7 @@ def test_named_by_the_search_the_cause_settles_it():
     assert found.two_axes == ()
 
 
-def test_a_wave_in_one_axis_alone_is_told_with_its_place_and_its_cause():
+def test_a_wave_in_one_axis_alone_is_reported_with_its_place_and_its_cause():
     """Beside the bare model the tilt differs, across elevation, and an eccentricity settles it."""
     from pyport.diagnosis.case import prepare
     from pyport.diagnosis.joint import disagreements

@@ -39,7 +39,7 @@ def finding(effect="refraction", verdict="named", members=None):
             "ambiguous",
             ("refraction", "sag_sine", "ionosphere"),
         ),
-        # Its rival came first more often: both are told, the fitted one first.
+        # Its rival came first more often: both are reported, the fitted one first.
         (9, {"sag_sine": 31}, "ambiguous", ("refraction", "sag_sine")),
         # In half of the draws no name: still a choice between names; in more, nothing to name.
         (10, {"sag_sine": 10}, "ambiguous", ("refraction", "sag_sine")),

@@ -48,7 +48,7 @@ def test_transpose_and_errors_belong_to_the_same_covariance(readings, within, ce
     unit = np.eye(2 * N)
 
     whitening = given.whiten(unit)
-    errors = given.errors(unit)
+    errors, _ = given.errors(unit)
 
     np.testing.assert_allclose(given.unwhiten(np.eye(len(whitening))), whitening.T, atol=1e-12)
     np.testing.assert_allclose(errors.T @ errors @ whitening.T @ whitening, unit, atol=1e-10)
@@ -63,12 +63,12 @@ def test_coefficients_have_the_errors_that_are_stated():
     rng = np.random.default_rng(4)
     given = covariance(1, 0.0)
     columns = rng.standard_normal((2 * N, 3))
-    errors = given.errors(np.eye(2 * N))
+    errors, _ = given.errors(np.eye(2 * N))
     drawn = np.linalg.cholesky(errors.T @ errors) @ rng.standard_normal((2 * N, 4000))
     values = np.array([solve(given, columns, one).values for one in drawn.T])
 
     stated = np.sqrt(np.diag(solve(given, columns, drawn[:, 0]).covariance))
-    known = coefficients.widening(given, _estimator(given, columns))
+    known = coefficients.widening(given.errors(_estimator(given, columns))[1])
 
     np.testing.assert_allclose(values.std(axis=0) * known, stated, rtol=0.05)
     assert (known > 1.005).all()
@@ -161,7 +161,7 @@ def test_a_real_drift_is_still_weighed_down():
     columns = np.stack([np.ones(n), np.cos(az), np.sin(az)], axis=1)
     parts = tuple(series(given, stack(given)))
     noise = Covariance(parts, (Noise(0.0, 1.0, ((3.0, 7200.0),)),), np.ones(n), np.ones(n))
-    plain = noise.errors(columns @ np.linalg.inv(columns.T @ columns))
+    plain, _ = noise.errors(columns @ np.linalg.inv(columns.T @ columns))
 
     stated = np.diag(solve(noise, columns, np.zeros(n)).covariance)
 

@@ -11,7 +11,7 @@ from pyport.recordings.sky import ORDER, SESSIONS
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from pyport.diagnosis.joint import Joint
@@ -125,21 +125,28 @@ def _of_drift(one: dict[str, Any]) -> str:
     return f"{said}; means of sessions run from {low} to {high} arcsec"
 
 
-def sentences(diagnosis: Diagnosis) -> list[str]:
-    """Return a sentence for everything that the noise does beyond scattering evenly."""
+def sentences(
+    departing: Sequence[dict[str, Any]],
+    drifting: Sequence[dict[str, Any]],
+    growing: Sequence[dict[str, Any]],
+    meta: Mapping[str, str],
+) -> list[str]:
+    """Return a sentence for everything that the noise does beyond scattering evenly.
+
+    What `departures`, `drifts` and `by_elevation` return, and the header of the recordings.
+    """
     said = [
         f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
         f"({len(one['labels'])} {one['of']}s)"
-        for one in departures(diagnosis)
+        for one in departing
     ]
-    said += map(_of_drift, drifts(diagnosis))
+    said += map(_of_drift, drifting)
     said += [
         f"Scatter in {one['axis']} is {one['low_arcsec']:.2g} arcsec near "
         f"{one['low_el_deg']:.0f} deg of elevation and {one['high_arcsec']:.2g} near "
         f"{one['high_el_deg']:.0f} deg"
-        for one in by_elevation(diagnosis)
+        for one in growing
     ]
-    meta = diagnosis.setup.recordings.meta
     if SESSIONS in meta:
         said.append(f"Sessions are not recorded: they are taken from {meta[SESSIONS]}")
     if ORDER in meta:

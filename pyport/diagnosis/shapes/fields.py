@@ -24,7 +24,7 @@ from pyport.diagnosis.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
 from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.fields import field as as_effect
-from pyport.least_squares.gram import inverted
+from pyport.least_squares.gram import inverted, spanned
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, FAMILY_ERROR, FEWEST, IMPERFECTION, NAME_PRICE
 
@@ -63,10 +63,7 @@ class Ground:
 
     def __init__(self, setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]):
         model = setup.expanded((*setup.base, *chosen), of=weighed.white)
-        length = np.linalg.norm(model, axis=0)
-        model = model[:, length > 0] / length[length > 0]
-        basis, strength, _ = np.linalg.svd(model, full_matrices=False)
-        self.basis = basis[:, strength > 1e-9 * strength.max(initial=1e-300)]
+        self.basis = spanned(model[:, model.any(axis=0)])[0]
         self.setup, self.weighed = setup, weighed
         self.left = self._without(weighed.white[:, -1:])[:, 0]
         is_y = np.resize(setup.stack.is_y, len(self.left))

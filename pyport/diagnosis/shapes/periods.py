@@ -50,9 +50,9 @@ class Peak:
     """
 
     period_s: float
-    wanders: bool
     evidence: float
     choices: float
+    wanders: bool
 
     @property
     def worth(self) -> float:
@@ -121,20 +121,20 @@ class View:
         Minus twice the restricted log-likelihood of the noise alone.
     pull
         A column's product with this is its whitened one's with what the model leaves, shape (m,).
-    log_period, told
-        Logs of ascending periods, and what each session and axis tells of a wave of each: shapes
+    log_period, information
+        Logs of ascending periods, and what each session and axis knows of a wave of each: shapes
         (F,) and (2 S, F).
     """
 
     lack: float
     pull: Array
     log_period: Array
-    told: Array
+    information: Array
 
     def at(self, period_s: Array) -> Array:
         """Return the information at some periods (F,), shape (2 S, F)."""
         log = np.log(period_s)
-        return np.array([np.interp(log, self.log_period, one) for one in self.told])
+        return np.array([np.interp(log, self.log_period, one) for one in self.information])
 
 
 def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
@@ -146,12 +146,12 @@ def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chos
     white = noise.whiten(data)
     p = model.shape[1]
     lack, _, left = beside_model(noise, white[:, :p], white[:, p])
-    # Half the squares of both waves: what is told of either.
+    # Half the squares of both waves: the information on either.
     power = (white[:, p + 1 :] ** 2).reshape(len(white), 2, SPECTRUM).mean(axis=1)
     series = np.resize(2 * scan.session + scan.is_y, len(white))
-    told = np.zeros((2 * len(scan.length), SPECTRUM))
-    np.add.at(told, series, power)
-    return View(lack, noise.unwhiten(left[:, None])[:, 0], np.log(periods), told)
+    information = np.zeros((2 * len(scan.length), SPECTRUM))
+    np.add.at(information, series, power)
+    return View(lack, noise.unwhiten(left[:, None])[:, 0], np.log(periods), information)
 
 
 def peaks_of(scan: Scan, views: Sequence[View]) -> list[list[Peak]]:
@@ -179,7 +179,7 @@ def _held(scan: Scan, view: View) -> Peak | None:
     # Among frequencies that lie close a high peak is met more often than among independent ones,
     # by the root of its height (Baluev 2008, MNRAS 385, 1279).
     choices = scan.coherent * float(np.sqrt(max(float(gain[best]) / 2, 1.0)))
-    return Peak(1 / float(frequency[best]), False, evidence, choices)  # noqa: FBT003
+    return Peak(1 / float(frequency[best]), evidence, choices, wanders=False)
 
 
 def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
@@ -206,9 +206,9 @@ def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
     )
     turned = np.exp(-2j * np.pi * fine[:, None] * middle)
     squares = np.abs(np.tensordot(turned, sums, axes=([1], [1]))) ** 2
-    told = view.at(1 / coarse).reshape(-1, 2, len(coarse)).sum(axis=0).T
-    known = told > 1e-9 * told.max()
-    gain = np.where(known, squares / np.where(known, told, 1.0), 0.0).sum(axis=2)
+    information = view.at(1 / coarse).reshape(-1, 2, len(coarse)).sum(axis=0).T
+    known = information > 1e-9 * information.max()
+    gain = np.where(known, squares / np.where(known, information, 1.0), 0.0).sum(axis=2)
     waves = 2 * int(known.any(axis=0).sum())
     return (fine[:, None] + coarse).ravel(), gain.ravel(), waves
 
@@ -242,14 +242,15 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
         wave = np.exp(-2j * np.pi * scan.time / period)
         for k, view in enumerate(views):
             sums = _summed(view.pull * wave, group, 2 * count)
-            told = np.bincount(group, each[k][own, n], 2 * count)
-            size = _SIZES / max(float(told.max()), 1e-300)
-            gained = size * np.abs(sums) ** 2 / (1 + size * told) - 2 * np.log1p(size * told)
+            information = np.bincount(group, each[k][own, n], 2 * count)
+            size = _SIZES / max(float(information.max()), 1e-300)
+            power = size * information
+            gained = size * np.abs(sums) ** 2 / (1 + power) - 2 * np.log1p(power)
             evidence[k, n] = gained.sum(axis=1).max()
     choices = max(1.0, float(np.ptp(logs)) / ANOTHER)
     best = evidence.argmax(axis=1)
     return [
-        Peak(float(periods[one]), True, float(worth[one]), choices)  # noqa: FBT003
+        Peak(float(periods[one]), float(worth[one]), choices, wanders=True)
         for one, worth in zip(best, evidence, strict=True)
     ]
 
