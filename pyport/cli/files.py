@@ -112,11 +112,8 @@ def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
     if out is not None:
         write(recordings, out)
     if as_json:
-        answer = {
-            "averages": [_of_average(one) for one in found],
-            "set_aside": recordings.set_aside,
-        }
-        say("", answer, as_json=True)
+        rows = [_of_average(one) for one in found]
+        say("", {"averages": rows, "set_aside": recordings.set_aside}, as_json=True)
         return
     click.echo(text(found))
     for aside in recordings.set_aside:

@@ -6,7 +6,7 @@ from decimal import Decimal
 import pytest
 
 from pyport.errors import BadInput
-from pyport.formats import models, toml_model
+from pyport.formats import models
 from pyport.formats.convert import convert
 from pyport.formats.models import load
 from pyport.models.terms.field_system import UNITS
@@ -202,7 +202,7 @@ def test_whatever_a_toml_says_of_its_terms_is_kept(tmp_path):
     said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\nfar = [inf, 1.5]\n"
     path.write_text(f"{IA}[details]\n{said}")
     file = models.read(path)
-    toml_model.write(file, copy)
+    models.write(file, copy)
 
     assert models.read(copy).details == file.details
     assert len(file.details) == 4
