@@ -73,7 +73,7 @@ def turned(at: Circumstances, matrix: Array) -> tuple[Array, Array]:
     """Return (x, y) of turning the Earth-fixed sky by matrices of shape (n, 3, 3)."""
     ground = to_ground(at)
     direction = axes(at)[2]
-    there = np.einsum("nij,nj->ni", matrix, direction @ ground) @ ground.T
+    there = rotated(np.einsum("nij,nj->ni", matrix, rotated(direction, ground.T)), ground)
     return project(at, there - direction)
 
 
@@ -89,6 +89,14 @@ def to_ground(at: Circumstances) -> Array:
     )
 
 
+def rotated(vector: Array, matrix: Array) -> Array:
+    """Return vectors, shape (n, 3), turned by a matrix.
+
+    Not by matrix products, whose last digit depends on how many vectors there are.
+    """
+    return np.sum(vector[:, None, :] * matrix, axis=2)
+
+
 def from_sky(at: Circumstances, vector: Array, later_s: float = 0.0) -> Array:
     """Return celestial (J2000) vectors, shape (n, 3), on the ground at the time of each row."""
     import erfa
@@ -96,7 +104,7 @@ def from_sky(at: Circumstances, vector: Array, later_s: float = 0.0) -> Array:
     utc = days(at, later_s)
     pole = _day_by_day("pole", utc)
     earth = erfa.c2tcio(pole, erfa.era00(UNIX_EPOCH_JD, utc), np.eye(3))
-    return np.einsum("nij,nj->ni", earth, vector) @ to_ground(at).T
+    return rotated(np.einsum("nij,nj->ni", earth, vector), to_ground(at))
 
 
 def earth_velocity(at: Circumstances) -> Array:

@@ -53,7 +53,7 @@ def prepare(baseline: Baseline, recordings: Recordings, home: Array | None = Non
     given_x, given_y = baseline.model.offsets(recordings.at)
     value = np.stack([recordings.x - given_x, recordings.y - given_y], axis=1)
     nuisance = np.stack(baseline.design(recordings.at), axis=1)
-    off = value if home is None else value - nuisance @ home
+    off = value if home is None else value - np.sum(nuisance * home, axis=2)
     value = value.copy()
     change = np.stack(columns([one.effect for one in baseline.changes], recordings.at), axis=1)
     variance = baseline.variance(recordings)

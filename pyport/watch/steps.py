@@ -100,6 +100,7 @@ def _raise(
 
 def _afresh(watch: Antenna) -> None:
     watch.pending = None
+    watch.unchanged_mean = watch.unchanged_covariance = np.zeros(0)
     for level in watch.nulls.levels:
         level.null.learning = True
     watch.detector = detector.fresh(watch.layout, watch.null)

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -75,6 +76,22 @@ def test_once_more_tells_nothing_new(night):
 
     assert (done.exit_code, done.output) == (0, "")
     assert (folder / "undisturbed" / EVENTS).read_text() == before
+
+
+def test_taken_up_again_it_is_as_if_it_had_not_stopped(night, tmp_path):
+    """Before the alarm, while it is named, and after: the same state to the last bit."""
+    folder, drawn, _ = night
+    above, rows = text(drawn.watched, drawn.header)
+    (tmp_path / "past.csv").write_bytes((folder / "past.csv").read_bytes())
+    log, out = tmp_path / "night.csv", tmp_path / "out"
+    log.write_text("".join(above))
+    for begin, end in pairwise([0, 13, 24, 77, len(rows)]):
+        with log.open("a") as file:
+            file.writelines(rows[begin:end])
+        done = CliRunner().invoke(program, arguments(tmp_path, out))
+        assert done.exit_code == 0, done.output
+
+    assert state(out) == state(folder / "undisturbed")
 
 
 @pytest.mark.slow
