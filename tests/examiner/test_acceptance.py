@@ -1,12 +1,13 @@
 """Figures of acceptance: what counts as right, and that real lists are read as published."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pyport.examiner.acceptance import drawn, real
+from pyport.examiner.acceptance import drawn, gains, real
 from pyport.examiner.acceptance.drawn import Line
 from pyport.examiner.sealed.files import Rate
 
@@ -67,3 +68,25 @@ def test_the_lmts_published_terms_come_out():
 
     assert all(one.passed is not False for one in lines.values())
     assert isinstance(lines["LMT, xel: rms"], Line)
+
+
+def test_a_gain_that_is_stated_is_one_on_fresh_recordings():
+    """A tilt that steps, half of whose recordings are diagnosed; 3 s, for both halves count."""
+    one = gains._gain(("epoch_tilt", 502))
+
+    assert one.effect == "epoch_tilt"
+    assert one.stated > 3 * one.stated_sigma
+    assert abs(one.off) < 3
+    assert 0 < one.fresh_sigma < one.fresh
+
+
+@pytest.mark.parametrize(("off", "passed"), [(1.0, True), (3.0, False)])
+def test_gains_pass_where_nine_of_ten_are_within_two_errors(monkeypatch, off, passed):
+    """Of each sign."""
+    drawn = [gains.Gain("dip", 2.0 + sign * off, 0.6, 2.0, 0.8) for sign in (1, -1)]
+    monkeypatch.setattr(gains, "ProcessPoolExecutor", ThreadPoolExecutor)
+    monkeypatch.setattr(gains, "_gain", lambda task: drawn[task[1] % 2])
+    found = {one.what: one for one in gains.lines(1, 0, 10)}
+
+    assert found["stated gains: within two errors of the fresh gain"].passed == passed
+    assert found["stated gains: fresh over stated, in all"].value == "1.000"

@@ -65,7 +65,7 @@ def lines(jobs: int, seed: int, cases: int = CASES) -> Iterator[Line]:
         "stated gains: within two errors of the fresh gain",
         str(within),
         f"at least {100 * _WITHIN:.0f} %",
-        within.value >= _WITHIN,
+        bool(within.value >= _WITHIN),
     )
 
 
