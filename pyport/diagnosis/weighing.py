@@ -147,6 +147,18 @@ def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -
     return setup.known[key][1]
 
 
+def _noise_alike(setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen]) -> Covariance:
+    """Estimate the likeliest noise beside some effects, outliers and tails as beside others."""
+    key = (*_key(like, searching=False), *_key(chosen, searching=False))
+    if key not in setup.known:
+        design = setup.expanded([*setup.base, *chosen])
+        found = estimate(
+            setup.residual, design, setup.frame, like=noise(setup, like, searching=False)
+        )
+        setup.known[key] = (*like, *chosen), found
+    return setup.known[key][1]
+
+
 def _common_excess(
     setup: Problem,
     fitted: Sequence[Chosen],
@@ -229,12 +241,10 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     """
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
-    whole = noise(setup, (*others, one), searching=False)
-    value = setup.residual
-    worlds = np.concatenate([model, own], axis=1), model
+    value, after = setup.residual, (*others, one)
     noises = [
-        whole,
-        *side_by_side(lambda world: estimate(value, world, setup.frame, like=whole), worlds),
+        noise(setup, after, searching=False),
+        *side_by_side(lambda chosen: _noise_alike(setup, chosen, after), (after, tuple(others))),
     ]
     noises += [replace(one, departures=()) for one in noises if one.departures]
     # Either world has the likeliest of them: what one estimate misses is no evidence.
