@@ -88,6 +88,10 @@ MOSTLY = 0.5
 #: night that wandered is refused. Larger: one night's temperature curve passes for thermal
 #: physics.
 WITH_THE_HOUR = 0.9
+#: [order] Of the polynomial in time that draws a column which went with the hour. Rise, fall and
+#: turn of one night. Smaller: one night's weather passes for a cause. Larger: weather that swung
+#: several times in a night is refused.
+NIGHT_ORDER = 3
 #: [share of the other axis] From which an axis belongs to a finding. Less is projection. Smaller:
 #: sentences name both axes always. Larger: the weaker axis is not mentioned.
 AXIS_SHARE = 0.2
@@ -140,6 +144,28 @@ WORSE = 3.0
 #: variances one lets 16 % through, which costs precision but no validity. Smaller: precision is
 #: lost in half of all recordings. Larger: nights that differ become findings.
 DEPARTURE_WORTH = 1.0
+
+# Oscillations.
+
+#: [s] Shortest period of an oscillation. Two thirds of the half hour from which servos and air
+#: conditioners are expected. Smaller: what happens within a few pointings is claimed as periodic.
+#: Larger: servos that hunt go unfound.
+SHORTEST_PERIOD_S = 1200.0
+#: [median steps between readings] Shortest period where readings are rare. Two show a wave at
+#: all, and a third shows that it is one. Smaller: what alternates from one reading to the next is
+#: a period. Larger: periods go unfound where readings are rare.
+SHORTEST_STEPS = 3.0
+#: [periods] That a single session must hold. One is a drift, and nothing came back. Smaller: the
+#: drift of one night is an oscillation. Larger: slow oscillations of one long night go unfound.
+PERIODS_ALONE = 2.0
+#: [periods] In which a wandering phase is one. That of quality factor 10 is forgotten, by e, in
+#: 10 / pi of them. Smaller: each stretch fits its noise, so that nothing is worth it. Larger: the
+#: phase turns within a stretch, and the wave is lost.
+PERIODS_FREE = 3.0
+#: [share of the period] From which a wandering period is another one to choose among. The width
+#: of a line of quality factor 10. Smaller: oscillations pay for choices that are none. Larger:
+#: the best of many periods is taken for one that was tried alone.
+ANOTHER_PERIOD = 0.1
 
 # Too few: one rule, three counts. Of less than FEWEST readings nothing is estimated, placed or
 # shaped; a scale that is to weigh something is known from ENOUGH numbers, squares that are to show

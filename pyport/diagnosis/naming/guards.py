@@ -25,6 +25,7 @@ from pyport.thresholds import (
     CARRIERS,
     ENOUGH,
     FEWEST,
+    NIGHT_ORDER,
     SAME_STRENGTH,
     SEEN,
     SIGNIFICANT,
@@ -97,8 +98,6 @@ def smallest_seen(limits: dict[str, float]) -> str | None:
 
 #: A day [s].
 DAY_S = 86400.0
-#: Order of the polynomial in time that may draw a column: rise, fall and turn of one night.
-ORDER = 3
 
 
 @dataclass(frozen=True)
@@ -258,14 +257,14 @@ def nights(scene: Scene) -> int:
 def goes_with_the_hour(scene: Scene, column: str) -> bool:
     """Tell whether a smooth curve in time draws a column; where no times are known it may be so."""
     time = _times(scene)
-    if time is None or len(time) < ORDER + 2 or np.ptp(time) == 0:
+    if time is None or len(time) < NIGHT_ORDER + 2 or np.ptp(time) == 0:
         return True
     values = np.asarray(scene.setup.recordings.at.column(column), float)
     known = np.isfinite(values)
-    if known.sum() < ORDER + 2:
+    if known.sum() < NIGHT_ORDER + 2:
         return True
     phase = (time - time.min()) / np.ptp(time) * 2 - 1
-    basis = np.polynomial.legendre.legvander(phase[known], ORDER)
+    basis = np.polynomial.legendre.legvander(phase[known], NIGHT_ORDER)
     left = values[known] - basis @ np.linalg.lstsq(basis, values[known], rcond=1e-9)[0]
     return float(left.var()) <= (1 - WITH_THE_HOUR) * float(values[known].var())
 

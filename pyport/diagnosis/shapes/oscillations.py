@@ -19,7 +19,6 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.shapes.periods import (
     OVERSAMPLED,
-    PERIODS_FREE,
     Peak,
     Scan,
     near_best,
@@ -34,7 +33,7 @@ from pyport.effects.fields import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.stages import stage
-from pyport.thresholds import CONVINCING, FEWEST
+from pyport.thresholds import CONVINCING, FEWEST, PERIODS_FREE
 
 #: Shares of the drift's amplitude beside which a period is looked for.
 SHARES_OF_DRIFT = (1.0, 0.7, 0.3)
@@ -111,18 +110,18 @@ def _with_drift(present: Covariance, share: float, longest: float) -> Covariance
 
 
 def _effect(
-    setup: Problem, scan: Scan, period_s: float, *, wanders: bool, periods: float = PERIODS_FREE
+    setup: Problem, scan: Scan, period_s: float, *, wanders: bool, periods: float | None = None
 ) -> Effect:
     """Return the oscillation of a period, its sine counted from the middle of the recordings."""
     time = clock(setup.recordings.at)[setup.stack.row]
     since = float(np.round((time.min() + time.max()) / 2))
     if not wanders:
         return oscillation(period_s, since)
-    stretch, count = stretches_of(scan, period_s, periods)
+    stretch, count = stretches_of(scan, period_s, periods or PERIODS_FREE)
     begin, end = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(begin, stretch, time)
     np.maximum.at(end, stretch, time)
-    enough = np.bincount(stretch, minlength=count) >= (FEWEST if periods == PERIODS_FREE else 1)
+    enough = np.bincount(stretch, minlength=count) >= (1 if periods else FEWEST)
     found: list[Stretch] = [
         (float(one), float(other)) for one, other in zip(begin[enough], end[enough], strict=True)
     ]

@@ -16,17 +16,18 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.weighing import beside_model
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
-from pyport.thresholds import CONVINCING, ENOUGH_SQUARES
+from pyport.thresholds import (
+    ANOTHER_PERIOD,
+    CONVINCING,
+    ENOUGH_SQUARES,
+    PERIODS_ALONE,
+    PERIODS_FREE,
+    SHORTEST_PERIOD_S,
+    SHORTEST_STEPS,
+)
 
-#: Shortest period [s], and in median steps between readings.
-SHORTEST_S, SHORTEST_STEPS = 1200.0, 3.0
-#: A single session must hold so many periods: one is a drift.
-PERIODS_ALONE = 2.0
-#: Periods in a stretch within which a wandering phase is one: that of a quality factor of ten is
-#: forgotten, by e, in 10 / pi of them.
-PERIODS_FREE = 3.0
-#: A wandering period is tried at steps of this share, and is another from this share on.
-STEP, ANOTHER = 0.04, 0.1
+#: A wandering period is tried at steps of this share.
+STEP = 0.04
 #: Frequencies tried in one over the length of a session, and in one over that of the campaign.
 OVERSAMPLED = 4
 #: Longest stretch [s] that is searched as one: a day, as most sessions are shorter.
@@ -103,7 +104,8 @@ def scan_of(setup: Problem) -> Scan | None:
     np.maximum.at(end, session, time)
     length = end - begin
     moments = np.diff(np.unique(time))
-    shortest = max(SHORTEST_S, SHORTEST_STEPS * float(np.median(moments)) if len(moments) else 0.0)
+    step = float(np.median(moments)) if len(moments) else 0.0
+    shortest = max(SHORTEST_PERIOD_S, SHORTEST_STEPS * step)
     longest = float(np.median(length)) if len(length) > 1 else float(length[0]) / PERIODS_ALONE
     if longest < 2 * shortest:
         return None
@@ -237,7 +239,7 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
     each = [view.at(periods) / readings for view in views]
     evidence = np.empty((len(views), len(periods)))
     for n, period in enumerate(periods):
-        stretch, count = stretches_of(scan, period)
+        stretch, count = stretches_of(scan, period, PERIODS_FREE)
         group = 2 * stretch + scan.is_y
         wave = np.exp(-2j * np.pi * scan.time / period)
         for k, view in enumerate(views):
@@ -247,7 +249,7 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
             power = size * information
             gained = size * np.abs(sums) ** 2 / (1 + power) - 2 * np.log1p(power)
             evidence[k, n] = gained.sum(axis=1).max()
-    choices = max(1.0, float(np.ptp(logs)) / ANOTHER)
+    choices = max(1.0, float(np.ptp(logs)) / ANOTHER_PERIOD)
     best = evidence.argmax(axis=1)
     return [
         Peak(float(periods[one]), float(worth[one]), choices, wanders=True)
@@ -255,7 +257,7 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
     ]
 
 
-def stretches_of(scan: Scan, period_s: float, periods: float = PERIODS_FREE) -> tuple[Codes, int]:
+def stretches_of(scan: Scan, period_s: float, periods: float) -> tuple[Codes, int]:
     """Return the stretch of each reading, of so many periods, and the number of stretches."""
     parts = np.maximum(1, np.round(scan.length / (periods * period_s))).astype(np.intp)
     first = np.cumsum([0, *parts])
