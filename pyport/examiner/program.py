@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import functools
 import hashlib
 import signal
+import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,6 +46,26 @@ def diagnosed(
         return Refused(str(error))
     except TimeoutError:
         return Refused(f"no answer within {patience_s:.0f} s")
+
+
+def residuals(
+    table: Table, header: Header | None = None, model: str = "altaz"
+) -> dict[tuple[int, str], float] | Refused:
+    """Return what model and findings leave of each reading [arcsec], by row and "xel" or "el"."""
+    import pyport
+    from pyport.errors import BadInput
+
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            pyport.diagnose(_given(table), model, header=header).save(folder)
+        except BadInput as error:
+            return Refused(str(error))
+        with (Path(folder) / "rows.csv").open(encoding="utf-8", newline="") as file:
+            return {
+                (int(row["line"]) - 2, row["axis"]): float(row["residual_after_arcsec"])
+                for row in csv.DictReader(file)
+                if row["residual_after_arcsec"]
+            }
 
 
 def fitted(

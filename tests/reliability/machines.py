@@ -33,7 +33,7 @@ INPUTS = (
     *(Spec("one", "one", effect, 1.0, ROWS) for effect in ("refraction", "azimuth_harmonics")),
     Spec("degenerate", "degenerate", "latitude", 1.0, ROWS),
     Spec("two", "two", "refraction+beam_squint", 1.0, ROWS),
-    Spec("unknown", "unknown", "mixed_wave", 1.0, ROWS),
+    Spec("unknown", "unknown", "spiral", 1.0, ROWS),
     Spec("region", "unknown", "region", 1.0, ROWS),
     Spec("curve", "one", "subreflector_jump", 1.0, ROWS),
     Spec("moment", "one", "epoch_offset", 1.0, ROWS),

@@ -52,7 +52,7 @@ def specs() -> list[Spec]:
     return [
         Spec("null", "null", rows=ROWS, noise="white"),
         Spec("one", "one", "refraction", 1.0, ROWS),
-        Spec("unknown", "unknown", "mixed_wave", 1.0, ROWS),
+        Spec("unknown", "unknown", "spiral", 1.0, ROWS),
     ]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from pyport.cli.dev.trials import DATA
 from pyport.cli.manners import PATH, flag, in_json, option, say
 from pyport.errors import BadInput
 
@@ -23,6 +25,7 @@ _NEXT = (
 @click.command("prove", epilog="Example: pyport dev prove --set small --name spring --jobs 2")
 @option("--set which", "About 150 cases, or about 1,600.", "small", of="small full")
 @option("--name", "What the set is called.")
+@option("--data", "Folder of public recordings, for their noise.", DATA, type=PATH)
 @option("--jobs", "Cases at the same time.", 1)
 @option("--sets", "Folder of published sets, in a repository.", Path("docs/proof/sets"), type=PATH)
 @option("--out", "Folder of recordings, reports and sealed truths.", Path("out/sets"), type=PATH)
@@ -32,6 +35,7 @@ _NEXT = (
 def prove(
     which: str,
     name: str | None,
+    data: Path,
     jobs: int,
     sets: Path,
     out: Path,
@@ -51,10 +55,10 @@ def prove(
         return
     if not name:
         raise BadInput("which set? expected --name NAME or --verify NAME")
-    from pyport.examiner.sealed.protocol import SETS
+    from pyport.examiner.sealed.protocol import SETS, there
     from pyport.examiner.sealed.prove import STAGES, Plan, advance
 
-    step = advance(Plan(name, sets / name, out / name, SETS[which], jobs))
+    step = advance(Plan(name, sets / name, out / name, partial(SETS[which], there(data)), jobs))
     files = " ".join(map(str, step.commit))
     if step.commit:
         text = (

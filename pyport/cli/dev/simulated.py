@@ -154,8 +154,8 @@ def mounts(
 ) -> None:
     """Hide causes in drawn sessions of German, fork and X-Y mounts, and count what is found.
 
-    A model of five terms is fitted; one cause, or two, or one without a name, shows half of the
-    noise beside it, or nothing is hidden. 98 % of the empty sessions are to stay silent, 95 % of
+    The classical terms are fitted; one cause, or two, or one without a name, shows half of the
+    noise beside them, or nothing is hidden. 98 % of the empty sessions are to stay silent, 95 % of
     the single causes to be named.
     """
     from pyport.examiner.mounts import examine

@@ -6,7 +6,7 @@ import contextlib
 import io
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,12 +17,22 @@ if TYPE_CHECKING:
 
 LEDGER = Path("docs/proof/ledger.md")
 PAGE = Path("docs/proof.md")
+DATA = Path("../shared/data")
 
 _A_PATH = click.Path(path_type=Path)
 _jobs = option("--jobs", "Cases at the same time.", 1)
 _ledger = option("--ledger", "The ledger of all sets.", LEDGER, type=_A_PATH)
+_data = option(
+    "--data",
+    "Folder of public recordings, for their noise; those shipped where it is not there.",
+    DATA,
+    type=_A_PATH,
+)
 _which = option(
-    "--set which", "About a hundred cases, or near a thousand.", "small", of="small full"
+    "--set which",
+    "About a hundred and fifty cases, or seventeen hundred.",
+    "small",
+    of="small full",
 )
 
 
@@ -39,9 +49,15 @@ def command() -> None:
 @option("--effect", "Which cause, by its name; drawn when not given.")
 @option("--rho", "Rms of the cause over that of the noise.", 0.5)
 @option("--rows", "Recordings of each case.", type=int)
-@option("--noise", "white, drift, heavy, outliers or gappy.")
+@option("--noise", "white, drift, gappy, or another of `pyport dev nulls`.")
 @option("--site", "rt32, gmrt or south.")
 @option("--weeks", "Length of an ablation's campaign.", type=float)
+@option("--sky", "radio, grid, one or clustered.")
+@option("--mount", "german, fork, xy-ns or xy-ew.")
+@option("--model", "tpoint.mod, mdlpo.ctl or rt32-3model; written to OUT where it is a file.")
+@option("--little", "place or time: what the file has.")
+@option("--real", "The set of real recordings whose noise it is.")
+@option("--data", "Folder of those that are not shipped.")
 @option("--seed", "Seed of the first case; each next one has one more.", 0)
 @option("--count", "How many cases.", 1)
 @option("-o --out", "Folder to write to.", type=_A_PATH, required=True)
@@ -50,43 +66,42 @@ def make(
     *,
     kind: str,
     effect: str | None,
-    rho: float,
-    rows: int | None,
-    noise: str | None,
-    site: str | None,
-    weeks: float | None,
     seed: int,
     count: int,
     out: Path,
     as_json: bool,
+    **asked: Any,  # noqa: ANN401 - fields of `Spec`
 ) -> None:
     """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
     from pyport.examiner.sealed.files import write_recordings, write_truth
-    from pyport.examiner.worlds.kinds import make_case
+    from pyport.examiner.worlds.kinds import files_of, make_case
+    from pyport.files import write_whole
     from pyport.stages import track
 
     for each in track(range(seed, seed + count), "making cases", total=count):
-        case = make_case(
-            kind, each, effect=effect, rho=rho, rows=rows, noise=noise, site=site, weeks=weeks
-        )
+        case = make_case(kind, each, effect=effect, **asked)
         stem = "-".join(filter(None, [kind, effect, f"{each:05d}"]))
         write_recordings(case, out / "recordings" / f"{stem}.csv")
         write_truth(case, out / "truth" / f"{stem}.json")
+        for name, text in files_of(case.arguments).items():
+            with write_whole(out / name) as file:
+                file.write(text)
     say(f"{count} cases in {out}", {"cases": count, "folder": out}, as_json=as_json)
 
 
 @command.command(epilog="Example: pyport dev trials seal out/set")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_which
+@_data
 @_ledger
 @in_json
-def seal(folder: Path, which: str, ledger: Path, *, as_json: bool = False) -> None:
+def seal(folder: Path, which: str, data: Path, ledger: Path, *, as_json: bool = False) -> None:
     """Draw truths, hide them, and publish the hashes that fix them."""
     from pyport.examiner.sealed import page as book
-    from pyport.examiner.sealed.protocol import SETS
+    from pyport.examiner.sealed.protocol import SETS, there
     from pyport.examiner.sealed.seal import seal as seal_set
 
-    sealed = seal_set(folder, folder.resolve().name, SETS[which]())
+    sealed = seal_set(folder, folder.resolve().name, SETS[which](there(data)))
     book.enter_seal(ledger, folder, sealed)
     text = f"{len(sealed['cases'])} cases sealed: publish {folder / 'sealed.json'}"
     told = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
@@ -140,12 +155,20 @@ def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> No
 @command.command(epilog="Example: pyport dev trials prove out/set --set small --jobs 2")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_which
+@_data
 @_jobs
 @_ledger
 @in_json
 @click.pass_context
 def prove(
-    context: click.Context, folder: Path, which: str, jobs: int, ledger: Path, *, as_json: bool
+    context: click.Context,
+    folder: Path,
+    which: str,
+    data: Path,
+    jobs: int,
+    ledger: Path,
+    *,
+    as_json: bool,
 ) -> None:
     """Seal, run, reveal and score, from wherever that was interrupted."""
     from pyport.examiner.sealed import page as book
@@ -153,7 +176,7 @@ def prove(
 
     with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):
         if not (folder / "sealed.json").exists():
-            context.invoke(seal, folder=folder, which=which, ledger=ledger)
+            context.invoke(seal, folder=folder, which=which, data=data, ledger=ledger)
         book.enter_seal(ledger, folder, read_seal(folder / "sealed.json"))
         if not (folder / "answers.json").exists():
             context.invoke(run, folder=folder, jobs=jobs)

@@ -106,7 +106,7 @@ def _solve(task: _Task) -> tuple[Verdict, float]:
     if task.spec.group == "unknown" and verdict.first and wanted:
         told = report["findings"][0]["looks_like"] or ""
         verdict = _but(verdict, first=wanted in told)
-    chance = 0.0 if made.truth["kind"] != "one" else observer.possible(report, made)
+    chance = 0.0 if made.truth["kind"] != "one" else observer.possible(made)
     return _but(verdict, place=placed), chance
 
 

@@ -62,7 +62,7 @@ def examine(drawn: Drawn) -> dict[str, Any]:
         "named": verdict.first,
         "said": verdict.said,
         "gain": observer.gain(made),
-        "possible": observer.possible(report, made),
+        "possible": observer.possible(made),
         "period_error": period_error(report, made.truth["effects"]),
     }
 

@@ -8,15 +8,14 @@ Processing II, ch. 7). The model's seven terms are fitted, as a tool fits them.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.stats import norm
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import ARCSEC, Array
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.mount import altaz_columns
+from pyport.examiner.worlds.faults import CATALOGUED
 from pyport.thresholds import FAMILY_ERROR
 
 #: An encoder's step is this share of sigma in `worlds.campaign.usual_noise`; its rounding adds.
@@ -26,17 +25,15 @@ STEP = 0.2
 def gain(case: Case) -> float:
     """Return the squared ratio of the true amplitude to its error: the expected gain beyond noise.
 
-    Outliers are known to the observer and left out; of Student's t it uses the likelihood, whose
-    information on a place is (d + 1) / (d + 3) over the squared scale.
+    Outliers are known to the observer and left out.
     """
     noise = case.truth["noise"]
-    az, el = (case.columns[name] * DEG for name in ("az_deg", "el_deg"))
     stamps = np.char.rstrip(case.columns["time_utc"].astype(str), "Z")
     time_s = stamps.astype("datetime64[ms]").astype(float) / 1000
-    forms = zip(altaz_columns(az, el), case.signature, ("az", "el"), ("xel", "el"), strict=True)
+    forms = zip(case.base, case.signature, ("az", "el"), ("xel", "el"), strict=True)
     white = []
     for columns, form, axis, name in forms:
-        measured = np.isfinite(case.columns.get(f"d_{axis}_deg", np.full(len(az), np.nan)))
+        measured = np.isfinite(case.columns.get(f"d_{axis}_deg", np.full(len(time_s), np.nan)))
         both = np.concatenate([columns, form[:, None]], axis=1)[measured]
         sigma = noise[f"{name}_arcsec"] * ARCSEC
         unit = _covariance(time_s[measured], noise["drift_share"], noise["memory_s"])
@@ -45,17 +42,15 @@ def gain(case: Case) -> float:
     stacked = np.concatenate(white)
     model, curve = stacked[:, :-1], stacked[:, -1]
     left = curve - model @ np.linalg.lstsq(model, curve, rcond=1e-9)[0]
-    degrees = noise["tail_degrees"]
-    sharper = (degrees + 1) / (degrees + 3) * degrees / (degrees - 2) if degrees > 2 else 1.0
-    return float(left @ left) * sharper * (1 - noise["outlier_share"])
+    return float(left @ left) * (1 - noise["outlier_share"])
 
 
-def possible(report: dict[str, Any], case: Case) -> float:
+def possible(case: Case) -> float:
     """Return the chance that the observer detects a case's cause.
 
-    It makes false alarms as often as the program and pays for all effects that its report tested.
+    It makes false alarms as often as the program and pays for all causes that are drawn.
     """
-    return detection(gain(case), FAMILY_ERROR, len(report["detection_limit_arcsec"]))
+    return detection(gain(case), FAMILY_ERROR, len(CATALOGUED))
 
 
 def _covariance(time_s: Array, drift_share: float, memory_s: float) -> Array:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
+from pyport.examiner.ideal import observer
 from pyport.examiner.sealed import score
 from pyport.examiner.sealed.judge import Table, Verdict, judge, numbers, place, read_table
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
@@ -32,7 +33,6 @@ from pyport.examiner.sealed.seal import (
     write_json,
 )
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.mount import altaz_columns
 from pyport.stages import track
 
 _FOLDS = 10
@@ -100,8 +100,7 @@ def _left_out(rows: Path, recordings: Path, count: int) -> tuple[Array, Array]:
 
 def _best(case: Case, measured: Array) -> Array:
     """Return what the base and the true form, refitted without a fold, predict of it, (2, n)."""
-    az, el = (case.columns[name] * DEG for name in ("az_deg", "el_deg"))
-    columns = np.stack(altaz_columns(az, el))
+    columns = np.stack(case.base)
     form = np.stack(case.signature)[:, :, None]
     design = np.concatenate([columns, form / (np.abs(form).max() or 1.0)], axis=2)
     sigma = _sigma(case)
@@ -124,8 +123,12 @@ def _folds(case: Case) -> NDArray[np.intp]:
     return np.unique(case.columns["session"], return_inverse=True)[1]
 
 
-#: Groups whose cases say what is gained on data left out.
-_SKILLED = frozenset({"one", "curve", "moment"})
+#: Groups whose cases are made again to ask what is gained on data left out; that of one cause whose
+#: noise an observer can know.
+_SKILLED = frozenset(
+    {*("null", "one", "rows", "curve", "moment", "two", "three", "unknown", "when"), "oscillation"}
+)
+_OBSERVED = frozenset({"one", "rows"})
 
 
 @dataclass(frozen=True)
@@ -183,9 +186,12 @@ def _judge(task: tuple[Folder, str, dict[str, Any]]) -> Verdict:
     verdict = replace(
         verdict, place=place(table, report.get("findings", []), truth["truth"]["effects"])
     )
-    loud = verdict.spec["rho"] >= THRESHOLDS["skill_rho_least"]
-    if verdict.group in _SKILLED and loud and folder.rows(case).exists():
-        made = Spec(**truth["spec"]).make(truth["seed"])
+    if verdict.group not in _SKILLED or verdict.spec["mount"] or verdict.spec["little"]:
+        return verdict
+    made = Spec(**truth["spec"]).make(truth["seed"])
+    if verdict.group in _OBSERVED and verdict.spec["rho"]:
+        verdict = replace(verdict, possible=observer.possible(made))
+    if folder.rows(case).exists():
         verdict = replace(verdict, skill=skill(made, folder.recordings(case), folder.rows(case)))
     return verdict
 

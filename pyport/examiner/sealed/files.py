@@ -43,16 +43,13 @@ def examiner() -> str:
 
 
 #: Decimals of columns: offsets to a third of a milliarcsecond, places to four of them.
-_DECIMALS = {
-    "d_az_deg": 7,
-    "d_el_deg": 7,
-    "az_deg": 6,
-    "el_deg": 6,
-    "ra_deg": 6,
-    "dec_deg": 6,
-    "hour_angle_h": 6,
-}
-_OTHER_DECIMALS = 2
+_PLACES = frozenset(
+    {"az_deg", "el_deg", "ra_deg", "dec_deg", "ha_deg", "x_deg", "y_deg", "hour_angle_h"}
+)
+
+
+def _decimals(name: str) -> int:
+    return 7 if name.startswith("d_") else 6 if name in _PLACES else 2
 
 
 def canonical(truth: dict[str, Any]) -> str:
@@ -81,7 +78,7 @@ def _texts(name: str, values: NDArray[Any]) -> list[str]:
     """Return a column as text, blank where there is no number."""
     if values.dtype.kind != "f":
         return [str(value) for value in values]
-    decimals = _DECIMALS.get(name, _OTHER_DECIMALS)
+    decimals = _decimals(name)
     return ["" if np.isnan(value) else f"{value:.{decimals}f}" for value in values]
 
 

@@ -39,6 +39,7 @@ class Verdict:
     first: bool
     three: bool
     found: tuple[bool, ...]  #: for each hidden cause, whether any finding has it
+    wrong: tuple[str, ...]  #: findings that mean nothing that is hidden
     #: Whether the first finding lists all that cannot be distinguished, and claims no one name.
     whole_class: bool
     #: Reported minus true over the reported sigma, for coefficients that truth knows, and the
@@ -48,6 +49,8 @@ class Verdict:
     place: dict[str, float] = field(default_factory=dict)
     #: Gained and gainable mean squares on data left out, in units of the noise's.
     skill: tuple[float, float] | None = None
+    #: The chance that an ideal observer detects the cause.
+    possible: float | None = None
 
 
 def judge(case: str, truth: dict[str, Any], report: dict[str, Any]) -> Verdict:
@@ -71,6 +74,7 @@ def judge(case: str, truth: dict[str, Any], report: dict[str, Any]) -> Verdict:
         first=any(is_right(one, cause) for one in first for cause in causes),
         three=any(is_right(one, cause) for one in _first_three(findings) for cause in causes),
         found=tuple(any(is_right(one, cause) for one in findings) for cause in causes),
+        wrong=tuple(one["effect"] for one in findings if _is_wrong(one, causes)),
         whole_class=any(_has_whole_class(one, cause) for one in first for cause in causes),
         pulls=tuple(pull for cause in causes for pull in _pulls(findings, cause)),
     )
@@ -78,12 +82,20 @@ def judge(case: str, truth: dict[str, Any], report: dict[str, Any]) -> Verdict:
 
 def is_right(finding: Finding, cause: Cause) -> bool:
     """Tell whether a finding means a cause: its class holds it, and is not everything there is."""
+    if finding["verdict"] == "unknown" and cause.get("or_unknown"):
+        return True
     if cause["effect"] == "unknown":
         return bool(finding["verdict"] == "unknown")
     named = {finding["effect"], *finding["class"]}
     if finding["verdict"] == "unknown" or len(named) > WIDEST_CLASS:
         return False
     return cause["effect"] in named or finding["effect"] in cause["class"]
+
+
+def _is_wrong(finding: Finding, causes: list[Cause]) -> bool:
+    """Tell whether a finding means no hidden cause, nor what may be said beside one."""
+    beside = {name for cause in causes for name in cause.get("beside", ())}
+    return finding["effect"] not in beside and not any(is_right(finding, one) for one in causes)
 
 
 def _has_whole_class(finding: Finding, cause: Cause) -> bool:
@@ -168,6 +180,21 @@ def region_overlap(
     return overlap(inside(table, region), inside(table, true)) if region else None
 
 
+def _subset_overlap(
+    table: Table, finding: dict[str, Any], true: dict[str, list[str]]
+) -> float | None:
+    """Return the overlap of the rows that a finding's labels select with the true ones."""
+    subset = finding["where"].get("subset")
+    if not subset or not set(subset) <= set(table):
+        return None
+
+    def rows(labels: dict[str, list[str]]) -> Mask:
+        chosen = [np.isin(table[column], names) for column, names in labels.items()]
+        return np.asarray(np.all(chosen, axis=0))
+
+    return overlap(rows(subset), rows(true))
+
+
 def curve_distance_deg(finding: dict[str, Any], true: list[dict[str, float]]) -> float | None:
     """Return the median distance in elevation of two curves over the azimuths of the found one."""
     curve = finding["where"].get("curve")
@@ -198,7 +225,7 @@ def _seconds(text: str) -> float:
 def place(
     table: Table, findings: list[dict[str, Any]], causes: list[dict[str, Any]]
 ) -> dict[str, float]:
-    """Return how well the first cause is placed, in every way that the truth can say.
+    """Return how well the first cause is placed and dated, in every way that the truth can say.
 
     The first finding that says such a place is held to it; where none does the
     overlap is nothing and the distance infinite.
@@ -213,6 +240,17 @@ def place(
     if where.get("curve"):
         curve = (curve_distance_deg(one, where["curve"]) for one in findings)
         placed["curve_deg"] = _first(curve, np.inf)
+    if where.get("subset"):
+        subset = (_subset_overlap(table, one, where["subset"]) for one in findings)
+        placed["subset_iou"] = _first(subset, 0.0)
+    if (period_s := causes[0].get("facts", {}).get("period_s")) is not None:
+        periods = (
+            parameter["value"] * 60 / period_s - 1
+            for one in findings
+            for parameter in one.get("parameters", [])
+            if parameter["name"] == "period"
+        )
+        placed["period_off"] = abs(_first(periods, np.inf))
     if where.get("since"):
         since = (moment_rows(table, one, where["since"]) for one in findings)
         placed["moment_rows"] = _first(since, np.inf)

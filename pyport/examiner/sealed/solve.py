@@ -20,6 +20,7 @@ from pyport.errors import BadInput
 from pyport.examiner.sealed.compact import compact, rows_of
 from pyport.examiner.sealed.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
+from pyport.examiner.worlds.kinds import files_of
 from pyport.files import sha256, write_whole
 from pyport.stages import track
 
@@ -72,6 +73,8 @@ def solve(task: Task) -> None:
         cell = Path(name)
         recordings = cell / "recordings.csv"
         shutil.copyfile(task.folder.recordings(task.case), recordings)
+        for name_, text in files_of(task.arguments).items():
+            (cell / name_).write_text(text, encoding="utf-8")
         started = time.monotonic()
         failure = _sit(task, recordings, cell / "out")
         took_s = time.monotonic() - started

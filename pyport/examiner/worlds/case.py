@@ -34,6 +34,7 @@ class Case:
     #: Offsets without noise that the hidden causes add [rad], (x, y), shape (n,) each.
     signature: tuple[Array, Array]
     clean: tuple[Array, Array]  #: offsets without noise [rad], (x, y), shape (n,) each
+    base: tuple[Array, Array]  #: columns of the base, (x, y), shape (n, k) each
     arguments: tuple[str, ...] = ()  #: what the solver is to be called with besides the file
 
 
@@ -69,7 +70,7 @@ def hide(
 ) -> Hidden:
     """Put causes into a world, each scaled to `rho`, or at its own size where that is None.
 
-    With `projected` rho is measured after the altaz base took its share,
+    With `projected` rho is measured after the world's base took its share,
     without it before.
     """
     effects: list[dict[str, Any]] = []
@@ -112,9 +113,11 @@ def _difference(before: Observation, after: Observation) -> tuple[Array, Array]:
 def _base(world: World, seen: Observation, noise: Noise) -> Base:
     plan = world.plan
     return Base(
-        seen.az, seen.el, plan.labels["antenna"], plan.measures("az"), plan.measures("el"),
-        noise.sigma_x, noise.sigma_y,
-    )  # fmt: skip
+        world.stand.columns(seen.az, seen.el, world.base),
+        plan.labels["antenna"],
+        (plan.measures("az"), plan.measures("el")),
+        (noise.sigma_x, noise.sigma_y),
+    )
 
 
 def _described(
@@ -126,6 +129,7 @@ def _described(
         "effect": fault.effect,
         "class": sorted({fault.effect, *fault.same}),
         "beside": list(fault.beside),
+        "or_unknown": fault.or_unknown,
         "size": size,
         "unit": fault.unit,
         "fixed_by_nature": fault.fixed,
@@ -139,6 +143,24 @@ def _described(
     }
 
 
+#: What files with little in them have: the place, and the time too.
+LITTLE = {
+    "place": ("scan_axis", "az_deg", "el_deg", "d_az_deg", "d_el_deg"),
+    "time": ("time_utc", "scan_axis", "az_deg", "el_deg", "d_az_deg", "d_el_deg"),
+}
+#: What a mount's angles and offsets across and along its axes are called.
+_AXES = {
+    "altaz": ("az_deg", "el_deg", "d_az_deg", "d_el_deg"),
+    "xy": ("x_deg", "y_deg", "d_x_deg", "d_y_deg"),
+    "polar": ("ha_deg", "dec_deg", "d_ha_deg", "d_dec_deg"),
+}
+
+
+def axes_of(kind: str) -> tuple[str, ...]:
+    """Return what the angles and offsets of a kind of mount are called."""
+    return _AXES["xy" if kind.startswith("xy") else "altaz" if kind == "altaz" else "polar"]
+
+
 def finish(
     hidden: Hidden,
     streams: Streams,
@@ -146,40 +168,54 @@ def finish(
     *,
     azimuth_zero: str = "north",
     arguments: tuple[str, ...] = (),
+    little: str | None = None,
 ) -> Case:
-    """Add noise, write everything as an observer would, and set the truth apart."""
+    """Add noise, write everything as an observer would, and set the truth apart.
+
+    `little`: which of `LITTLE` the file has, where it has not all columns.
+    """
     world, seen, noise = hidden.world, hidden.observation, hidden.noise
-    plan = world.plan
+    plan, kind = world.plan, world.stand.kind
     noise_x, noise_y = noises.draw(streams.noise, noise, plan)
     x = np.where(plan.measures("az"), seen.x + noise_x, np.nan)
     y = np.where(plan.measures("el"), seen.y + noise_y, np.nan)
-    # The encoders are what is rounded, azimuth as a coordinate.
-    d_az = noises.rounded(x / np.cos(seen.el), noise.step)
-    turned = unwrapped(plan, seen.az) - (np.pi if azimuth_zero == "south" else 0.0)
+    first = seen.first
+    if kind == "altaz":
+        first = unwrapped(plan, first) - (np.pi if azimuth_zero == "south" else 0.0)
     recorded_s = plan.time_s + world.steering.clock_s
+    angles = axes_of(kind)
     columns: dict[str, NDArray[Any]] = {
         "time_utc": np.array([_iso(t) for t in recorded_s]),
         **plan.labels,
-        "az_deg": turned / DEG,
-        "el_deg": seen.el / DEG,
-        "d_az_deg": d_az / DEG,
-        "d_el_deg": noises.rounded(y, noise.step) / DEG,
         "hour_angle_h": seen.hour_angle * 12 / np.pi,
         "ra_deg": (plan.ra + world.steering.ra) / DEG,
         "dec_deg": (plan.dec + world.steering.dec) / DEG,
+        angles[0]: first / DEG,
+        angles[1]: seen.second / DEG,
+        # The encoders are what is rounded, azimuth as a coordinate.
+        angles[2]: noises.rounded(x / np.cos(seen.second), noise.step) / DEG,
+        angles[3]: noises.rounded(y, noise.step) / DEG,
         "scan_direction": plan.scan_direction.astype(int),
         "scan_rate_arcmin_per_min": plan.scan_rate / ARCSEC,
         **decoys(streams.decoy, plan),
         **plan.weather,
     }
-    columns = {name: values for name, values in columns.items() if not _empty(values)}
+    if kind != "altaz":
+        for name in ("hour_angle_h", "ra_deg", "scan_axis"):
+            columns.pop(name, None)
+    if kind == "german":
+        columns["pier_side"] = np.where(np.asarray(world.stand.side) < 0, "west", "east")
+    wanted = LITTLE[little] if little else tuple(columns)
+    columns = {
+        name: values for name, values in columns.items() if name in wanted and not _empty(values)
+    }
     site = assumed_site(world)
     header = {
         "telescope": plan.site_name,
         "latitude_deg": f"{float(site.latitude) / DEG:.7f}",
         "longitude_deg": f"{float(site.longitude) / DEG:.7f}",
         "height_m": f"{float(site.height_m):.1f}",
-        "azimuth_zero": azimuth_zero,
+        **({"azimuth_zero": azimuth_zero} if kind == "altaz" else {"mount": kind}),
     }
     truth = {
         "schema": "pyport.truth/1",
@@ -192,12 +228,13 @@ def finish(
             "el_arcsec": noise.sigma_y / ARCSEC,
             "drift_share": noise.drift_share,
             "memory_s": noise.memory_s,
-            "tail_degrees": noise.tail_degrees,
             "outlier_share": noise.outlier_share,
         },
         "arguments": list(arguments),
     }
-    return Case(columns, header, truth, hidden.signature, (seen.x, seen.y), arguments)
+    base = world.stand.columns(seen.az, seen.el, world.base)
+    clean = seen.x, seen.y
+    return Case(columns, header, truth, hidden.signature, clean, base, arguments)
 
 
 def _empty(values: NDArray[Any]) -> bool:

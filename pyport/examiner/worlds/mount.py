@@ -7,12 +7,16 @@ the axes until the beam arrives there; no small-angle formula is used anywhere.
 The dish frame is x to the right, y along the beam, z up, so that at azimuth
 zero and elevation zero it is east-north-up.
 
-The seven columns are not formulae: they are what a mount of rotations does
-when one thing in it is askew by a second of arc.
+The columns of a base are not formulae: they are what a mount of rotations does
+when one thing in it is askew by a second of arc. In the frame of its first axis
+every mount is this chain: what is here called east, north and up are then the
+direction of a quarter turn, that of zero, and the axis. Gravity alone knows
+where up is.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -21,79 +25,52 @@ from numpy.typing import ArrayLike, NDArray
 
 from pyport.angles import ARCSEC, Array, wrap
 
-#: The seven terms, as parts of a mount that are askew.
-BASE = (
-    "azimuth_zero",
-    "elevation_zero",
-    "beam_left",
-    "skew",
-    "tilt_north",
-    "tilt_east",
-    "sag_cosine",
-)
-
-
-def altaz_columns(az: Array, el: Array) -> tuple[Array, Array]:
-    """Return (x, y) of the seven terms per radian, shape (n, 7) each."""
-    x, y = [], []
-    for name in BASE:
-        mount = Mount(**{name: ARCSEC})  # type: ignore[arg-type]
-        encoder_az, encoder_el = readings(mount, *axes(mount, az, el))
-        x.append(wrap(encoder_az - az) * np.cos(el) / ARCSEC)
-        y.append((encoder_el - el) / ARCSEC)
-    return np.stack(x, axis=1), np.stack(y, axis=1)
-
 
 class Base:
-    """The altaz base at the pointings of a case, each antenna with its own seven.
+    """A base at the pointings of a case, each antenna with its own coefficients.
 
     Parameters
     ----------
-    az, el
-        True positions [rad], shape (n,).
+    columns
+        (x, y) of its terms per radian, shape (n, k) each.
     antenna
         Whose pointings they are.
-    has_x, has_y
+    measured
         Which rows measured which axis.
-    sigma_x, sigma_y
-        Weights [rad].
+    sigma
+        Weights by axis [rad].
     """
 
     def __init__(
         self,
-        az: Array,
-        el: Array,
+        columns: tuple[Array, Array],
         antenna: NDArray[np.str_],
-        has_x: NDArray[np.bool_],
-        has_y: NDArray[np.bool_],
-        sigma_x: float,
-        sigma_y: float,
+        measured: tuple[NDArray[np.bool_], NDArray[np.bool_]],
+        sigma: tuple[float, float],
     ):
-        self.has_x, self.has_y = has_x, has_y
-        self.sigma_x, self.sigma_y = sigma_x, sigma_y
-        x, y = altaz_columns(az, el)
+        self.measured, self.sigma = measured, sigma
         own = antenna[:, None] == np.unique(antenna)[None, :]
-
-        def spread(columns: Array) -> Array:
-            return (own[:, :, None] * columns[:, None, :]).reshape(len(az), -1)
-
-        stacked = self.stack(spread(x), spread(y))
-        left, size, _ = np.linalg.svd(stacked, full_matrices=False)
+        spread = [(own[:, :, None] * part[:, None, :]).reshape(len(own), -1) for part in columns]
+        left, size, _ = np.linalg.svd(self.stack(*spread), full_matrices=False)
         self._orthonormal = left[:, size > 1e-9 * size[0]]
 
     def stack(self, x: Array, y: Array) -> Array:
         """Return measured values of both axes, in units of the noise, one after the other."""
-        return np.concatenate([x[self.has_x] / self.sigma_x, y[self.has_y] / self.sigma_y])
+        both = zip((x, y), self.measured, self.sigma, strict=True)
+        return np.concatenate([part[there] / sigma for part, there, sigma in both])
+
+    def left(self, x: Array, y: Array) -> Array:
+        """Return what the base leaves of an offset, stacked."""
+        stacked = self.stack(x, y)
+        return stacked - self._orthonormal @ (self._orthonormal.T @ stacked)
 
     def rho(self, x: Array, y: Array, *, projected: bool = True) -> tuple[float, float]:
         """Return the rms over the noise of an offset, per axis, 0 where none was measured.
 
         With `projected` it is the rms of what the base leaves of it.
         """
-        stacked = self.stack(x, y)
-        if projected:
-            stacked = stacked - self._orthonormal @ (self._orthonormal.T @ stacked)
-        count = int(self.has_x.sum())
+        stacked = self.left(x, y) if projected else self.stack(x, y)
+        count = int(self.measured[0].sum())
         return _rms(stacked[:count]), _rms(stacked[count:])
 
 
@@ -167,6 +144,19 @@ class Mount:
         return replace(self, waves=self.waves + waves, **sums)
 
 
+#: The parts of the classical model, and each of them askew by a second of arc.
+CLASSICAL = (
+    "azimuth_zero",
+    "elevation_zero",
+    "beam_left",
+    "skew",
+    "tilt_north",
+    "tilt_east",
+    "sag_cosine",
+)
+BASE = tuple(Mount(**{name: ARCSEC}) for name in CLASSICAL)  # type: ignore[arg-type]
+
+
 def beam(mount: Mount, az: Array, el: Array) -> Array:
     """Return where the beam points, (n, 3) east-north-up, for axis angles [rad] of shape (n,)."""
     forward = np.broadcast_to([0.0, 1.0, 0.0], (*np.shape(el), 3))
@@ -181,17 +171,23 @@ def beam(mount: Mount, az: Array, el: Array) -> Array:
     return turn_about(looking, lean)
 
 
-def axes(mount: Mount, az: Array, el: Array) -> tuple[Array, Array]:
+def axes(mount: Mount, az: Array, el: Array, side: Each = 1.0) -> tuple[Array, Array]:
     """Return the axis angles [rad] at which the beam arrives at a true position.
 
-    Each pass turns the axes by what is missing; what is left shrinks by the size
-    of the misalignment, so six passes leave nothing that a float can hold.
+    `side` is -1 where the mount has turned over. Each pass turns the axes by what is missing; what
+    is left shrinks by the size of the misalignment, so eight passes leave nothing that a float can
+    hold.
     """
-    axis_az, axis_el = np.array(az, float), np.array(el, float)
-    for _ in range(6):
-        seen_az, seen_el = az_el(beam(mount, axis_az, axis_el))
-        axis_az = axis_az + wrap(az - seen_az)
-        axis_el = axis_el + (el - seen_el)
+    axis_az = np.where(np.asarray(side) < 0, az + np.pi, az)
+    axis_el = np.where(np.asarray(side) < 0, np.pi - el, el)
+    target = direction(az, el)
+    for _ in range(8):
+        missed = target - beam(mount, axis_az, axis_el)
+        ahead = missed[..., 0] * np.cos(axis_az) - missed[..., 1] * np.sin(axis_az)
+        level = missed[..., 0] * np.sin(axis_az) + missed[..., 1] * np.cos(axis_az)
+        rising = missed[..., 2] * np.cos(axis_el) - level * np.sin(axis_el)
+        axis_az = axis_az + ahead / np.cos(axis_el)
+        axis_el = axis_el + rising
     return axis_az, axis_el
 
 
@@ -247,3 +243,55 @@ def turn_about(vector: Array, rotation: Array) -> Array:
     along = np.sum(pole * vector, axis=-1, keepdims=True) * pole
     across = np.cross(pole, vector)
     return along + np.cos(angle) * (vector - along) + np.sin(angle) * across
+
+
+def _polar(phi: float) -> Array:
+    return np.array([[-1, 0, 0], [0, -np.sin(phi), np.cos(phi)], [0, np.cos(phi), np.sin(phi)]])
+
+
+#: Latitude -> where a quarter turn, zero and the first axis point, rows east-north-up.
+FRAMES: dict[str, Callable[[float], Array]] = {
+    "german": _polar,
+    "fork": _polar,
+    "xy-ns": lambda _: np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]),
+    "xy-ew": lambda _: np.array([[0, 1.0, 0], [0, 0, 1], [1, 0, 0]]),
+}
+
+
+@dataclass(frozen=True)
+class Stand:
+    """How a mount stands: its kind ("altaz" or one of `FRAMES`), and which rows turned it over."""
+
+    kind: str = "altaz"
+    latitude: float = 0.0
+    side: Each = 1.0  #: -1 where it has turned over: its readings are turned back
+
+    def angles(self, az: Array, el: Array) -> tuple[Array, Array]:
+        """Return the two angles [rad] at which a faultless mount looks at directions, (n,) each."""
+        if self.kind == "altaz":
+            return az, el
+        return az_el(direction(az, el) @ FRAMES[self.kind](self.latitude).T)
+
+    def shown(
+        self, mount: Mount, az: Array, el: Array, real: tuple[Array, Array] | None = None
+    ) -> tuple[Array, Array]:
+        """Return readings minus angles on the sky, (x, y) [rad], shape (n,) each.
+
+        `az`, `el`: where the source is believed to be, and where it is if `real` does not say.
+        """
+        first, second = self.angles(az, el)
+        aimed = real or (az, el)
+        if self.kind != "altaz":
+            # a tube that hangs down looks at a place when it is aimed above it
+            hang = mount.sag_cosine * np.cos(aimed[1]) + mount.sag_sine * np.sin(aimed[1])
+            mount = replace(mount, sag_cosine=0.0, sag_sine=0.0)
+            aimed = self.angles(aimed[0], aimed[1] + hang)
+        read = readings(mount, *axes(mount, *aimed, self.side))
+        over = np.asarray(self.side) < 0
+        x = wrap(read[0] - np.where(over, first + np.pi, first)) * np.cos(second)
+        return x, self.side * (read[1] - np.where(over, np.pi - second, second))
+
+    def columns(self, az: Array, el: Array, base: Sequence[Mount] = BASE) -> tuple[Array, Array]:
+        """Return (x, y) of the terms of a base per radian, shape (n, k) each."""
+        x, y = zip(*(self.shown(one, az, el) for one in base), strict=True)
+        return np.stack(x, axis=1) / ARCSEC, np.stack(y, axis=1) / ARCSEC

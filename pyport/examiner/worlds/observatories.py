@@ -13,7 +13,7 @@ from pyport.examiner.worlds.case import Case, Hidden, Streams, finish, hide
 from pyport.examiner.worlds.earth import EARTH_RADIUS_M, SITES, Site
 from pyport.examiner.worlds.faults import Fault
 from pyport.examiner.worlds.faults.heavens import left_out
-from pyport.examiner.worlds.faults.mount import rt32_edge
+from pyport.examiner.worlds.faults.mount import rt32_edge, rt32_edge_on_the_cable
 from pyport.examiner.worlds.faults.surroundings import on_mount
 from pyport.examiner.worlds.mount import Mount, Wave
 from pyport.examiner.worlds.schedule import (
@@ -26,7 +26,7 @@ from pyport.examiner.worlds.schedule import (
     sessions,
 )
 from pyport.examiner.worlds.sky import sources
-from pyport.examiner.worlds.world import Drive, World, believed, observe
+from pyport.examiner.worlds.world import Drive, World, believed, observe, unwrapped
 
 _DAY_S = 86400.0
 
@@ -77,6 +77,32 @@ def rt32_mount() -> Mount:
     )
 
 
+#: Amplitudes of the published p8 to p12 [arcsec].
+P8, P9, P10, P11, P12 = 41.2, -42.3, 16.3, 15.4, -73.4
+
+
+def rt32_whole(plan: Plan) -> World:
+    """Return the RT32 of the published model, p1 to p12, whose base knows all of them."""
+    bare = World(plan, mount=rt32_mount())
+    place = believed(bare)
+    az_south = unwrapped(plan, place.az) - np.pi
+    jumped = np.where(place.el >= rt32_edge_on_the_cable(az_south), ARCSEC, 0.0)
+    more = (
+        Mount(sag_sine=ARCSEC),
+        Mount(waves=(Wave("az", "az", 2, ARCSEC, 0.0),)),
+        Mount(waves=(Wave("az", "az", 2, 0.0, ARCSEC),)),
+        Mount(pitch=ARCSEC * np.sin(2 * az_south)),
+        Mount(beam_down=jumped),
+    )
+    world = replace(bare, base=(*bare.base, *more))
+    return world.with_mount(
+        Wave("az", "az", 2, P9 * ARCSEC, P10 * ARCSEC),
+        sag_sine=P8 * ARCSEC,
+        pitch=P11 * ARCSEC * np.sin(2 * az_south),
+        beam_down=P12 * jumped,
+    )
+
+
 def _rt32_faults(world: World) -> list[Fault]:
     """Return p8 to p12 of the published table, as things that the altaz base does not know."""
     place = believed(world)
@@ -88,33 +114,33 @@ def _rt32_faults(world: World) -> list[Fault]:
     ]
 
     def ripple(world: World, size: float) -> World:
-        return world.with_mount(Wave("az", "az", 2, -42.3 * ARCSEC * size, 16.3 * ARCSEC * size))
+        return world.with_mount(Wave("az", "az", 2, P9 * ARCSEC * size, P10 * ARCSEC * size))
 
     return [
-        on_mount("sag_sine", ("el",), {"sag_sine": 41.2}, pilot=1.0, parameters={"sag_sine": 41.2}),
+        on_mount("sag_sine", ("el",), {"sag_sine": P8}, pilot=1.0, parameters={"sag_sine": P8}),
         Fault(
             "azimuth_harmonics",
             ripple,
             pilot=1.0,
             where={"axes": ["xel"]},
             facts={"k": 2},
-            parameters={"azimuth_harmonic_sine": -42.3, "azimuth_harmonic_cosine": 16.3},
+            parameters={"azimuth_harmonic_sine": P9, "azimuth_harmonic_cosine": P10},
         ),
         on_mount(
             "elevation_harmonics",
             ("el",),
-            {"pitch": 15.4 * np.sin(2 * place.az)},
+            {"pitch": P11 * np.sin(2 * place.az)},
             pilot=1.0,
             facts={"k": 2},
-            parameters={"elevation_harmonic_sine": 15.4, "elevation_harmonic_cosine": 0.0},
+            parameters={"elevation_harmonic_sine": P11, "elevation_harmonic_cosine": 0.0},
         ),
         on_mount(
             "subreflector_jump",
             ("el",),
-            {"beam_down": np.where(above, -73.4, 0.0)},
+            {"beam_down": np.where(above, P12, 0.0)},
             pilot=1.0,
             where={"curve": curve},
-            parameters={"jump": -73.4},
+            parameters={"jump": P12},
         ),
     ]
 
@@ -242,8 +268,9 @@ def _one_source(rng: np.random.Generator, name: str, site: Site, epochs: int, da
     time_s = np.concatenate(times)
     order = np.argsort(time_s)
     plan = dressed(
-        rng, "gmrt", site, time_s[order], np.full(len(order), number), np.array(labels)[order]
-    )
+        rng, "gmrt", site, time_s[order], np.full(len(order), number), np.array(labels)[order],
+        sources(),
+    )  # fmt: skip
     turns = np.where(np.arange(len(order)) % 2 == 0, 1.0, -1.0)
     scan_axis = np.full(len(order), "el")
     return replace(

@@ -15,16 +15,13 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.examiner.worlds.campaign import Noise, unix
 from pyport.examiner.worlds.case import Case, Streams, finish, hide
-from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
-from pyport.examiner.worlds.mount import Wave
 from pyport.examiner.worlds.observatories import (
     RT32_ALTITUDE_ROWS,
     RT32_AZIMUTH_ROWS,
-    rt32_mount,
     rt32_plan,
+    rt32_whole,
 )
 from pyport.examiner.worlds.schedule import Plan
-from pyport.examiner.worlds.world import World, believed, unwrapped
 
 #: What stands in the header of the file, for every reader and every figure.
 LABEL = "made by pyport dev trials, no telescope measured this"
@@ -49,16 +46,8 @@ def rt32_campaign(seed: int, rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS)
     streams = Streams.of(seed)
     plan = rt32_plan(streams.plan, rows)
     across, up = _sequences(streams.fault, plan)
-    bare = World(plan, mount=rt32_mount())
-    place = believed(bare)
-    az_south = unwrapped(plan, place.az) - np.pi
-    jumped = place.el >= rt32_edge_on_the_cable(az_south)
-    world = replace(bare, across=across, up=up).with_mount(
-        Wave("az", "az", 2, -42.3 * ARCSEC, 16.3 * ARCSEC),
-        sag_sine=41.2 * ARCSEC,
-        pitch=15.4 * ARCSEC * np.sin(2 * az_south),
-        beam_down=np.where(jumped, -73.4 * ARCSEC, 0.0),
-        beam_left=np.where(plan.time_s < unix(2004, 1, 1), BOX_STEP, 0.0),
+    world = replace(rt32_whole(plan), across=across, up=up).with_mount(
+        beam_left=np.where(plan.time_s < unix(2004, 1, 1), BOX_STEP, 0.0)
     )
     hidden = hide(world, [], None, _noise())
     about = {"kind": "rt32-campaign", "seed": seed, "box_step_deg": BOX_STEP / DEG}

@@ -14,7 +14,7 @@ from pyport.errors import BadInput
 from pyport.examiner.worlds import sky
 from pyport.examiner.worlds.earth import Site, julian_date, weather
 from pyport.examiner.worlds.mount import direction
-from pyport.examiner.worlds.sky import sources
+from pyport.examiner.worlds.sky import Sources, sources
 
 #: Planets that campaigns visit, with ERFA's numbers for them.
 _PLANETS = {"Venus": 2, "Mars": 4, "Jupiter": 5}
@@ -116,13 +116,13 @@ def follow(
     site: Site,
     elevations: tuple[float, float],
     dwell: tuple[int, int],
+    catalogue: Sources,
 ) -> tuple[Array, NDArray[np.intp]]:
     """Return times [s] and source numbers of one session, shape (rows,) each.
 
     The telescope goes to the source that is nearest to a random place in the
     sky, so that the sky is covered evenly, and stays for `dwell` rows.
     """
-    catalogue = sources()
     cadence = session.length_s / rows
     times = session.start_s + cadence * (np.arange(rows) + rng.uniform(0, 0.6, rows))
     chosen = np.empty(rows, np.intp)
@@ -148,6 +148,17 @@ def follow(
     return times, chosen
 
 
+def about_transit(session: Session, seen: Sources, site: Site) -> Session:
+    """Return the stretch of a session's day in which the first of some sources is well up."""
+    minutes = session.start_s + np.arange(0, 86400, 60.0)
+    ra, dec = (np.full(len(minutes), v[0]) for v in (seen.ra, seen.dec))
+    _, el = rough_place(ra, dec, minutes, site)
+    middle = minutes[np.argmax(el)]
+    up = np.abs(minutes - middle)[el < 12 * DEG]
+    half = min(4.5 * 3600, float(up.min(initial=86400.0)) - 600)
+    return replace(session, start_s=middle - half, length_s=2 * half)
+
+
 def draw_plan(
     rng: np.random.Generator,
     site_name: str,
@@ -158,6 +169,7 @@ def draw_plan(
     one_axis: bool,
     elevations_deg: tuple[float, float] = (8.0, 84.0),
     dwell: tuple[int, int] = (2, 8),
+    catalogue: Sources | None = None,
 ) -> Plan:
     """Return a plan for one antenna, all covariates of the contract drawn.
 
@@ -168,17 +180,19 @@ def draw_plan(
     `one_axis`: whether a row measures one axis, in turn, rather than both.
     `elevations_deg`: least and greatest elevation.
     `dwell`: fewest and most rows in a row on one source.
+    `catalogue`: what is observed, the radio sources when not given.
     """
+    catalogue = catalogue or sources()
     share = np.diff(np.linspace(0, rows, len(observing) + 1).astype(int))
     limits = (elevations_deg[0] * DEG, elevations_deg[1] * DEG)
     parts = [
-        follow(rng, int(n), one, site, limits, dwell)
+        follow(rng, int(n), one, site, limits, dwell, catalogue)
         for n, one in zip(share, observing, strict=True)
     ]
     time_s = np.concatenate([part[0] for part in parts])
     number = np.concatenate([part[1] for part in parts])
     session = np.repeat([one.name for one in observing], share)
-    plan = dressed(rng, site_name, site, time_s, number, session)
+    plan = dressed(rng, site_name, site, time_s, number, session, catalogue)
     if not one_axis:
         return plan
     scan_axis = np.where(np.arange(rows) % 2 == 0, "az", "el")
@@ -192,6 +206,7 @@ def dressed(
     time_s: Array,
     number: NDArray[np.intp],
     session: NDArray[np.str_],
+    catalogue: Sources,
 ) -> Plan:
     """Return a plan for given times, source numbers and session names, everything else drawn."""
     rows = len(time_s)
@@ -199,7 +214,7 @@ def dressed(
     frequency = np.vectorize(_FREQUENCY_MHZ.get)(receiver)
     channel = rng.choice(["1", "2"], rows)
     labels: dict[str, NDArray[Any]] = {
-        "source": sources().name[number],
+        "source": catalogue.name[number],
         "antenna": np.full(rows, site_name.upper()),
         "session": session,
         "receiver": receiver,
@@ -216,8 +231,8 @@ def dressed(
         reference=site,
         site_name=site_name,
         time_s=time_s,
-        ra=sources().ra[number],
-        dec=sources().dec[number],
+        ra=catalogue.ra[number],
+        dec=catalogue.dec[number],
         labels=labels,
         scan_direction=rng.choice([-1.0, 1.0], rows),
         scan_rate=rate,

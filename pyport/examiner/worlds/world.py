@@ -63,10 +63,12 @@ class Drive:
 class World:
     """A plan carried out by a telescope under the sky."""
 
-    #: `plan`, `mount`, `drive`, `steering`: what was scheduled, what it is made of, how it moves,
-    #: what it believes.
+    #: `plan`, `mount`, `stand`, `drive`, `steering`: what was scheduled, what it is made of, how it
+    #: stands, how it moves, what it believes.
     plan: Plan
     mount: Mount = field(default_factory=Mount)
+    stand: mounts.Stand = field(default_factory=mounts.Stand)
+    base: tuple[Mount, ...] = mounts.BASE  #: the terms of the model, each askew by an arcsecond
     drive: Drive = field(default_factory=Drive)
     steering: Steering = field(default_factory=Steering)
     #: Horizontal parallax of each target [rad]: the Earth's radius over its distance.
@@ -99,7 +101,8 @@ class Observation:
     """What a world's recordings would say without noise, shape (n,) each.
 
     `az` (in [0, 2 pi)), `el`, `hour_angle` are the position that the steering
-    believes in; `x` (times cos El) and `y` the encoder minus it [rad].
+    believes in, `first` and `second` its angles about the mount's axes; `x` (times
+    the cosine of the second) and `y` the encoders minus these [rad].
     """
 
     az: Array
@@ -107,6 +110,8 @@ class Observation:
     hour_angle: Array
     x: Array
     y: Array
+    first: Array
+    second: Array
 
 
 def believed(world: World, later_s: float = 0.0) -> sky.Place:
@@ -149,26 +154,25 @@ def observe(world: World) -> Observation:
     """Carry out a plan and return what is measured, noise apart."""
     thought = believed(world)
     real_az, real_el = arriving(world)
-    axis_az, axis_el = mounts.axes(world.mount, unwrapped(world.plan, real_az), real_el)
-    encoder_az, encoder_el = mounts.readings(world.mount, axis_az, axis_el)
-    moved_az, moved_el = _moved(world)
-    cos_el = np.cos(thought.el)
-    return Observation(
-        thought.az,
-        thought.el,
-        thought.hour_angle,
-        wrap(encoder_az + moved_az - thought.az) * cos_el + world.across,
-        encoder_el + moved_el - thought.el + world.up,
-    )
+    real = (unwrapped(world.plan, real_az), real_el)
+    x, y = world.stand.shown(world.mount, thought.az, thought.el, real)
+    first, second = world.stand.angles(thought.az, thought.el)
+    moved_first, moved_second = _moved(world)
+    x = x + moved_first * np.cos(second) + world.across
+    y = y + moved_second + world.up
+    return Observation(thought.az, thought.el, thought.hour_angle, x, y, first, second)
 
 
 def _moved(world: World) -> tuple[Array, Array]:
-    """Return what moving adds to both readings [rad]."""
+    """Return what moving adds to the readings of both axes [rad]."""
     if not any(np.any(part) for part in astuple(world.drive)):
         return np.zeros(len(world.plan)), np.zeros(len(world.plan))
-    before, after = believed(world, -_BESIDE_S), believed(world, _BESIDE_S)
-    rate_az = wrap(after.az - before.az) / (2 * _BESIDE_S)
-    rate_el = (after.el - before.el) / (2 * _BESIDE_S)
+    before, after = (
+        world.stand.angles(place.az, place.el)
+        for place in (believed(world, -_BESIDE_S), believed(world, _BESIDE_S))
+    )
+    rate_az = wrap(after[0] - before[0]) / (2 * _BESIDE_S)
+    rate_el = (after[1] - before[1]) / (2 * _BESIDE_S)
     plan, drive = world.plan, world.drive
     scanned = plan.scan_direction
     play = scanned * plan.scan_rate * drive.tag_s

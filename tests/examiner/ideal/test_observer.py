@@ -7,7 +7,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.examiner.ideal import efficiency, observer
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.mount import altaz_columns
+from pyport.examiner.worlds.mount import Stand
 
 
 def drawn(n=80, form=None, **noise):
@@ -23,15 +23,16 @@ def drawn(n=80, form=None, **noise):
         "d_el_deg": np.zeros(n),
     }
     known = {"xel_arcsec": 5.0, "el_arcsec": 4.0, "drift_share": 0.0, "memory_s": 1800.0}
-    known |= {"tail_degrees": 0.0, "outlier_share": 0.0} | noise
+    known |= {"outlier_share": 0.0} | noise
     none = np.zeros(n)
-    return Case(columns, {}, {"noise": known}, (none, form * 2 * ARCSEC), (none, none))
+    base = Stand().columns(az * DEG, el * DEG)
+    return Case(columns, {}, {"noise": known}, (none, form * 2 * ARCSEC), (none, none), base)
 
 
 def dense(case, share=0.0, memory_s=1800.0):
     """Return the gain by the inverse of the covariance."""
     n = len(case.columns["el_deg"])
-    along = altaz_columns(case.columns["az_deg"] * DEG, case.columns["el_deg"] * DEG)[1]
+    along = case.base[1]
     time = 60.0 * np.arange(n)
     cov = (1 - share + 0.04 / 12) * np.eye(n)
     cov += share * np.exp(-np.abs(time[:, None] - time) / memory_s)
@@ -55,11 +56,10 @@ def test_what_the_model_draws_has_no_gain():
     assert observer.gain(drawn(form=np.ones(80))) == pytest.approx(0.0, abs=1e-6)
 
 
-def test_tails_and_outliers_change_the_gain():
-    """Student's t with three degrees has twice the information of its variance; outliers none."""
+def test_outliers_have_no_gain():
+    """They are known and left out."""
     plain = observer.gain(drawn())
 
-    assert observer.gain(drawn(tail_degrees=3.0)) == pytest.approx(2 * plain)
     assert observer.gain(drawn(outlier_share=0.05)) == pytest.approx(0.95 * plain)
 
 

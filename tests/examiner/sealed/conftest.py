@@ -44,6 +44,8 @@ def sealed(tmp_path, once_sealed):
 def perfect(truth):
     """Return the report of a solver that knows the truth."""
     findings = []
+    # of three honest sigmas one is too small
+    value = 1.03 if int(truth["case"][-1]) % 3 == 0 else 1.01
     for cause in truth["truth"]["effects"] if truth["spec"]["rho"] else []:
         unknown, twin = cause["effect"] == "unknown", len(cause["class"]) > 1
         findings.append(
@@ -53,7 +55,7 @@ def perfect(truth):
                 "verdict": "unknown" if unknown else "ambiguous" if twin else "named",
                 "where": {"region": [], "curve": None, "since": None, **cause["where"]},
                 "parameters": [
-                    {"name": "of_nature", "value": 1.02, "sigma": 0.02, "expected": 1.0},
+                    {"name": "of_nature", "value": value, "sigma": 0.02, "expected": 1.0},
                 ],
             }
         )

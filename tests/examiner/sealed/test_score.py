@@ -16,7 +16,6 @@ from pyport.examiner.sealed.files import Rate, write_recordings
 from pyport.examiner.sealed.judge import judge
 from pyport.examiner.sealed.published import read_json
 from pyport.examiner.worlds.kinds import make_case
-from pyport.examiner.worlds.mount import altaz_columns
 
 
 def finding(effect, *members, verdict="named", **more):
@@ -171,11 +170,11 @@ def test_skill_is_what_was_gained_of_what_could_be(tmp_path, share, expected):
 
 def _predict(case, share, path):
     """Write residuals of a base that is known exactly and of a share of the hidden effect."""
-    az, el = (np.radians(case.columns[name]) for name in ("az_deg", "el_deg"))
+    el = np.radians(case.columns["el_deg"])
     measured = np.stack(
         [np.radians(case.columns["d_az_deg"]) * np.cos(el), np.radians(case.columns["d_el_deg"])]
     )
-    columns = np.concatenate(altaz_columns(az, el))
+    columns = np.concatenate(case.base)
     form = np.concatenate(case.signature)
     values, *_ = np.linalg.lstsq(columns, form, rcond=None)
     left = (form - columns @ values).reshape(2, -1)

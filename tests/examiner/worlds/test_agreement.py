@@ -12,7 +12,7 @@ from pyport.effects.fields import oscillation
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.faults import SWALLOWED
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
-from pyport.examiner.worlds.mount import altaz_columns
+from pyport.examiner.worlds.mount import Stand
 from pyport.recordings import read
 
 #: Causes whose place has to be searched for first: no member of the family is the very one.
@@ -31,7 +31,7 @@ def compared(effect, tmp_path):
     def stack(x, y):
         return np.concatenate([x[has_x], y[has_y]])
 
-    base, _ = np.linalg.qr(stack(*altaz_columns(recordings.at.az, recordings.at.el)))
+    base, _ = np.linalg.qr(stack(*Stand().columns(recordings.at.az, recordings.at.el)))
 
     def left(columns):
         return columns - base @ (base.T @ columns) if kind == "one" else columns

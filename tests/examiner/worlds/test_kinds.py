@@ -27,15 +27,15 @@ def test_a_hidden_cause_has_the_rho_that_was_asked_for(effect):
 def test_nothing_hidden_leaves_nothing(seed):
     """What the altaz base leaves of a null case is a fifth of a sigma, all rows taken together."""
     case = make_case("null", seed, noise="white")
-    az, el = (np.radians(case.columns[name]) for name in ("az_deg", "el_deg"))
     noise = case.truth["noise"]
     base = Base(
-        az, el, case.columns["antenna"],
-        ~np.isnan(case.columns["d_az_deg"]), ~np.isnan(case.columns["d_el_deg"]),
-        noise["xel_arcsec"] * ARCSEC, noise["el_arcsec"] * ARCSEC,
-    )  # fmt: skip
+        case.base,
+        case.columns["antenna"],
+        (~np.isnan(case.columns["d_az_deg"]), ~np.isnan(case.columns["d_el_deg"])),
+        (noise["xel_arcsec"] * ARCSEC, noise["el_arcsec"] * ARCSEC),
+    )
 
-    assert np.hypot(*base.rho(*case.clean)) * np.sqrt(len(el)) < 0.2
+    assert np.hypot(*base.rho(*case.clean)) * np.sqrt(len(case.base[0])) < 0.2
 
 
 @pytest.mark.parametrize("kind", ["null", "rt32", "gmrt"])

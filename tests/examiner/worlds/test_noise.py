@@ -5,6 +5,8 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.examiner.worlds.campaign import (
+    NOISES,
+    SKIES,
     Noise,
     campaign,
     draw,
@@ -24,29 +26,43 @@ def drawn(noise):
     return x / noise.sigma_x, y / noise.sigma_y
 
 
-@pytest.mark.parametrize("kind", ["white", "drift", "heavy"])
+@pytest.mark.parametrize("kind", ["white", "drift", "axes-correlated"])
 def test_the_rms_is_sigma(kind):
     """Whatever the kind, the rms is sigma within a tenth on 8,000 rows, each axis its own."""
     x, y = drawn(usual_noise(np.random.default_rng(1), kind))
 
     np.testing.assert_allclose([x.std(), y.std()], 1, atol=0.1)
-    assert abs(np.corrcoef(x, y)[0, 1]) < 0.1
+    assert (abs(np.corrcoef(x, y)[0, 1]) < 0.1) == (kind != "axes-correlated")
 
 
 def test_white_noise_has_no_memory_and_drift_has():
     """Neighbours are independent in white noise; in drift they share its share of the variance."""
     white, _ = drawn(Noise(ARCSEC, ARCSEC))
-    slow, _ = drawn(Noise(ARCSEC, ARCSEC, drift_share=0.4, memory_s=8 * 3600.0))
+    slow, _ = drawn(Noise(ARCSEC, ARCSEC, drift_share=0.4, memory_s=3600.0))
 
     assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.05
     assert np.corrcoef(slow[1:], slow[:-1])[0, 1] == pytest.approx(0.39, abs=0.08)
 
 
-def test_heavy_tails_reach_further():
-    """Student's t of three degrees has a hundredth of its rows beyond 3.3 sigma, a normal 0.001."""
-    heavy, _ = drawn(Noise(ARCSEC, ARCSEC, tail_degrees=3.0))
+@pytest.mark.parametrize(("kind", "beyond"), [("white", 0.0003), ("student-3", 0.05)])
+def test_heavy_tails_reach_further(kind, beyond):
+    """Student's t of three degrees has a twentieth of its rows beyond 3.2 scales."""
+    rng = np.random.default_rng(1)
+    heavy, _ = drawn(usual_noise(rng, kind))
 
-    assert np.mean(np.abs(heavy) > 3.3) > 0.005
+    assert np.mean(np.abs(heavy) > 3.5) == pytest.approx(beyond, abs=0.015)
+
+
+@pytest.mark.parametrize(("number", "kind"), enumerate(NOISES))
+def test_every_noise_is_drawn_in_a_sky(number, kind):
+    """As many numbers as rows, none of them missing, the same again from the same seed."""
+    plan = campaign(np.random.default_rng(5), 120, sky=SKIES[number % len(SKIES)])
+    noise = usual_noise(np.random.default_rng(1), kind)
+    first, again = (draw(np.random.default_rng(6), noise, plan) for _ in range(2))
+
+    assert np.isfinite(first).all()
+    assert np.shape(first) == (2, 120)
+    np.testing.assert_array_equal(first, again)
 
 
 def test_outliers_are_as_many_as_told():

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from pyport.examiner.worlds.faults import heavens, mount, surroundings, uncatalogued
+from pyport.examiner.worlds.faults import (
+    heavens,
+    mount,
+    occasions,
+    surroundings,
+    uncatalogued,
+)
 from pyport.examiner.worlds.faults.surroundings import Draw, Fault
 
 #: Causes that the catalogue of effects names, by its names ("ut1" is a `clock`, a
@@ -15,8 +21,14 @@ CATALOGUED: dict[str, Draw] = {
     **surroundings.TIMES,
 }
 
-#: Causes that no catalogue names.
+#: Causes that act at times, in places, on conditions, and those of other mounts.
+OCCASIONAL: dict[str, Draw] = {**occasions.FAULTS, **mount.TURNED}
+
+#: Causes that no catalogue names, and the twenty forms among them.
 UNCATALOGUED: dict[str, Draw] = uncatalogued.FAULTS
+UNKNOWN = tuple(uncatalogued.UNKNOWN)
+
+ALL: dict[str, Draw] = {**CATALOGUED, **OCCASIONAL, **UNCATALOGUED}
 
 #: Causes that the altaz base swallows whole, or all but: hidden only from a model that is held.
 SWALLOWED = (
@@ -36,4 +48,14 @@ SWALLOWED = (
 #: Causes that are smaller than what any of these telescopes measures.
 TOO_SMALL = ("diurnal_aberration",)
 
-__all__ = ["CATALOGUED", "SWALLOWED", "TOO_SMALL", "UNCATALOGUED", "Draw", "Fault"]
+__all__ = [
+    "ALL",
+    "CATALOGUED",
+    "OCCASIONAL",
+    "SWALLOWED",
+    "TOO_SMALL",
+    "UNCATALOGUED",
+    "UNKNOWN",
+    "Draw",
+    "Fault",
+]

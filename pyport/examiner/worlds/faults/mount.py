@@ -88,7 +88,7 @@ def elevation_harmonics(world: World, rng: np.random.Generator) -> Fault:
     """Draw a rail that makes the platform nod as it turns."""
     k = int(rng.integers(2, 7))
     angle, sin, cos = phase(rng)
-    az = believed(world).az
+    az, _ = _angles(world)
     return on_mount(
         "elevation_harmonics",
         ("el",),
@@ -184,4 +184,41 @@ FAULTS: dict[str, Draw] = {
     "azimuth_scale": azimuth_scale,
     "elevation_scale": elevation_scale,
     "subreflector_jump": subreflector_jump,
+}
+
+
+def fork_flexure(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
+    """Draw a fork that hangs down, in which the tube looks up."""
+    first, _ = _angles(world)
+    return on_mount("fork_flexure", ("el",), {"beam_down": -np.cos(first)})
+
+
+def declination_axis_flexure(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
+    """Draw a declination axis whose end with the tube hangs down."""
+    hangs = np.sin(believed(world).el)
+    return on_mount("declination_axis_flexure", ("xel", "el"), {"beam_left": hangs})
+
+
+def pier_flip(world: World, rng: np.random.Generator) -> Fault:
+    """Draw encoder zeros that are others on the other side of the pier."""
+    _, sin, cos = phase(rng)
+    side = world.stand.side
+    return on_mount(
+        "pier_flip", ("xel", "el"), {"azimuth_zero": sin * side, "elevation_zero": cos * side}
+    )
+
+
+def _angles(world: World) -> tuple[Array, Array]:
+    """Return the angles at which the axes stand, turned over or not."""
+    place = believed(world)
+    first, second = world.stand.angles(place.az, place.el)
+    over = np.asarray(world.stand.side) < 0
+    return np.where(over, first + np.pi, first), np.where(over, np.pi - second, second)
+
+
+#: Causes of mounts that are not alt-azimuth.
+TURNED: dict[str, Draw] = {
+    "fork_flexure": fork_flexure,
+    "declination_axis_flexure": declination_axis_flexure,
+    "pier_flip": pier_flip,
 }

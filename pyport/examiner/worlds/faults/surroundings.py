@@ -27,6 +27,7 @@ class Fault:
     same: tuple[str, ...] = ()
     #: Names that may rightly be spoken as well, because they are part of it.
     beside: tuple[str, ...] = ()
+    or_unknown: bool = False  #: whether it may rightly be left without a name
     #: Where it shows, as a report would say it: axes, subset, region, curve, since.
     where: dict[str, Any] = field(default_factory=dict)
     facts: dict[str, Any] = field(default_factory=dict)  #: what was drawn
