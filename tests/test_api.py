@@ -145,6 +145,13 @@ def test_elevations_are_two_numbers_in_degrees(night, elevations):
         pyport.look(night, header=SITE, elevations=elevations)
 
 
+@pytest.mark.parametrize("noise", [1e-300, 1e300])
+def test_a_noise_that_no_instrument_has_is_refused(night, noise):
+    """Before it is divided by."""
+    with pytest.raises(BadInput, match=r"arcsec, expected between 1e-09 and 1e\+09"):
+        pyport.look(night, header=SITE, noise_arcsec=noise)
+
+
 def test_names_are_there_before_they_are_imported():
     """`dir` lists them, a wrong name is an AttributeError, nothing heavy is imported."""
     code = (

@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.candidates import Untestable
+from pyport.errors import BadInput
 from pyport.least_squares.gram import inverted
 from pyport.models.model import Model
 from pyport.planning.design import Coverage, Design, coverage, design
@@ -29,6 +30,8 @@ from pyport.threads import one_thread
 MOST = 4000
 #: Elevations that are suggested unless lower or higher ones were observed [deg].
 LOWEST_DEG, HIGHEST_DEG = 10.0, 85.0
+#: A noise of more arcseconds, or one over as many, is a slip of the pen.
+MOST_NOISE = 1e9
 
 
 @dataclass(frozen=True)
@@ -89,10 +92,15 @@ def look(
     `count`: how many directions to suggest.
     `elevations`: lowest and highest elevation [deg] that may be suggested.
     `sources`: suggest the recorded sources at other hour angles, not just directions.
+
+    Raises `BadInput`: no instrument has such a noise.
     """
     antenna, antennas = busiest(recordings)
     model = model.on(recordings.at.mount)
     own = recordings.take(recordings.label("antenna").astype(str) == antenna)
+    if noise_arcsec is not None and not 1 / MOST_NOISE < noise_arcsec < MOST_NOISE:
+        wanted = f"expected between {1 / MOST_NOISE:g} and {MOST_NOISE:g}"
+        raise BadInput(f"the noise is {noise_arcsec:g} arcsec, {wanted}")
     noise = None if noise_arcsec is None else noise_arcsec * ARCSEC
     made = thinned(own, model, noise)
     found = separate(made)

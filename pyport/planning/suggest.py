@@ -125,7 +125,7 @@ class _Information:
 
     def gains(self) -> Array:
         """Return how much the log-determinant grows by each direction, shape (targets,)."""
-        seen = self.ahead @ np.linalg.inv(self.matrix) @ self.ahead.transpose(0, 2, 1)
+        seen = self.ahead @ self._inverse() @ self.ahead.transpose(0, 2, 1)
         return np.linalg.slogdet(np.eye(seen.shape[1]) + seen)[1]
 
     def add(self, n: int) -> None:
@@ -134,7 +134,12 @@ class _Information:
 
     def sigmas(self) -> Array:
         """Return the errors of the coefficients of the columns."""
-        return np.sqrt(np.diag(np.linalg.inv(self.matrix))) / self.length
+        return np.sqrt(np.diag(self._inverse())) / self.length
+
+    def _inverse(self) -> Array:
+        """Return the inverse; what was known before is not lost by rounding."""
+        power, vectors = np.linalg.eigh(self.matrix)
+        return (vectors / np.maximum(power, PRIOR)) @ vectors.T
 
 
 class _Model:
