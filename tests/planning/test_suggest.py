@@ -6,9 +6,9 @@ from pyport.planning.suggest import PRIOR, _Information
 
 
 def test_directions_that_tell_far_more_than_the_recordings():
-    """Two columns that these show alike by ten million times what was recorded: sigmas stay."""
+    """Two columns that these show alike, ten thousand million times as strong: sigmas stay."""
     recorded = np.diag([1.0, 1.0, 1.0])
-    ahead = np.tile([2.4e7, 2.4e7, 1e-3], (5, 1))[:, None, :]
+    ahead = np.tile([1e10, 1e10, 1e-3], (5, 1))[:, None, :]
     told = _Information(recorded, ahead)
     for n in range(5):
         told.add(n)
