@@ -150,8 +150,10 @@ def _run_one(
     diagnosis = diagnose(
         recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
     )
-    array = report_array(diagnosis.setup, diagnosis.after, request.survey)
-    diagnosis = with_site(diagnosis, array)
+    array = None
+    if diagnosis.setup.blocks.antennas > 1 or request.survey is not None:
+        array = report_array(diagnosis.setup, diagnosis.after, request.survey)
+        diagnosis = with_site(diagnosis, array)
     told = report_of(diagnosis, array)
     text = in_words(told)
     if array is not None:

@@ -4,25 +4,25 @@ import threading
 
 import pytest
 
-from pyport import threads
+from pyport import workers
 
 
 @pytest.mark.parametrize("cores", [1, 2])
 def test_answers_come_in_the_order_of_the_items(monkeypatch, cores):
     """With two cores two items are on their way at once."""
-    monkeypatch.setattr(threads, "_cores", lambda: cores)
+    monkeypatch.setattr(workers, "_cores", lambda: cores)
     meet = threading.Barrier(cores)
 
     def work(item):
         meet.wait(timeout=10)
         return 2 * item
 
-    assert threads.side_by_side(work, iter(range(4))) == [0, 2, 4, 6]
+    assert workers.side_by_side(work, iter(range(4))) == [0, 2, 4, 6]
 
 
 def test_what_a_thread_raises_is_raised(monkeypatch):
     """None of it is lost."""
-    monkeypatch.setattr(threads, "_cores", lambda: 2)
+    monkeypatch.setattr(workers, "_cores", lambda: 2)
 
     with pytest.raises(ZeroDivisionError):
-        threads.side_by_side(lambda item: 1 / item, [1, 0])
+        workers.side_by_side(lambda item: 1 / item, [1, 0])

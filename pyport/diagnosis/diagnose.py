@@ -28,8 +28,8 @@ from pyport.fitting.combinations import Combination
 from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.stages import stage
-from pyport.threads import one_thread
 from pyport.thresholds import FAMILY_ERROR
+from pyport.workers import one_thread
 
 TINY = 1e-200
 

@@ -25,8 +25,8 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, reweighed
 from pyport.noise.whitening import Noise
 from pyport.stages import stage
-from pyport.threads import side_by_side
 from pyport.thresholds import ENOUGH_ANTENNAS
+from pyport.workers import side_by_side
 
 DRAWS = 300
 

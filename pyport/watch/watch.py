@@ -19,7 +19,6 @@ from pyport.recordings.from_table import Header, Table, from_table, raw_table
 from pyport.recordings.interpret import interpret
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import NIGHT_GAP_S, night_of, with_nights
-from pyport.threads import one_thread
 from pyport.watch import antenna as one_antenna
 from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
@@ -27,6 +26,7 @@ from pyport.watch.antenna import Antenna
 from pyport.watch.baseline import TooFew, enough, past
 from pyport.watch.composite import FEWEST_IN_NIGHT, calibrated
 from pyport.watch.prepare import prepare
+from pyport.workers import one_thread
 
 #: One false alarm in so many pointings or more, on average, unless another number is asked for.
 POINTINGS_PER_FALSE_ALARM = 10_000

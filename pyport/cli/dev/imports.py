@@ -17,7 +17,7 @@ from pyport.examiner.sealed.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
-    ("angles", "errors", "files", "stages", "threads"),
+    ("angles", "errors", "files", "stages"),
     ("arguments", "checkpoint", "thresholds", "workers"),
     ("mounts",),
     ("columns",),
@@ -109,7 +109,10 @@ def picture(package: Path, found: Imports) -> str:
 
 
 def met(package: Path, recordings: str) -> list[str]:
-    """Return the modules of which a function runs while recordings become a page."""
+    """Return the modules of which a function runs while recordings become a page.
+
+    What a module's body calls while it is imported, for a table of its own, is not counted.
+    """
     from tempfile import TemporaryDirectory
 
     from pyport.cli import pyport
@@ -118,8 +121,11 @@ def met(package: Path, recordings: str) -> list[str]:
 
     def look(frame: FrameType, event: str, _: object) -> None:
         # a module's body is no function: what is imported and not called is not met
-        if event == "call" and frame.f_code.co_flags & CO_NEWLOCALS:
-            seen.add(frame.f_code.co_filename)
+        file = frame.f_code.co_filename
+        if event != "call" or file in seen or not file.startswith(str(package)):
+            return
+        if frame.f_code.co_flags & CO_NEWLOCALS and not _importing(frame):
+            seen.add(file)
 
     with TemporaryDirectory() as folder:
         sys.setprofile(look)
@@ -130,6 +136,13 @@ def met(package: Path, recordings: str) -> list[str]:
             sys.setprofile(None)
     names = {str(path): name for name, path in modules(package).items()}
     return sorted(names[one] for one in seen & names.keys())
+
+
+def _importing(frame: FrameType | None) -> bool:
+    """Tell whether a module is being imported, from what called what."""
+    while frame is not None and frame.f_code.co_filename != "<frozen importlib._bootstrap>":
+        frame = frame.f_back
+    return frame is not None
 
 
 @click.command("imports", epilog="Example: pyport dev imports")

@@ -232,9 +232,9 @@ def _shared(
 
 
 def taken_apart(scene: Scene, choice: int) -> Split | None:
-    """Take a choice with one coefficient per antenna apart; None where that makes no sense."""
+    """Take what each antenna has of its own apart; None where that makes no sense."""
     chosen, setup = scene.joint.choices[choice], scene.setup
-    if "antenna" not in chosen.scope or len(chosen.candidate.columns) != 1:
+    if len(chosen.candidate.columns) != 1:
         return None
     groups = setup.blocks.groups(chosen.scope)
     blocks = np.unique(groups, return_index=True)[1]

@@ -42,7 +42,7 @@ def collect(scene: Scene) -> list[Finding]:
     for n, chosen in enumerate(scene.outcome.chosen):
         step = next(one for one in reversed(scene.outcome.steps) if one.chosen is chosen)
         earlier = scene.outcome.chosen[:n]
-        parts = taken_apart(scene, first + n)
+        parts = taken_apart(scene, first + n) if "antenna" in chosen.scope else None
         if parts is None:
             told = [_single(scene, first + n, step)]
         else:

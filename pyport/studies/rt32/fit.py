@@ -21,7 +21,7 @@ from pyport.pointing import PARAMETERS, Rt32Model, kernel
 from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tune, Tuned, variance
-from pyport.threads import one_thread
+from pyport.workers import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
