@@ -413,6 +413,18 @@ def test_data_that_are_fitted_exactly_have_no_departures():
         assert departures.estimate(known, size * left, np.ones((150, 1)), possible) == ()
 
 
+@pytest.mark.parametrize(("size", "some"), [(1e-2, 1), (1e-12, 0)])
+def test_of_an_exact_fit_no_variance_is_asked_for(monkeypatch, size, some):
+    """Whatever would be estimated from rounding."""
+    known, _, one = projected(np.random.default_rng(5), 5, 1.0)
+    monkeypatch.setattr(departures, "_fitted", lambda *_: np.array([1.0]))
+    monkeypatch.setattr(departures, "_without_idle", lambda _, variances: variances)
+    left = size * normal(150)
+
+    found = departures.estimate(known, left, np.ones((150, 1)), Possible((one,), known.parts))
+    assert len(found) == some
+
+
 def test_a_variance_that_earns_nothing_is_left_out(monkeypatch):
     """However the likeliest one was found."""
     known, value, one = projected(np.random.default_rng(5), 20, 0.0)

@@ -75,9 +75,15 @@ def test_a_wandering_period_is_another_from_a_tenth_on(hours):
     assert next(one for one in found if one.wanders).choices == pytest.approx(choices, abs=0.5)
 
 
-@pytest.mark.parametrize(("longest_h", "proposed"), [(4.0, False), (6.0, True)])
-def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_h, proposed):
-    """What takes days must not be given to a shorter period; each share of the drift is tried."""
+@pytest.mark.parametrize(
+    ("longest_h", "above", "proposed"),
+    [(4, -np.inf, False), (6, -np.inf, True), (6, 99, True), (6, 101, False)],
+)
+def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_h, above, proposed):
+    """What takes days must not be given to a shorter period; each share of the drift is tried.
+
+    Nor is what is worth less than is asked.
+    """
     best = periods.Peak(5 * HOUR, 100.0, 1.0, wanders=False)
     shares = []
     monkeypatch.setattr(
@@ -88,7 +94,7 @@ def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_
     monkeypatch.setattr(oscillations, "peaks_of", lambda _, views: [[best]] * len(views))
     monkeypatch.setattr(oscillations, "_refined", lambda *_: ("an oscillation", 100.0))
 
-    assert (oscillations.proposed(None, None, ()) is not None) == proposed
+    assert (oscillations.proposed(None, None, (), above) is not None) == proposed
     assert max(shares) == 1
     assert min(shares) <= 0.3
 
