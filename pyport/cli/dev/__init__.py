@@ -11,6 +11,7 @@ command = Lazy(
         "acceptance": "Measure what is promised of a diagnosis, on real and simulated recordings.",
         "calibrate": "Count false alarms against each threshold, and coverage, in simulated noise.",
         "challenge": "Write recordings of hidden causes for others to solve; score their answers.",
+        "cosines": "Measure how much of each unknown form the best term can take.",
         "effects": "List the physical effects that a diagnosis may name, and what each one needs.",
         "efficiency": "Hold detections and names against what an ideal observer could detect.",
         "field-system": "Compare with the VLBI Field System's own outputs.",
@@ -28,7 +29,7 @@ command = Lazy(
         "verify": "Check that all files of a diagnosis are of one run.",
     },
     shared={
-        "simulated": "calibrate efficiency mounts nights nulls",
+        "simulated": "calibrate cosines efficiency mounts nights nulls",
         "recorded": "acceptance field-system real reduction replays verify",
         "listed": "effects keys thresholds",
         "proof": "challenge prove",

@@ -138,6 +138,23 @@ def efficiency(
         click.echo(ideal.text(found))
 
 
+@click.command("cosines", epilog="Example: pyport dev cosines --cases 2")
+@_drawn("out/cosines", 3, "each form", 500)
+def cosines(cases: int, seed: int, jobs: int, out: Path, *, as_json: bool) -> None:
+    """Measure the largest cosine of each unknown form with what the program fits.
+
+    Beside the model, in noiseless recordings: with terms that have a name, and with shapes that
+    have none. A form is fair where no name takes nearly all of it.
+    """
+    from pyport.examiner.acceptance import cosines as measured
+
+    found = _run(
+        measured.cases(cases, seed), measured.examine, out / "cosines.jsonl", jobs, as_json=as_json
+    )
+    if not as_json:
+        click.echo(measured.text(found))
+
+
 @click.command("mounts", epilog="Example: pyport dev mounts --cases 60 --jobs 2")
 @option("--mounts named", "Mounts, separated by commas; all by default.")
 @option("--parts", "empty, one, two, unknown, separated by commas; all by default.")

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from pyport.cli.dev.trials import command
 from pyport.examiner.sealed import examine as examining
 from pyport.examiner.sealed import judge as judging
-from pyport.examiner.sealed import page, seal
+from pyport.examiner.sealed import page, score, seal
 from pyport.examiner.sealed.examine import examine
 from pyport.examiner.sealed.files import Rate, write_recordings
 from pyport.examiner.sealed.judge import judge
@@ -260,3 +260,72 @@ def test_silence_passes_where_nothing_is_hidden_and_nowhere_else(sealed, tmp_pat
     assert table["control, amplitude zero: claims anything"]
     assert not table["one cause: class right first"]
     assert not table["a curve: distance [deg] (1)"]
+
+
+def test_what_is_said_beside_counts_against_the_score():
+    """A finding that means nothing hidden is wrong, and one that is part of a cause is not."""
+    refraction = {**cause_of("refraction"), "beside": ["refraction_curvature"]}
+    told = [finding("refraction"), finding("refraction_curvature"), finding("drift")]
+    verdict = judge(
+        "case-0001",
+        {"spec": SPEC, "truth": {"effects": [refraction]}},
+        {"mismatch": True, "findings": told, "examined": {}},
+    )
+    rows = {row.what: row for row in score.table([verdict])}
+
+    assert verdict.first
+    assert verdict.wrong == ("drift",)
+    assert not rows["one cause: class right first and nothing wrong beside it"].passed
+    assert not rows["found, and something wrong beside it"].passed
+    assert judged([finding("drift")], group="null").wrong == ("drift",)
+
+
+SPEC = {"group": "one", "rho": 0.5, "effect": "x", "rows": 600}
+
+
+def cause_of(effect):
+    """Return what a truth says of a cause."""
+    return {"effect": effect, "class": [effect], "parameters": {}, "where": {}, "facts": {}}
+
+
+def test_what_may_be_left_unknown_is_right_without_a_name():
+    """A term driven by a condition may be unknown; another cause may not."""
+    unknown = finding("unknown", verdict="unknown")
+
+    assert judging.is_right(unknown, {**cause_of("driven_term"), "or_unknown": True})
+    assert not judging.is_right(unknown, cause_of("driven_term"))
+
+
+def test_antennas_and_periods_are_placed():
+    """Antennas by the rows that both name; a period by how far it is off."""
+    table = {"el_deg": ["1"] * 4, "antenna": ["A1", "A1", "A2", "A3"]}
+    some = {**cause_of("sag_sine"), "where": {"subset": {"antenna": ["A1", "A2"]}}}
+    said = finding("sag_sine", where={"subset": {"antenna": ["A1", "A3"]}})
+    swing = {**cause_of("oscillation"), "facts": {"period_s": 3600.0}}
+    hour = finding("oscillation", parameters=[{"name": "period", "value": 61.2}])
+
+    assert judging.place(table, [said], [some]) == {"subset_iou": pytest.approx(0.5)}
+    assert judging.place(table, [hour], [swing]) == {"period_off": pytest.approx(0.02)}
+    assert judging.place(table, [], [swing]) == {"period_off": np.inf}
+
+
+@pytest.mark.parametrize(("hits", "passed"), [(18, True), (13, True), (6, False)])
+def test_detections_are_held_to_those_of_an_ideal_observer(hits, passed):
+    """A cell fails where its whole interval is below nine tenths of what could be detected."""
+    some = [
+        replace(judged([finding("sag_sine")], SAG), spec=SPEC, possible=0.9, claimed=n < hits)
+        for n in range(20)
+    ]
+    row = next(row for row in score.table(some) if row.what.startswith("600 rows, rho 0.5"))
+
+    assert row.passed == passed
+    assert row.result.startswith(f"{hits / 18:.2f} ({hits} of 18.0")
+
+
+def test_findings_that_predict_worse_are_counted():
+    """Worse than the base alone, against the noiseless truth, by more than answers are kept to."""
+    one = replace(judged([finding("sag_sine")], SAG), spec=SPEC)
+    rows = score.table([replace(one, skill=(-0.1, 0.2)), replace(one, skill=(0.1, 0.2))])
+    row = next(row for row in rows if row.what == "held out: worse than without findings")
+
+    assert (row.result[:6], row.passed) == ("50.0 %", False)

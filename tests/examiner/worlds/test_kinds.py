@@ -5,7 +5,7 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
-from pyport.examiner.worlds.faults import CATALOGUED, SWALLOWED, UNCATALOGUED
+from pyport.examiner.worlds.faults import CATALOGUED, OCCASIONAL, SWALLOWED, UNCATALOGUED
 from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, TWINS, make_case
 from pyport.examiner.worlds.mount import Base
 
@@ -153,3 +153,38 @@ def test_an_unknown_name_is_told_with_the_known_ones(wrong, expected):
 def test_all_kinds_are_explained():
     """Each kind says in a few words what it hides."""
     assert all(KINDS.values())
+
+
+@pytest.mark.parametrize(
+    ("effect", "kind"),
+    [(one, "array" if one == "some_antennas" else "one") for one in OCCASIONAL],
+)
+def test_an_occasional_cause_has_the_rho_that_was_asked_for(effect, kind):
+    """At a moment anywhere, in some antennas, on a condition, on a mount that has it."""
+    mount = {"fork_flexure": "fork", "declination_axis_flexure": "german", "pier_flip": "german"}
+    case = make_case(kind, 3, effect=effect, rows=ROWS, mount=mount.get(effect))
+    (cause,) = case.truth["effects"]
+
+    assert max(cause["rho_xel"], cause["rho_el"]) == pytest.approx(0.5, rel=0.03)
+
+
+def test_what_some_antennas_have_the_others_have_not():
+    """Of an array whose truth names them."""
+    case = make_case("array", 4, rows=ROWS, noise="white")
+    (cause,) = case.truth["effects"]
+    has = np.isin(case.columns["antenna"], cause["where"]["subset"]["antenna"])
+    added = np.hypot(*case.signature)
+
+    assert 0 < has.mean() < 1
+    assert added[~has].max() == 0
+    assert added[has].max() > 0
+
+
+def test_a_file_with_little_in_it_has_no_more():
+    """The place and the offsets, or these and the time."""
+    place, time = (
+        set(make_case("null", 3, rows=60, little=one).columns) for one in ("place", "time")
+    )
+
+    assert time - place == {"time_utc"}
+    assert place - {"scan_axis"} == {"az_deg", "el_deg", "d_az_deg", "d_el_deg"}

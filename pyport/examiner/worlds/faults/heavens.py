@@ -118,7 +118,8 @@ def refraction(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
         lambda world, size: world.with_steering(bent=1 - size),
         unit="of it",
         pilot=0.1,
-        beside=("refraction_curvature",),
+        # the constant is that of the air as it was, vapour and all
+        beside=("refraction_curvature", "wet_refraction"),
         where={"axes": ["el"]},
     )
 

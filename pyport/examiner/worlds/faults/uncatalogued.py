@@ -1,6 +1,7 @@
 """Misfits that stand in no catalogue: the right answer to them is that it is unknown, and where.
 
-Twenty forms, meant to be no wave, bell, box or step as the program fits them.
+Twenty forms, meant to be no wave, bell, box or step as the program fits them: `pyport dev
+cosines` measures how much of each its best term can take.
 """
 
 from __future__ import annotations

@@ -1,0 +1,92 @@
+"""How much of each unknown form the program's best term can take: cosines beside the model.
+
+The forms are the examiner's, the columns the program's: this measures, it draws and judges nothing.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Problem, prepare
+from pyport.examiner import program
+from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.worlds.case import Case as Made
+from pyport.examiner.worlds.faults import UNKNOWN
+from pyport.examiner.worlds.kinds import make_case
+from pyport.formats.models import load
+from pyport.recordings import read
+
+ROWS = 600
+#: Columns that the model leaves less than this share of are nothing beside it.
+_LEAST = 1e-6
+
+
+@dataclass(frozen=True)
+class Case:
+    """Which form is drawn, and from which seed."""
+
+    form: str
+    seed: int
+
+
+def cases(count: int, seed: int) -> list[Case]:
+    """Return `count` cases of each form."""
+    return [Case(form, seed + n) for n in range(count) for form in UNKNOWN]
+
+
+def examine(case: Case) -> dict[str, Any]:
+    """Return the largest cosines of a form with what has a name and with what has none."""
+    made = make_case("unknown", case.seed, effect=case.form, rows=ROWS, rho=1.0, noise="white")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "recordings.csv"
+        write_recordings(made, file)
+        setup = prepare(read(file), load("altaz"), None, 0)
+    found: dict[str, Any] = {**vars(case), "program": program.version()}
+    for kind, some in (("named", setup.candidates), ("shape", setup.shapes)):
+        found[f"{kind}_cosine"], found[kind] = largest(setup, made, some)
+    return found
+
+
+def largest(setup: Problem, made: Made, some: Sequence[Candidate]) -> tuple[float, str]:
+    """Return the largest cosine of a hidden form with candidates beside the model, and whose."""
+    axis, row = setup.stack.is_y.astype(int), setup.stack.row
+    base = np.linalg.qr(np.stack(made.base)[axis, row])[0]
+
+    def left(columns: Array) -> Array:
+        return np.asarray(columns - base @ (base.T @ columns))
+
+    form = left(np.stack(made.signature)[axis, row])
+    best = (0.0, "none")
+    for one in some:
+        before = setup.columns[:, one.columns]
+        beside = left(before)
+        size = np.linalg.norm(beside, axis=0)
+        seen = size > _LEAST * np.linalg.norm(before, axis=0)
+        if seen.any():
+            basis, strength, _ = np.linalg.svd(beside[:, seen] / size[seen], full_matrices=False)
+            along = basis[:, strength > _LEAST].T @ form
+            name = f"{one.effect.id} {one.effect.variant}".strip()
+            best = max(best, (float(np.linalg.norm(along) / np.linalg.norm(form)), name))
+    return best
+
+
+def text(outcomes: Iterable[dict[str, Any]]) -> str:
+    """Return a line for each form: its largest cosines, and with what."""
+    outcomes = list(outcomes)
+    lines = [f"{'form':20}{'named':>7}  {'with':44}{'shape':>7}  with"]
+    for form in dict.fromkeys(one["form"] for one in outcomes):
+        own = [one for one in outcomes if one["form"] == form]
+        line = f"{form:20}"
+        for kind, width in (("named", 44), ("shape", 0)):
+            most = max(own, key=lambda one: float(one[f"{kind}_cosine"]))
+            line += f"{most[f'{kind}_cosine']:7.2f}  {most[kind]:{width}}"
+        lines.append(line)
+    return "\n".join(lines)
