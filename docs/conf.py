@@ -17,7 +17,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_click",
 ]
-exclude_patterns = ["proof/proof"]
+exclude_patterns = ["proof/proof", "proof/sets"]
 
 html_theme = "furo"
 html_title = "pyport"

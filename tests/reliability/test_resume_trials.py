@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 import shutil
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import time
 import pytest
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import page, seal
+from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.protocol import Spec
 
 SPECS = [
@@ -93,12 +94,14 @@ def test_what_was_begun_is_not_sealed_as_another(tmp_path):
         seal.seal(root, "a-set", SPECS[:1])
     shutil.rmtree(root)
     shutil.rmtree(folder.vault)
-    seal.draft(folder.draft, "a-set", SPECS[:1])
+    seal.draft(folder.draft, "a-set", SPECS[:1], random.SystemRandom())
 
     with pytest.raises(BadInput, match="begun with another list of cases"):
         seal.seal(root, "a-set", SPECS[:2])
+    drawn = json.loads(folder.draft.read_text())
+    folder.draft.write_text(json.dumps({**drawn, "solver_sha256": "0" * 64}))
     with pytest.raises(BadInput, match="begun with another solver"):
-        seal.seal(root, "a-set", SPECS[:1], solver="0" * 64)
+        seal.seal(root, "a-set", SPECS[:1])
 
 
 def test_an_opening_that_was_cut_short_goes_on_with_the_answers_it_fixed(tmp_path):
@@ -118,14 +121,3 @@ def test_an_opening_that_was_cut_short_goes_on_with_the_answers_it_fixed(tmp_pat
     seal.write_json(folder.report("case-0001"), {"findings": [], "examined": {"seconds": 1}})
     with pytest.raises(BadInput, match="not the one that stood when the set was opened"):
         seal.reveal(root)
-
-
-def test_the_ledger_has_each_entry_once(tmp_path):
-    """A run that is called again after it wrote an entry does not write it twice."""
-    root, book = tmp_path / "set", tmp_path / "ledger.md"
-    sealed = seal.seal(root, "a-set", SPECS[:1])
-    page.enter_seal(book, root, sealed)
-    once = book.read_bytes()
-    page.enter_seal(book, root, sealed)
-
-    assert book.read_bytes() == once

@@ -15,13 +15,10 @@ from pyport.cli.manners import in_json, option, say
 if TYPE_CHECKING:
     from pyport.examiner.sealed.examine import Score
 
-LEDGER = Path("docs/proof/ledger.md")
-PAGE = Path("docs/proof.md")
 DATA = Path("../shared/data")
 
 _A_PATH = click.Path(path_type=Path)
 _jobs = option("--jobs", "Cases at the same time.", 1)
-_ledger = option("--ledger", "The ledger of all sets.", LEDGER, type=_A_PATH)
 _data = option(
     "--data",
     "Folder of public recordings, for their noise; those shipped where it is not there.",
@@ -93,17 +90,14 @@ def make(
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_which
 @_data
-@_ledger
 @in_json
-def seal(folder: Path, which: str, data: Path, ledger: Path, *, as_json: bool = False) -> None:
+def seal(folder: Path, which: str, data: Path, *, as_json: bool = False) -> None:
     """Draw truths, hide them, and publish the hashes that fix them."""
-    from pyport.examiner.sealed import page as book
     from pyport.examiner.sealed.protocol import SETS, there
     from pyport.examiner.sealed.seal import seal as seal_set
 
     sealed = seal_set(folder, folder.resolve().name, SETS[which](there(data)))
-    book.enter_seal(ledger, folder, sealed)
-    text = f"{len(sealed['cases'])} cases sealed: publish {folder / 'sealed.json'}"
+    text = f"{len(sealed['cases'])} cases sealed: {folder / 'sealed.json'}"
     told = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
     say(text, told, as_json=as_json)
 
@@ -135,15 +129,12 @@ def reveal(folder: Path, *, as_json: bool = False) -> None:
 @command.command(epilog="Example: pyport dev trials score out/set")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_jobs
-@_ledger
 @in_json
-def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> None:
-    """Check every seal, print the score and write it down, good or bad."""
-    from pyport.examiner.sealed import page as book
+def score(folder: Path, jobs: int, *, as_json: bool = False) -> None:
+    """Check every seal, print the score and write it to SET/score.json, good or bad."""
     from pyport.examiner.sealed.examine import examine
 
     whole = examine(folder, jobs)
-    book.enter_score(ledger, folder, whole)
     if as_json:
         from pyport.examiner.sealed.examine import as_json as told
 
@@ -157,43 +148,41 @@ def score(folder: Path, jobs: int, ledger: Path, *, as_json: bool = False) -> No
 @_which
 @_data
 @_jobs
-@_ledger
 @in_json
 @click.pass_context
 def prove(
-    context: click.Context,
-    folder: Path,
-    which: str,
-    data: Path,
-    jobs: int,
-    ledger: Path,
-    *,
-    as_json: bool,
+    context: click.Context, folder: Path, which: str, data: Path, jobs: int, *, as_json: bool
 ) -> None:
-    """Seal, run, reveal and score, from wherever that was interrupted."""
-    from pyport.examiner.sealed import page as book
-    from pyport.examiner.sealed.published import read_seal
+    """Seal, run, reveal and score, from wherever that was interrupted: a rehearsal, kept nowhere.
 
+    `pyport dev prove` leaves a proof in the history.
+    """
     with contextlib.redirect_stdout(io.StringIO() if as_json else sys.stdout):
         if not (folder / "sealed.json").exists():
-            context.invoke(seal, folder=folder, which=which, data=data, ledger=ledger)
-        book.enter_seal(ledger, folder, read_seal(folder / "sealed.json"))
+            context.invoke(seal, folder=folder, which=which, data=data)
         if not (folder / "answers.json").exists():
             context.invoke(run, folder=folder, jobs=jobs)
         context.invoke(reveal, folder=folder)
-    context.invoke(score, folder=folder, jobs=jobs, ledger=ledger, as_json=as_json)
+    context.invoke(score, folder=folder, jobs=jobs, as_json=as_json)
 
 
-@command.command(epilog="Example: pyport dev trials page out/set -o docs/proof.md")
-@click.argument("folders", metavar="SET...", type=_A_PATH, nargs=-1, required=True)
-@option("-o --out", "The page.", PAGE, type=_A_PATH)
+@command.command(epilog="Example: pyport dev trials page")
+@option("--docs", "Folder of the manual.", Path("docs"), type=_A_PATH)
+@option("--readme", "The README.", Path("README.md"), type=_A_PATH)
 @in_json
-def page(folders: tuple[Path, ...], out: Path, *, as_json: bool) -> None:
-    """Write the public record of sets that were scored: numbers, pictures, one case by hand."""
-    from pyport.examiner.sealed.page import write
+def page(docs: Path, readme: Path, *, as_json: bool) -> None:
+    """Write the public record of all published sets, DOCS/proof/sets: page, ledger, README."""
+    from pyport.cli.dev.listed import rewrite
+    from pyport.examiner.sealed import page as book
+    from pyport.files import write_whole
 
-    write(folders, out)
-    say(f"{out}", {"page": out}, as_json=as_json)
+    sets = book.published(docs / "proof" / "sets")
+    text = book.proof(sets, docs)
+    with write_whole(docs / "proof.md") as file:
+        file.write(text)
+    rewrite(docs / "proof" / "ledger.md", "sets", book.ledger(sets))
+    rewrite(readme, "proof", book.readme(sets))
+    say(f"{docs / 'proof.md'}", {"page": docs / "proof.md"}, as_json=as_json)
 
 
 def show(whole: Score) -> None:

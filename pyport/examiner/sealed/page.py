@@ -1,40 +1,96 @@
-"""The public record: one page with the whole case, numbers and pictures taken from the scores."""
+"""The public record, from sets that were published: the page of the proof, the ledger, the README.
+
+Nothing is written by hand: what a page says is read from the files that `pyport dev prove` left.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
 from pyport.examiner.sealed import figures
-from pyport.examiner.sealed.examine import Score
 from pyport.examiner.sealed.judge import Verdict
+from pyport.examiner.sealed.prove import ANSWERS, OPENED, SCORE, SEALED, VERDICTS, WHO, read_lines
 from pyport.examiner.sealed.published import read_json, read_seal
-from pyport.examiner.sealed.seal import Folder
-from pyport.files import sha256, write_whole
+from pyport.examiner.sealed.seal import moved_on
+from pyport.files import sha256
 
 _HEAD = """# Does it find what was hidden?
+
+<!-- written by `pyport dev trials page` -->
 
 The claim: given recordings that differ from the simulation, `pyport diagnose` finds where, says
 which physics was left out, models it, and the fit improves on data that it did not see.
 
-The proof: causes are drawn at random and put into recordings by an examiner that shares no
-formula with the program. Its telescope is made of rotations, its sky is ERFA's, with catalogue
-sources, real dates and the Earth's real orientation. Truths are sealed by SHA-256 of a 256-bit
-nonce and the text, together with the hashes of the recordings, the solver, the examiner and the
-thresholds. Each case is solved in a process that sees the recordings alone and cannot open the
-truth. Then the set is opened, once, and scored. Every set that was ever sealed stands in the
-[ledger](proof/ledger.md); [why some rows did not pass](proof/reasons.md) stands beside it.
+The proof: causes are drawn at random and put into recordings by an examiner that imports nothing of
+the program. Its telescope is made of rotations, its sky is ERFA's, with catalogue sources, real
+dates and the Earth's real orientation. Where a law fixes the form of a cause, as it does for
+refraction, aberration or an axis that leans, examiner and program hold the same law. Forms that no
+law fixes, such as bumps, waves and steps, are drawn by formulae of the examiner; that these are
+unlike every shape which the program tries is not claimed.
 
-Beside the drawn cases stand real recordings, each with a fact that was never in them:
-[the GMRT](proof/gmrt.md), whose antennas were surveyed; [the RT32's published
-table](proof/published-table.md), which holds what its routines do not; [the LMT](proof/lmt.md)
-and [AuxTel](proof/auxtel.md), whose models others fitted. `pyport dev acceptance` prints what
-else is promised.
+## What an outsider can check
 
-rho is what the altaz base leaves of a cause, rms, over the noise, on the axis where it is
-greater. Brackets hold counts and Wilson's 95 % interval.
+A set stands in the repository's history in three commits.
+
+1. *Sealed*: `sealed.json` alone, with the hashes of the program, the examiner and the thresholds,
+   of each file of recordings, and of each truth with a nonce of 256 random bits.
+2. *Answered*: what was answered to each case, by the program in a process that sees the
+   recordings and cannot open the truth, and by two baselines.
+3. *Opened*: all truths, their nonces, and the score.
+
+```
+pyport dev prove --verify NAME --again all
+```
+
+reads the history and nothing beside it. It checks the order of the commits, that the first two
+hold nothing else, that no file was changed later, that program and examiner are those which stood
+in the sealing commit, and every truth; it makes the recordings again from the opened seeds with
+the code that was sealed, compares their hashes, judges every answer again and compares the score.
+Who rewrote a history from its seal on could still deceive somebody who first saw it later: who
+wants to be sure keeps the hash of `sealed.json` from the day of the sealing.
+
+"The program" is the code that turns a file of recordings into report.json, all that `pyport
+diagnose` imports but for its page and its pictures. Its hash is that of the syntax: a comment, a
+docstring or the manual voids no proof, any other change does. Every set that was ever sealed
+stands in the [ledger](proof/ledger.md).
+
+Any other program can take [the challenge](challenge.md) and is scored by the same judge.
+
+Beside the drawn cases stand real recordings, each with a fact that was never in them: [the
+GMRT](proof/gmrt.md), whose antennas were surveyed; [the RT32's published
+table](proof/published-table.md), which holds what its routines do not; [the MMT](proof/mmt.md),
+whose model was published night by night; [IRAM's 30 m](proof/iram.md), whose dampers were
+softened on a known day; [RTS2](proof/rts2.md), [the LMT](proof/lmt.md) and
+[AuxTel](proof/auxtel.md), whose models others fitted. `pyport dev acceptance` and `pyport dev
+real` print what else is promised.
+"""
+
+_NONE = """
+## No set of this kind is sealed yet
+
+The last one was sealed and opened in an older way, with {program}:
+[876 cases](proof/first.md), of whose rows with a threshold three did not pass.
+"""
+
+_CHECK = """
+### Every truth by hand
+
+```python
+import hashlib, json, lzma
+
+folder = "{folder}/"
+cases = json.load(open(folder + "sealed.json"))["cases"]
+sealed = {{one["case"]: one["truth_commitment"] for one in cases}}
+for line in lzma.open(folder + "opened.jsonl.xz", "rt", encoding="utf-8").readlines()[1:]:
+    one = json.loads(line)
+    bare = bytes.fromhex(one["nonce"]) + one["truth"].encode()
+    assert hashlib.sha256(bare).hexdigest() == sealed.pop(one["case"])
+assert not sealed
+```
 """
 
 _CAPTIONS = {
@@ -45,57 +101,118 @@ _CAPTIONS = {
     "confusion.png": "What was said first of what was hidden, in per cent of its cases.",
 }
 
-_WORST = 12
+#: What the last set of the older kind was answered by.
+_OLDER = "a program that has changed since (commit `0bfcbba`)"
+_MARKS = {True: "yes", False: "**no**", None: "shown"}
+_NAMES = dict(zip(WHO, ("pyport", *WHO[1:]), strict=True))
 
 
-def write(sets: Sequence[Path], out: Path) -> None:
-    """Write the page and, in a folder of its name beside it, pictures, seals and one case each.
+@dataclass(frozen=True)
+class Published:
+    """A set as it stands in the repository.
 
-    `sets`: folders of sets that were scored.
-    `out`: the page, Markdown.
+    `sealed`: its seal; `score`: what it scored, None where it was not opened yet.
     """
-    sections = [
-        _section(root, out.with_suffix("") / root.resolve().name, out.parent) for root in sets
-    ]
-    with write_whole(out) as file:
-        file.write("\n".join([_HEAD, *sections]))
+
+    folder: Path
+    sealed: dict[str, Any]
+    score: dict[str, Any] | None
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """Return what each of the program's answers was worth.
+
+        Raises `BadInput`: the file is of another examiner.
+        """
+        path = self.folder / VERDICTS
+        try:
+            return [Verdict(**one) for one in read_lines(path.read_bytes())]
+        except TypeError as error:
+            raise BadInput(f"these are no verdicts ({error})", path) from None
 
 
-def _section(root: Path, folder: Path, base: Path) -> str:
-    """Write the files of one set and return its part of the page."""
-    folder.mkdir(parents=True, exist_ok=True)
-    scored, sealed = read_json(root / "score.json"), read_seal(Folder(root).seal)
-    try:
-        verdicts = [Verdict(**one) for one in scored["verdicts"]]
-    except (KeyError, TypeError) as error:
-        raise BadInput(f"this is no score ({error})", root / "score.json") from None
-    if not {one.case for one in verdicts} <= {one["case"] for one in sealed["cases"]}:
-        raise BadInput("a case that the seal has not, expected its own", root / "score.json")
-    _copy(Folder(root).seal, folder / "sealed.json")
-    place = folder.relative_to(base).as_posix()
+def published(sets: Path) -> list[Published]:
+    """Return the sets of a folder in the order in which they were sealed."""
+    found = []
+    for path in sets.glob(f"*/{SEALED}"):
+        opened = path.with_name(SCORE)
+        score = read_json(opened) if opened.exists() else None
+        found.append(Published(path.parent, read_seal(path), score))
+    return sorted(found, key=lambda one: str(one.sealed["sealed_utc"]))
+
+
+def last(some: Sequence[Published]) -> Published | None:
+    """Return the last set that was opened."""
+    return next((one for one in reversed(some) if one.score), None)
+
+
+def program(one: Published | None) -> str:
+    """Return of which program a set speaks, and whether it is this one, in words."""
+    if one is None:
+        return _OLDER
+    name = f"program `{one.sealed['solver_sha256'][:16]}`"
+    changed = moved_on(one.sealed, "solver")
+    return f"{name}, which has changed since" if changed else f"{name}, which is this version"
+
+
+def readme(some: Sequence[Published]) -> str:
+    """Return what the README says of the proof."""
+    one = last(some)
+    cases = len(one.sealed["cases"]) if one else 876
+    return (
+        f"Does it find what is missing? [The proof](docs/proof.md): {cases:,} sealed cases,\n"
+        f"opened once, with every wrong answer, of {program(one)}.\n"
+        "Any other program can take [the challenge](docs/challenge.md).\n"
+    )
+
+
+def proof(some: Sequence[Published], docs: Path) -> str:
+    """Return the page of the proof, and draw its pictures into the folder of the last opened set.
+
+    `docs`: the folder of the page, which links are relative to.
+    """
+    one = last(some)
+    if one is None:
+        return _HEAD + _NONE.format(program=program(None))
+    return "\n".join([_HEAD, *_section(one, docs), _CHECK.format(folder=one.folder)])
+
+
+def _section(one: Published, docs: Path) -> list[str]:
+    score, verdicts = one.score or {}, one.verdicts
+    place = one.folder.resolve().relative_to(docs.resolve()).as_posix()
     pictures = [
         f"![{_CAPTIONS[name]}]({place}/{name})\n\n{_CAPTIONS[name]}\n"
-        for name in figures.write(folder, verdicts)
+        for name in figures.write(one.folder, verdicts)
     ]
-    lines = [
-        f"## {scored['name']}: {'passed' if scored['passed'] else 'not passed'}\n",
-        f"{len(verdicts)} cases, sealed {sealed['sealed_utc']}.\n",
-        _table(scored["table"]),
+    return [
+        f"## {score['name']}: {'passed' if score['passed'] else 'not passed'}\n",
+        f"{len(verdicts):,} cases, sealed {one.sealed['sealed_utc']}, of {program(one)}.",
+        f"The seal is `{sha256(one.folder / SEALED)}`.\n",
+        "rho is what the base model leaves of a cause, rms, over the noise, on the axis where it",
+        "is greater. Brackets hold counts and Wilson's 95 % interval. Beside the program stand",
+        "two baselines: term picking by BIC, and the cross-validated lasso, over [the classical",
+        "list](challenge.md).\n",
+        _table(score),
         *pictures,
         _left_out(verdicts),
         _wrong(verdicts),
-        _by_hand(root, folder, base, verdicts),
     ]
-    return "\n".join(lines)
 
 
-def _table(rows: list[dict[str, Any]]) -> str:
-    marks = {True: "yes", False: "**no**", None: "shown"}
+def _table(score: dict[str, Any]) -> str:
+    """Return the rows of the program with those of the baselines beside them."""
+    others = {
+        by: {row["what"]: row["result"] for row in rows} for by, rows in score["beside"].items()
+    }
     lines = [
-        f"| {row['what']} | {row['result']} | {row['needed']} | {marks[row['passed']]} |"
-        for row in rows
+        f"| what | needed | {' | '.join(_NAMES[by] for by in WHO)} | passed |",
+        "|---|---|" + "---|" * len(WHO) + "---|",
     ]
-    return "\n".join(["| what | result | needed | passed |", "|---|---|---|---|", *lines, ""])
+    for row in score["table"]:
+        beside = [others[by].get(row["what"], "-") for by in WHO[1:]]
+        cells = [row["what"], row["needed"], row["result"], *beside, _MARKS[row["passed"]]]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join([*lines, ""])
 
 
 def _left_out(verdicts: Sequence[Verdict]) -> str:
@@ -121,119 +238,56 @@ def _left_out(verdicts: Sequence[Verdict]) -> str:
     )
 
 
-def _wrong(verdicts: Sequence[Verdict]) -> str:
-    """Return the confident wrong answers, by case."""
-    wrong = [
-        one
-        for one in verdicts
-        if one.verdict == "named" and not one.first and one.group in {"one", "unknown", "two"}
-    ]
-    failed = [one for one in verdicts if one.failed]
-    lines = [
-        f"- {one.case}: hidden {one.spec['effect'] or 'two at random'} at rho {one.spec['rho']:g},"
-        f" said {one.said}"
-        for one in wrong[:_WORST]
-    ]
-    more = f" The first {_WORST}:" if len(wrong) > _WORST else ""
+def _wrong(verdicts: Iterable[Verdict]) -> str:
+    """Return every confident answer that is wrong, by case, and how many had none."""
+    verdicts = list(verdicts)
+    lines = []
+    for one in verdicts:
+        hidden = one.found and one.spec["rho"] != 0
+        if not hidden and one.claimed:
+            lines.append(f"- {one.case} ({one.group}): nothing hidden, said {one.said}")
+        elif hidden and one.verdict == "named" and not one.first:
+            lines.append(f"- {one.case} ({one.group}): hidden {_hidden(one)}, said {one.said}")
+    failed = sum(1 for one in verdicts if one.failed)
     return "\n".join(
         [
             "### Wrong answers\n",
-            f"{len(wrong)} cases got one confident wrong name, {len(failed)} no report.{more}\n",
+            f"{len(lines)} cases got a confident answer that is wrong, {failed} no report.\n",
             *lines,
             "",
         ]
     )
 
 
-def _by_hand(root: Path, folder: Path, base: Path, verdicts: Sequence[Verdict]) -> str:
-    """Put one opened case beside the page and return how to check it from seal to answer."""
-    shown = next((one for one in verdicts if one.group == "one" and one.first), verdicts[0])
-    opened = Folder(root).opened
-    for suffix in ("truth.json", "nonce"):
-        _copy(opened / f"{shown.case}.{suffix}", folder / f"{shown.case}.{suffix}")
-    truth = read_json(folder / f"{shown.case}.truth.json")
-    sealed = read_seal(folder / "sealed.json")
-    entry = next(one for one in sealed["cases"] if one["case"] == shown.case)
-    here = (Path(base.name) / folder.relative_to(base)).as_posix()
-    kind = truth["spec"]["kind"]
-    options = {"effect": "--effect", "rho": "--rho", "rows": "--rows", "noise": "--noise"}
-    asked = [
-        f"{option} {truth['spec'][key]}"
-        for key, option in options.items()
-        if truth["spec"][key] is not None
+def _hidden(one: Verdict) -> str:
+    return f"{one.spec['effect'] or 'causes drawn at random'} at rho {one.spec['rho']:g}"
+
+
+def ledger(some: Sequence[Published]) -> str:
+    """Return an entry for each set: what was sealed, and what it scored."""
+    return "\n".join(_entry(one) for one in some)
+
+
+def _entry(one: Published) -> str:
+    sealed, score = one.sealed, one.score
+    lines = [
+        f"## {sealed['name']}\n",
+        f"Sealed {sealed['sealed_utc']}, {len(sealed['cases']):,} cases.\n",
+        f"- seal `{sha256(one.folder / SEALED)}`",
+        f"- program `{sealed['solver_sha256']}`",
+        f"- examiner `{sealed['examiner_sha256']}`",
     ]
-    stem = "-".join(filter(None, [kind, truth["spec"]["effect"]]))
-    made = f"try/recordings/{stem}-{truth['seed']:05d}.csv"
-    return f"""### One case by hand
-
-{shown.case}, with the solver `{sealed["solver_sha256"][:16]}`:
-
-```
-sha256sum {here}/sealed.json
-(xxd -r -p {here}/{shown.case}.nonce; cat {here}/{shown.case}.truth.json) | sha256sum
-pyport dev trials make --kind {kind} {" ".join(asked)} --seed {truth["seed"]} -o try
-sha256sum {made}
-pyport diagnose {made} {" ".join(entry["arguments"])} --out try
-```
-
-The first prints the seal that the ledger holds, `{sha256(folder / "sealed.json")}`; the
-second what the seal holds of the truth, `{entry["truth_commitment"]}`;
-the fourth what it holds of the recordings, `{entry["recordings_sha256"]}`
-(with the same libraries; with others the last digit of a number may differ);
-the fifth what was answered: {shown.said}.
-"""
-
-
-def _copy(source: Path, target: Path) -> None:
-    with write_whole(target, "wb") as file:
-        file.write(source.read_bytes())
-
-
-_LEDGER_HEAD = """# Ledger of sealed sets
-
-Every set that was ever sealed, in order, with its score, good or bad. A set is
-solved once and opened once. `pyport dev trials seal` and `pyport dev trials score` write here.
-"""
-
-
-def enter_seal(ledger: Path, root: Path, sealed: dict[str, Any]) -> None:
-    """Write down that a set was sealed."""
-    _append(
-        ledger,
-        f"""
-## {sealed["name"]}
-
-Sealed {sealed["sealed_utc"]}, {len(sealed["cases"])} cases.
-
-- seal `{sha256(Folder(root).seal)}`
-- solver `{sealed["solver_sha256"]}`
-- examiner `{sealed["examiner_sha256"]}`
-""",
+    for what, name in (("answers", ANSWERS), ("opening", OPENED)):
+        if (path := one.folder / name).exists():
+            lines.append(f"- {what} `{sha256(path)}`")
+    if score is None:
+        return "\n".join([*lines, "\nNot opened yet.\n"])
+    passed = "passed" if score["passed"] else "not passed"
+    rows = [
+        f"| {row['what']} | {row['result']} | {row['needed']} | {_MARKS[row['passed']]} |"
+        for row in score["table"]
+    ]
+    heading = f"\n### Score of {sealed['name']}: {passed}\n"
+    return "\n".join(
+        [*lines, heading, "| what | result | needed | passed |", "|---|---|---|---|", *rows, ""]
     )
-
-
-def enter_score(ledger: Path, root: Path, score: Score) -> None:
-    """Write down what a set scored; its seal says which one it is."""
-    failed = [one for one in score.verdicts if one.failed]
-    lines = "\n".join(map(str, score.rows))
-    _append(
-        ledger,
-        f"""
-### Score of {score.name}: {"passed" if score.passed else "not passed"}
-
-Seal `{sha256(Folder(root).seal)}`; {len(failed)} cases without a report.
-
-| what | result | needed | passed |
-|---|---|---|---|
-{lines}
-""",
-    )
-
-
-def _append(ledger: Path, text: str) -> None:
-    """Add an entry, once: a run that was killed after it did so says it again when called again."""
-    before = ledger.read_text(encoding="utf-8") if ledger.exists() else _LEDGER_HEAD
-    if text in before:
-        return
-    with write_whole(ledger) as file:
-        file.write(before + text)
