@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +11,9 @@ import pytest
 
 import pyport
 from pyport import recordings
+from pyport.errors import BadInput
 from pyport.examiner import scores
-from pyport.examiner.real import huber, measures, published, readers, sets, table
+from pyport.examiner.real import huber, measures, published, readers, sets, studies, table
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 RNG = np.random.default_rng(0)
@@ -366,3 +368,78 @@ def test_the_table_says_what_is_missed():
     assert "1 of 2 sets meet every target" in table.text([good, bad], [])
     assert "| bad | a step | none | **no** |" in table.markdown([good, bad], ["lost: not there"])
     assert json.dumps(table.failures(measures.Row("x", 1, 1))) == '["not examined"]'
+
+
+REAL = """# Recordings
+
+| set | rows | nights | in fit | total, arcsec |
+| --- | --- | --- | --- | --- |
+| Here 1 | 20 | 2 | 1.000 | 3.00 to 2.00 |
+| There | 30 | 1 | 1.000 | - |
+
+## What was published, and what came out
+
+| set | published | found | |
+| --- | --- | --- | --- |
+| Here 1 | a step | a step | yes |
+
+## Findings
+
+- Here 1: drift, named
+- There: none
+
+## Targets missed
+
+- Here 1: one
+"""
+
+
+def test_a_case_study_is_filled_from_the_table_of_real_recordings():
+    """Rows, facts and findings of its sets and of no other; what stood there before is gone."""
+    page = "# A\n\n<!-- real: Here -->\nold\n<!-- end of real -->\n\nwords\n"
+    text = studies.filled(page, REAL)
+
+    assert "| Here 1 | 20 | 2 | 3.00 to 2.00 arcsec |" in text
+    assert "| Here 1 | a step | a step | yes |" in text
+    assert text.count("- Here 1") == 1
+    assert "There" not in text
+    assert "old" not in text
+    assert text.endswith("\n\nwords\n")
+    assert studies.filled(text, REAL) == text
+
+
+def test_a_study_of_no_set_is_refused():
+    """Its sets are named as the table names them."""
+    with pytest.raises(BadInput, match="has no set Nowhere"):
+        studies.filled("<!-- real: Nowhere -->\n<!-- end of real -->", REAL)
+
+
+@pytest.mark.parametrize("study", ["gmrt", "published-table", *studies.PICTURES])
+def test_the_manual_s_case_studies_are_those_of_the_table(study):
+    """`pyport dev trials page` was called after `pyport dev real`; the picture is there."""
+    docs = Path(__file__).parents[2] / "docs"
+    text = (docs / "proof" / f"{study}.md").read_text("utf-8")
+    pictures = re.findall(r"!\[[^\]]*\]\((.*?)\)", text)
+
+    assert studies.filled(text, (docs / "real.md").read_text("utf-8")) == text
+    assert pictures
+    assert all((docs / "proof" / one).is_file() for one in pictures)
+
+
+def test_a_picture_is_drawn_of_recordings(tmp_path, monkeypatch):
+    """Residuals of both axes; where the recordings are not there it is said."""
+    data = tmp_path / "data.csv"
+    rng = np.random.default_rng(3)
+    lines = ["# latitude_deg: 50", "time_utc,session,az_deg,el_deg,d_xel_arcsec,d_el_arcsec"]
+    for n in range(40):
+        az, el, x, y = *rng.uniform((0, 20), (360, 80)), *rng.normal(0, 2, 2)
+        when = f"2004-01-0{1 + n // 20}T{n % 20:02}:00:00Z"
+        lines.append(f"{when},N{n // 20},{az:.4f},{el:.4f},{x:.2f},{y:.2f}")
+    data.write_text("\n".join([*lines, ""]))
+    entry = {"name": "One", "format": "recordings", "files": ["data.csv"]}
+    monkeypatch.setattr(sets, "catalogue", lambda: [entry])
+    monkeypatch.setitem(studies.PICTURES, "one", (("One",), "time", ("2004-01-02", "then")))
+
+    studies.draw("one", tmp_path, tmp_path / "one.png")
+    assert (tmp_path / "one.png").read_bytes().startswith(b"\x89PNG")
+    assert "not there" in studies.draw("one", tmp_path / "other", tmp_path / "two.png")

@@ -17,7 +17,7 @@ ALLOWED = {
     "nulls": {"errors"},
     "mounts": set(),
     "ideal": {"angles", "thresholds"},
-    "real": {"angles", "errors"},
+    "real": {"angles", "errors", "files"},
     "baselines.py": {"errors"},
     "scores.py": set(),
     "program.py": {"", "errors"},

@@ -169,10 +169,15 @@ def prove(
 @command.command(epilog="Example: pyport dev trials page")
 @option("--docs", "Folder of the manual.", Path("docs"), type=_A_PATH)
 @option("--readme", "The README.", Path("README.md"), type=_A_PATH)
+@option("--data", "Folder of public recordings: the case studies' pictures, too.", type=_A_PATH)
 @in_json
-def page(docs: Path, readme: Path, *, as_json: bool) -> None:
-    """Write the public record of all published sets, DOCS/proof/sets: page, ledger, README."""
+def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
+    """Write the public record: page, ledger and README from all published sets, DOCS/proof/sets.
+
+    What DOCS/real.md has of real recordings is put into the case studies.
+    """
     from pyport.cli.dev.listed import rewrite
+    from pyport.examiner.real import studies
     from pyport.examiner.sealed import page as book
     from pyport.files import write_whole
 
@@ -182,6 +187,14 @@ def page(docs: Path, readme: Path, *, as_json: bool) -> None:
         file.write(text)
     rewrite(docs / "proof" / "ledger.md", "sets", book.ledger(sets))
     rewrite(readme, "proof", book.readme(sets))
+    real = (docs / "real.md").read_text(encoding="utf-8")
+    for path in sorted((docs / "proof").glob("*.md")):
+        told = path.read_text(encoding="utf-8")
+        if (anew := studies.filled(told, real)) != told:
+            with write_whole(path) as file:
+                file.write(anew)
+    for study in studies.PICTURES if data is not None else ():
+        click.echo(studies.draw(study, data, docs / "proof" / f"{study}.png"))
     say(f"{docs / 'proof.md'}", {"page": docs / "proof.md"}, as_json=as_json)
 
 
