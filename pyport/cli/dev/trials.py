@@ -193,8 +193,9 @@ def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
         if (anew := studies.filled(told, real)) != told:
             with write_whole(path) as file:
                 file.write(anew)
-    for study in studies.PICTURES if data is not None else ():
-        click.echo(studies.draw(study, data, docs / "proof" / f"{study}.png"))
+    if data is not None:
+        for study in studies.PICTURES:
+            click.echo(studies.draw(study, data, docs / "proof" / f"{study}.png"))
     say(f"{docs / 'proof.md'}", {"page": docs / "proof.md"}, as_json=as_json)
 
 
