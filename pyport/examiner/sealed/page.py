@@ -239,20 +239,23 @@ def _left_out(verdicts: Sequence[Verdict]) -> str:
 
 
 def _wrong(verdicts: Iterable[Verdict]) -> str:
-    """Return every confident answer that is wrong, by case, and how many had none."""
+    """Return every case with a finding that is wrong, and how many had no report."""
     verdicts = list(verdicts)
     lines = []
     for one in verdicts:
         hidden = one.found and one.spec["rho"] != 0
         if not hidden and one.claimed:
             lines.append(f"- {one.case} ({one.group}): nothing hidden, said {one.said}")
-        elif hidden and one.verdict == "named" and not one.first:
-            lines.append(f"- {one.case} ({one.group}): hidden {_hidden(one)}, said {one.said}")
+        elif hidden and one.wrong:
+            said = ", ".join(one.wrong)
+            beside = "beside what is right " if any(one.found) else ""
+            lines.append(f"- {one.case} ({one.group}): hidden {_hidden(one)}, {beside}said {said}")
     failed = sum(1 for one in verdicts if one.failed)
     return "\n".join(
         [
             "### Wrong answers\n",
-            f"{len(lines)} cases got a confident answer that is wrong, {failed} no report.\n",
+            f"{len(lines)} cases of {len(verdicts):,} got a wrong finding, first or later;",
+            f"{failed} got no report.\n",
             *lines,
             "",
         ]
