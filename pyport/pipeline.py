@@ -122,9 +122,7 @@ def run_all(wanted: Sequence[Request], jobs: int = 1, cluster: str | None = None
 
 
 def run_one(
-    request: Request,
-    tell: Callable[[str], None] = lambda _: None,
-    spread: Spread[Any, Any] = map,
+    request: Request, tell: Callable[[str], None] = lambda _: None, spread: Spread[Any, Any] = map
 ) -> Done:
     """Diagnose one file and write its folder."""
     with timed() as clock:

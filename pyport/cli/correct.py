@@ -109,8 +109,7 @@ def _words(done: Applied) -> list[str]:
 
 
 @click.command(
-    "compare",
-    epilog="Example: pyport compare old.mod new.toml --recordings night.dat --beam 30",
+    "compare", epilog="Example: pyport compare old.mod new.toml --recordings night.dat --beam 30"
 )
 @click.argument("old", shell_complete=models)
 @click.argument("new", shell_complete=models)

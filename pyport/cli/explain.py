@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(
-    "diagnose",
-    epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis",
+    "diagnose", epilog="Example: pyport diagnose offsets.csv --model altaz --out diagnosis"
 )
 @click.argument("recordings", nargs=-1, required=True, shell_complete=named)
 @beside_model
@@ -163,12 +162,7 @@ def predict(
     rivals = [load(one) for one in against]
     with working("comparing") as tell:
         done = compare.compare(
-            measured,
-            first,
-            rivals,
-            [read(one, given) for one in nights],
-            seed=seed,
-            tell=tell,
+            measured, first, rivals, [read(one, given) for one in nights], seed=seed, tell=tell
         )
         rehearsals: list[rehearsal.Rehearsal] = []
         for one in rivals if rehearse else ():
@@ -187,8 +181,7 @@ def predict(
 
 
 @click.command(
-    "plot",
-    epilog="Example: pyport plot offsets.csv --panel sky --panel against-el --out figures",
+    "plot", epilog="Example: pyport plot offsets.csv --panel sky --panel against-el --out figures"
 )
 @click.argument("recordings", shell_complete=named)
 @beside_model

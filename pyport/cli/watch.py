@@ -23,8 +23,7 @@ ALARMED = 3
 
 
 @click.command(
-    "watch",
-    epilog="Example: pyport watch tonight.csv --history past.csv --model altaz --out watch",
+    "watch", epilog="Example: pyport watch tonight.csv --history past.csv --model altaz --out watch"
 )
 @click.argument("log", type=click.Path(path_type=Path))
 @beside_model

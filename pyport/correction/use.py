@@ -228,12 +228,7 @@ class PointingModel:
         return self._offsets(there.az, there.el, there.columns, there.site)
 
     def _offsets(
-        self,
-        az: Array,
-        el: Array,
-        columns: Columns,
-        site: Site | None,
-        mount: Mount = ALTAZ,
+        self, az: Array, el: Array, columns: Columns, site: Site | None, mount: Mount = ALTAZ
     ) -> tuple[Array, Array]:
         if self._by_row and "order" not in columns:
             # what changed at some row of the recordings is as it was after the last of them

@@ -214,8 +214,7 @@ def prepare(
         untestable=tuple(untestable),
         columns=np.concatenate([base_columns, found, generic], axis=1),
         blocks=Blocks(
-            np.array([n[0] for n in names]),
-            np.array([n[1] if len(n) > 1 else "" for n in names]),
+            np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])
         ),
         block=block_of_row[data.row],
         session=group(recordings, ("session",))[0][data.row],

@@ -115,13 +115,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
             least = IMPERFECTION * strongest
             mismatch = p_value <= FAMILY_ERROR
             winner = winner_of(
-                setup,
-                weighed,
-                chosen,
-                trials,
-                least,
-                banned=banned,
-                mismatch=mismatch,
+                setup, weighed, chosen, trials, least, banned=banned, mismatch=mismatch
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)

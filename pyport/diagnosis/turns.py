@@ -171,8 +171,7 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
     inside = [winner]
     members = [winner.candidate.effect.id]
     rivals = sorted(
-        (t for t in trials if t.candidate.effect.physical),
-        key=lambda t: -round(t.evidence, TIE),
+        (t for t in trials if t.candidate.effect.physical), key=lambda t: -round(t.evidence, TIE)
     )
     outside: list[CandidateFit] = []
     others: list[str] = []

@@ -160,10 +160,7 @@ def _noise_alike(setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen
 
 
 def _common_excess(
-    setup: Problem,
-    fitted: Sequence[Chosen],
-    white: Array,
-    covariance: Covariance,
+    setup: Problem, fitted: Sequence[Chosen], white: Array, covariance: Covariance
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
     if setup.blocks.antennas < ENOUGH_ANTENNAS:

@@ -6,13 +6,7 @@ import functools
 import importlib
 from types import ModuleType
 
-from pyport.effects.base import (
-    Circumstances,
-    Coefficient,
-    Effect,
-    MissingColumn,
-    Site,
-)
+from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, Site
 from pyport.mounts import ALTAZ, KINDS, Mount
 
 #: The families of effects, in the order of the way from the mount to the sky and back.

@@ -240,9 +240,7 @@ ALIKE = (
         USUAL,
     ),
     Alike(
-        ("rotator_circle", "nasmyth"),
-        "rotator with elevation",
-        "turn the rotator at one elevation",
+        ("rotator_circle", "nasmyth"), "rotator with elevation", "turn the rotator at one elevation"
     ),
     Alike(
         ("rotator_circle", "source_position"),

@@ -118,9 +118,7 @@ def _in_session_alone(effect: Effect, name: str) -> Effect:
     return _within(effect, inside, [f"in {name}"], variant, {"session": name})
 
 
-def _made(
-    effect: Callable[[], Effect],
-) -> Callable[..., Effect]:
+def _made(effect: Callable[[], Effect]) -> Callable[..., Effect]:
     """Return what makes a member of an effect of epochs: by sessions, or since a moment."""
 
     def make(

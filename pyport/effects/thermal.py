@@ -115,10 +115,7 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
         "temperature",
         "the structure bends as the air warms and cools",
         _GREVE,
-        (
-            Coefficient("temperature_xel", "arcsec/K"),
-            Coefficient("temperature_el", "arcsec/K"),
-        ),
+        (Coefficient("temperature_xel", "arcsec/K"), Coefficient("temperature_el", "arcsec/K")),
         basis,
         variant=through,
         profile=_temperatures,

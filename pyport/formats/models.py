@@ -40,10 +40,7 @@ _DETAILS: dict[str, tuple[Callable[[Any], bool], str]] = {
         lambda one: isinstance(one, dict) and all(map(_is_number, one.values())),
         "a table of numbers",
     ),
-    "number_and_date": (
-        lambda one: _whole(one) and len(one) >= 6,
-        "six whole numbers or more",
-    ),
+    "number_and_date": (lambda one: _whole(one) and len(one) >= 6, "six whole numbers or more"),
     "flags": (
         lambda one: _whole(one) and all(flag <= 4 for flag in one),
         "whole numbers from 0 to 4",

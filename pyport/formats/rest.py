@@ -30,10 +30,7 @@ MOST_TURNS = 9
 DISTINCT = 1e-2
 #: What a sum of terms may be: with sines and cosines of elevation in either axis.
 SUMMED = tuple(
-    map(
-        Shape,
-        ("azimuth_zero", "collimation", "skew", "elevation_zero", "sag_cosine", "sag_sine"),
-    )
+    map(Shape, ("azimuth_zero", "collimation", "skew", "elevation_zero", "sag_cosine", "sag_sine"))
 )
 #: Of the largest offset: what a sum may miss, by rounding.
 EXACT = 1e-9

@@ -11,14 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects import (
-    Circumstances,
-    Coefficient,
-    Effect,
-    MissingColumn,
-    Site,
-    catalogue,
-)
+from pyport.effects import Circumstances, Coefficient, Effect, MissingColumn, Site, catalogue
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
 

@@ -18,15 +18,7 @@ from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
 from pyport.noise.covariance import Covariance, Departures, Possible, both_axes
-from pyport.noise.drift import (
-    BEYOND,
-    Departing,
-    beside,
-    draft,
-    grid_of,
-    likeliest,
-    within_reach,
-)
+from pyport.noise.drift import BEYOND, Departing, beside, draft, grid_of, likeliest, within_reach
 from pyport.noise.whitening import OUTLIER, Noise, Series, series
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import (

@@ -154,13 +154,7 @@ def series(recordings: Recordings, stack: Stack) -> list[Series]:
 
 
 def _ordered(
-    rows: Codes,
-    of_row: Codes,
-    pointing: Codes,
-    time: Array,
-    antenna: str,
-    *,
-    is_y: bool,
+    rows: Codes, of_row: Codes, pointing: Codes, time: Array, antenna: str, *, is_y: bool
 ) -> Series:
     """Put the pointings of a series in the order of their rows."""
     number, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
@@ -308,10 +302,7 @@ def _scaled(white: Array, directions: Array, by: Array) -> Array:
 
 
 def factor(
-    columns: Array,
-    variance: Array,
-    time: Array | None,
-    drifts: Sequence[tuple[float, float]],
+    columns: Array, variance: Array, time: Array | None, drifts: Sequence[tuple[float, float]]
 ) -> tuple[Array, Array]:
     """Whiten columns (n, K) under independent noise and drifts, in linear time.
 
@@ -356,12 +347,7 @@ def _triangle(
 
 
 def unwhiten_series(
-    means: Array,
-    deviations: Array,
-    weights: Array,
-    precision: Array,
-    part: Series,
-    noise: Noise,
+    means: Array, deviations: Array, weights: Array, precision: Array, part: Series, noise: Noise
 ) -> Array:
     """Return the transpose of `whiten_series`: columns (n, K) of means (p, K) and deviations."""
     variance = variance_of_means(weights, precision, part, noise)

@@ -130,11 +130,7 @@ def _heat(story: Story) -> Markup | None:
     return tag(
         "div",
         tag("h3", "Correlations"),
-        tag(
-            "p",
-            said + "In hundredths: orange together, blue against each other.",
-            class_="how",
-        ),
+        tag("p", said + "In hundredths: orange together, blue against each other.", class_="how"),
         _scrolled(heads, body, "heat" if len(names) <= FINE else "heat fine"),
         class_="plain",
     )

@@ -98,11 +98,7 @@ def suggest(
 
 
 def _direction(
-    targets: Targets,
-    n: int,
-    decides: tuple[str, str] | None,
-    gain: float,
-    recordings: Recordings,
+    targets: Targets, n: int, decides: tuple[str, str] | None, gain: float, recordings: Recordings
 ) -> Direction:
     hour_angle = None
     site = recordings.at.site
@@ -169,8 +165,7 @@ class _Question:
         self.size = one.shape[1]
         self.less = _Information(np.concatenate([design.model, other], axis=1), ahead)
         self.whole = _Information(
-            np.concatenate([design.model, other, one], axis=1),
-            np.concatenate([ahead, own], axis=2),
+            np.concatenate([design.model, other, one], axis=1), np.concatenate([ahead, own], axis=2)
         )
         self.first = self.whole.sigmas()[-self.size :]
 

@@ -197,10 +197,7 @@ class Columns:
 
 
 def products(
-    columns: Columns,
-    variance: Array,
-    time: Array | None,
-    drifts: Sequence[tuple[float, float]],
+    columns: Columns, variance: Array, time: Array | None, drifts: Sequence[tuple[float, float]]
 ) -> tuple[Array, Array] | None:
     """Return the variance of each row given those before it, (n,), and products of columns.
 

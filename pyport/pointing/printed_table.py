@@ -47,12 +47,7 @@ def places(az_deg: Sequence[float], zd_deg: Sequence[float]) -> tuple[list[str],
 
 
 def rows(
-    kernel: ModuleType,
-    az: Sequence[str],
-    zd: Sequence[str],
-    width: int,
-    d_az: object,
-    d_zd: object,
+    kernel: ModuleType, az: Sequence[str], zd: Sequence[str], width: int, d_az: object, d_zd: object
 ) -> bytes:
     """Return a table's text: `places`, and buffers of offsets [deg].
 

@@ -54,10 +54,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     label, values = _follows(diagnosis, finding, curve, rows)
     first = figure.add_subplot(grid[0, 0])
     second = figure.add_subplot(grid[0, 1], sharex=first, sharey=first)
-    for axes, residual, title in (
-        (first, curve + left, "before"),
-        (second, left, "after"),
-    ):
+    for axes, residual, title in ((first, curve + left, "before"), (second, left, "after")):
         _cloud(axes, diagnosis, finding, rows, values, residual / unit)
         axes.set_title(f"{title}: rms {rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
         axes.set_xlabel(label)
@@ -123,12 +120,7 @@ def _explained(values: Array, curve: Array) -> float:
 
 
 def _cloud(
-    axes: Axes,
-    diagnosis: Diagnosis,
-    finding: Finding,
-    rows: NDArray[np.intp],
-    x: Array,
-    y: Array,
+    axes: Axes, diagnosis: Diagnosis, finding: Finding, rows: NDArray[np.intp], x: Array, y: Array
 ) -> None:
     """Draw residuals, by direction of the scan where the effect is one of scanning."""
     at = diagnosis.setup.recordings.at
@@ -136,10 +128,7 @@ def _cloud(
     groups: list[tuple[NDArray[np.intp], str, str | None]] = [(rows, BLUE, None)]
     if finding.effect.startswith("scan") and "scan_direction" in at:
         direction = np.asarray(at.column("scan_direction"))[diagnosis.setup.stack.row[rows]]
-        groups = [
-            (rows[direction > 0], BLUE, "forward"),
-            (rows[direction < 0], ORANGE, "reverse"),
-        ]
+        groups = [(rows[direction > 0], BLUE, "forward"), (rows[direction < 0], ORANGE, "reverse")]
     for some, colour, label in groups:
         axes.plot(x[some], y[some], ".", ms=3.5, alpha=0.45, color=colour, mew=0, label=label)
         centre, mean = _running_mean(x[some], y[some])

@@ -60,11 +60,7 @@ def held_out_of(one: found.HeldOut) -> HeldOut:
 
 def _stability(one: found.Stability) -> Stability:
     return Stability(
-        **vars(one),
-        instead=one.instead,
-        nameless=one.nameless,
-        stable=one.stable,
-        words=one.words,
+        **vars(one), instead=one.instead, nameless=one.nameless, stable=one.stable, words=one.words
     )
 
 
@@ -107,10 +103,7 @@ def _terms(diagnosis: Diagnosis) -> list[Term]:
     fitted = [chosen.candidate.effect for chosen in setup.base]
     own = [term for term in setup.model.terms if any(term.effect is one for one in fitted)]
     found = diagnosis.after.choices[len(own) :]
-    return [
-        *own,
-        *(_found(one, _number(diagnosis, len(own) + n)) for n, one in enumerate(found)),
-    ]
+    return [*own, *(_found(one, _number(diagnosis, len(own) + n)) for n, one in enumerate(found))]
 
 
 def _found(chosen: Chosen, number: int | None) -> Term:

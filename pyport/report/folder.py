@@ -150,10 +150,7 @@ _COMPANIONS = ("rows.csv", "report.html", "finding-[0-9]*-*.png", "array-places.
 
 
 def write(
-    diagnosis: Diagnosis,
-    folder: Path,
-    report: Report | None = None,
-    beside: Iterable[Path] = (),
+    diagnosis: Diagnosis, folder: Path, report: Report | None = None, beside: Iterable[Path] = ()
 ) -> dict[str, Any]:
     """Write rows.csv and then report.json into a folder, each whole or not at all.
 

@@ -240,12 +240,7 @@ def _posterior(one: Block, number: int, whole: Lasting) -> Array:
 
 
 def _why(
-    one: Block,
-    predicted: Array,
-    before: float,
-    after: float,
-    usual: float,
-    shapes: Sequence[Shape],
+    one: Block, predicted: Array, before: float, after: float, usual: float, shapes: Sequence[Shape]
 ) -> tuple[str, str]:
     """Explain a prediction that is not much better than the model's own: why, and what moved."""
     if before >= FACTOR * after:

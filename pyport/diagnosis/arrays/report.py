@@ -148,10 +148,7 @@ def report(setup: Problem, fit: Joint, survey: Survey | None = None) -> ArrayRep
     several = len(parts.sessions) > 1
     implied = None if site is None else places(parts, lean, site)
     rate = _rate(recordings)
-    units = {
-        LEAN: None if site is None else float(np.cos(site.latitude)),
-        SCAN: rate,
-    }
+    units = {LEAN: None if site is None else float(np.cos(site.latitude)), SCAN: rate}
     return ArrayReport(
         shapes,
         found,

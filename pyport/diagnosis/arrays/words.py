@@ -189,10 +189,7 @@ def held_out(found: Unseen) -> list[str]:
         one = medians(days)
         held, fitted = (
             f"{before / ARCMIN:5.2f}' -> {after / ARCMIN:5.2f}'"
-            for before, after in (
-                (one.before, one.after),
-                (one.fitted_before, one.fitted_after),
-            )
+            for before, after in ((one.before, one.after), (one.fitted_before, one.fitted_after))
         )
         lines.append(
             f"  {name:12} {len(days):8d}  {held:16} {one.factor:6.2f} {one.enough:5d}   "

@@ -160,10 +160,7 @@ def evidence_of(step: Step, called: turns.Name) -> Evidence:
 
 
 def held_out(
-    scene: Scene,
-    before: Sequence[Chosen],
-    after: Sequence[Chosen],
-    rows: NDArray[np.bool_],
+    scene: Scene, before: Sequence[Chosen], after: Sequence[Chosen], rows: NDArray[np.bool_]
 ) -> HeldOut:
     """Compare predictions of unseen readings with and without an effect."""
     setup, weighed = scene.setup, scene.weighed

@@ -142,10 +142,7 @@ def _parameters(one: Disagreement, place: int) -> tuple[Parameter, Parameter]:
             float(sigma[place] / abs(coefficient.scale)),
             coefficient.unit,
         )
-        for value, sigma in (
-            (found.first, found.sigma_first),
-            (found.second, found.sigma_second),
-        )
+        for value, sigma in ((found.first, found.sigma_first), (found.second, found.sigma_second))
     )
     return x, y
 

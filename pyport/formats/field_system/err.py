@@ -125,9 +125,7 @@ def _model(old: ModelFile, done: Fit, held: Sequence[bool] | None) -> ModelFile:
         entries.append(Entry(f"P{number}", told, "deg", used=used, fixed=keep))
     which, *date = old.details.get("number_and_date", [0] * 7)
     return replace(
-        old,
-        entries=tuple(entries),
-        details={"number_and_date": [which + 1, *date], "flags": flags},
+        old, entries=tuple(entries), details={"number_and_date": [which + 1, *date], "flags": flags}
     )
 
 

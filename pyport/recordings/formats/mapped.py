@@ -88,9 +88,7 @@ def sheet(path: Path) -> Sheet:
     return Sheet(path, meta, names, max(header, 1), rows, lines)
 
 
-def _lines(
-    path: Path,
-) -> tuple[dict[str, str], list[tuple[int, str]], list[tuple[int, str]]]:
+def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, str]], list[tuple[int, str]]]:
     """Return header keys, other comments above the rows, and all that is no comment."""
     meta: dict[str, str] = {}
     remarks: list[tuple[int, str]] = []

@@ -166,10 +166,7 @@ def _site(line: Line, words: list[str]) -> dict[str, str]:
 
 
 def _tabulated(
-    path: Path,
-    meta: dict[str, str],
-    found: list[tuple[Line, list[str], str, bool]],
-    header: int,
+    path: Path, meta: dict[str, str], found: list[tuple[Line, list[str], str, bool]], header: int
 ) -> Raw:
     """Return the columns: true place, offsets as read minus true, and all that follows."""
     widest = max(len(words) for _, words, _, _ in found)
