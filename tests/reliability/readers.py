@@ -219,7 +219,13 @@ def readers() -> dict[str, Reader]:
             )
             for name in COMMANDS
         ),
-        ("python", ".txt", tuple(b"%d" % n for n in range(8)), call, ("arguments", "api")),
+        (
+            "python",
+            ".txt",
+            tuple(b"%d" % n for n in range(8)),
+            call,
+            ("arguments", "api"),
+        ),
         ("fs-xtr", ".xtr", (seeds.XTR,), recordings, (*field_system, *raw)),
         ("fs-err", ".err", (seeds.fit(),), recordings, (*field_system, *raw)),
         ("katpoint-csv", ".csv", (seeds.KATPOINT_CSV,), recordings, (katpoint_csv, *lines, *raw)),

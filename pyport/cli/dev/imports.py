@@ -31,6 +31,7 @@ FLOORS = (
     ("report",),
     ("page", "planning"),
     ("pipeline", "plots", "watch"),
+    ("answers",),
     ("api",),
     ("parity", "studies"),
     ("examiner",),
