@@ -12,8 +12,8 @@ from pyport.angles import DEG, Array, wrap
 from pyport.errors import BadInput
 from pyport.files import write_whole
 
-#: Rows of the largest table: five gigabytes of text.
-MOST_ROWS = 100_000_000
+#: Rows of the largest table: half a gigabyte of text, and two of memory.
+MOST_ROWS = 10_000_000
 
 
 @dataclass(frozen=True)

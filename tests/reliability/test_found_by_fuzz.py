@@ -111,7 +111,7 @@ def test_a_grid_that_no_memory_holds(tmp_path, az):
     said = CliRunner().invoke(pyport, asked)
 
     assert isinstance(said.exception, BadInput)
-    assert "expected at most 100,000,000" in str(said.exception)
+    assert "expected at most 10,000,000" in str(said.exception)
 
 
 def test_cells_that_are_arrays():
