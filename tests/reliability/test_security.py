@@ -26,11 +26,12 @@ FORBIDDEN = {
     *("socket", "ssl", "http", "urllib", "urllib3", "requests", "httpx", "aiohttp", "ftplib"),
     *("smtplib", "telnetlib", "xmlrpc", "socketserver", "webbrowser"),
 }
-#: Who alone may import what starts another Python, a compiler, Dask or the user's command on an
-#: alarm, serves the watch's page, or calls compiled code.
+#: Who alone may import what starts another Python, git, a compiler, Dask or the user's command on
+#: an alarm, serves the watch's page, or calls compiled code.
 WHO_MAY = {
     "subprocess": {
-        *("examiner/sealed/solve.py", "parity/compiled/build.py", "parity/evidence/coverage.py"),
+        *("examiner/sealed/history.py", "examiner/sealed/solve.py", "examiner/sealed/verify.py"),
+        *("parity/compiled/build.py", "parity/evidence/coverage.py"),
         *("examiner/real/sets.py", "watch/state.py"),
     },
     "asyncio": {"watch/serve.py"},
