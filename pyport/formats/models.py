@@ -21,7 +21,7 @@ from pyport.models import toml
 from pyport.models.model import BUILT_IN, Model
 from pyport.models.terms import editing
 from pyport.models.terms.words import SCALES
-from pyport.recordings.formats.csv import Line, read_text
+from pyport.recordings.formats.csv import LARGEST_POWER, Line, read_text
 
 #: Keys of the value and its sigma in a unit.
 _SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
@@ -50,8 +50,10 @@ _DETAILS: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 def _is_number(value: object) -> bool:
-    known = isinstance(value, Decimal | int) and not isinstance(value, bool)
-    return known and Decimal(cast("Decimal", value)).is_finite()
+    if not isinstance(value, Decimal | int) or isinstance(value, bool):
+        return False
+    number = Decimal(value)
+    return number.is_finite() and abs(number.adjusted()) <= LARGEST_POWER
 
 
 def names_terms(path: Path) -> bool:
@@ -177,6 +179,8 @@ def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
     if isinstance(value, Decimal | float) and not math.isfinite(value):
         return str(float(value))
     if isinstance(value, Decimal):
+        if abs(value.adjusted()) > LARGEST_POWER:
+            return str(value)
         text = f"{value:f}"
         return text if "." in text else f"{text}.0" if value.as_tuple().exponent else text
     if isinstance(value, dict):

@@ -199,7 +199,7 @@ P2 = 'vocabulary = "field-system"\n[[term]]\nname = "P2"\nvalue_deg = 1\n'
 def test_whatever_a_toml_says_of_its_terms_is_kept(tmp_path):
     """Dates, times and infinite numbers."""
     path, copy = tmp_path / "mine.toml", tmp_path / "copy.toml"
-    said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\nfar = [inf, 1.5]\n"
+    said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\nfar = [inf, 1.5, 1e-32090000000]\n"
     path.write_text(f"{IA}[details]\n{said}")
     file = models.read(path)
     models.write(file, copy)
@@ -218,6 +218,7 @@ def test_whatever_a_toml_says_of_its_terms_is_kept(tmp_path):
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = "x"\n', "expected a number"),
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = nan\n', "expected a number"),
         ('vocabulary = "tpoint"\n[[term]]\nname = "IA"\nvalue_deg = 1\nfixed = 2\n', "true or fal"),
+        (IA.replace("= 1", "= 9991e-32090000000"), "expected a number"),
         (f"{IA}[details]\nstatistics = 3\n", "statistics is 3, expected a table of numbers"),
         (f"{IA}[details]\nflags = [5]\n", "whole numbers from 0 to 4"),
         (f"{IA}[details]\nnumber_and_date = 2026-11-22\n", "six whole numbers"),

@@ -22,6 +22,8 @@ from pyport.recordings.schema import Table
 
 #: Digits are kept as they stand, so no line may make them endless.
 LONGEST_NUMBER = 40
+#: Power of ten beyond which a decimal number is no measurement, either way.
+LARGEST_POWER = 99
 
 
 class Line(NamedTuple):
@@ -49,7 +51,7 @@ class Line(NamedTuple):
             value = Decimal(word)
         except InvalidOperation:
             value = Decimal("nan")
-        if not value.is_finite() or len(word) > LONGEST_NUMBER or abs(value.adjusted()) > 99:
+        if not value.is_finite() or len(word) > LONGEST_NUMBER or abs(value.adjusted()) > LARGEST_POWER:
             raise self.error(f"{what} is {word[:60]!r}, expected a number")
         return value
 
