@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 import json
-import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -176,13 +175,11 @@ def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
     """Return a value as TOML spells it; nothing (None) cannot be spelled."""
     if isinstance(value, dt.date | dt.time):
         return value.isoformat()
-    if isinstance(value, Decimal | float) and not math.isfinite(value):
+    if isinstance(value, Decimal) and not value.is_finite():
         return str(float(value))
     if isinstance(value, Decimal):
-        if abs(value.adjusted()) > LARGEST_POWER:
-            return str(value)
-        text = f"{value:f}"
-        return text if "." in text else f"{text}.0" if value.as_tuple().exponent else text
+        text = str(value) if abs(value.adjusted()) > LARGEST_POWER else f"{value:f}"
+        return text if {".", "E"} & set(text) or not value.as_tuple().exponent else f"{text}.0"
     if isinstance(value, dict):
         pairs = (f"{json.dumps(str(k))} = {_literal(v)}" for k, v in value.items() if v is not None)
         return f"{{ {', '.join(pairs)} }}"

@@ -199,7 +199,8 @@ P2 = 'vocabulary = "field-system"\n[[term]]\nname = "P2"\nvalue_deg = 1\n'
 def test_whatever_a_toml_says_of_its_terms_is_kept(tmp_path):
     """Dates, times and infinite numbers."""
     path, copy = tmp_path / "mine.toml", tmp_path / "copy.toml"
-    said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\nfar = [inf, 1.5, 1e-32090000000]\n"
+    said = "day = 2026-11-22\nhour = 07:32:00\nmoment = 2026-11-22T07:32:00Z\n"
+    said += "far = [inf, 1.5, 1e-32090000000]\n"
     path.write_text(f"{IA}[details]\n{said}")
     file = models.read(path)
     models.write(file, copy)

@@ -51,7 +51,8 @@ class Line(NamedTuple):
             value = Decimal(word)
         except InvalidOperation:
             value = Decimal("nan")
-        if not value.is_finite() or len(word) > LONGEST_NUMBER or abs(value.adjusted()) > LARGEST_POWER:
+        measured = value.is_finite() and abs(value.adjusted()) <= LARGEST_POWER
+        if not measured or len(word) > LONGEST_NUMBER:
             raise self.error(f"{what} is {word[:60]!r}, expected a number")
         return value
 
