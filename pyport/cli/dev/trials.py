@@ -105,12 +105,13 @@ def seal(folder: Path, which: str, data: Path, *, as_json: bool = False) -> None
 @command.command(epilog="Example: pyport dev trials run out/set --jobs 2")
 @click.argument("folder", metavar="SET", type=_A_PATH)
 @_jobs
+@option("--cluster", "A Dask scheduler whose workers share the work.", metavar="ADDRESS")
 @in_json
-def run(folder: Path, jobs: int, *, as_json: bool = False) -> None:
+def run(folder: Path, jobs: int, cluster: str | None, *, as_json: bool = False) -> None:
     """Solve what is not solved yet, each case in a process that cannot see the truth."""
     from pyport.examiner.sealed.solve import run as solve
 
-    solved = solve(folder, jobs)
+    solved = solve(folder, jobs, cluster=cluster)
     say(f"{solved} cases solved", {"solved": solved}, as_json=as_json)
 
 

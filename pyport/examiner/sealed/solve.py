@@ -23,6 +23,7 @@ from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.examiner.worlds.kinds import files_of
 from pyport.files import sha256, write_whole
 from pyport.stages import track
+from pyport.workers import workers
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
 SOLVER = ("pyport", "diagnose")
@@ -52,17 +53,23 @@ def unsolved(root: Path, solver: Sequence[str] = SOLVER) -> list[Task]:
     ]
 
 
-def run(root: Path, jobs: int = 1, solver: Sequence[str] = SOLVER) -> int:
+def run(
+    root: Path, jobs: int = 1, solver: Sequence[str] = SOLVER, cluster: str | None = None
+) -> int:
     """Solve what is not solved yet and return how many cases that were.
 
     Every report is kept as soon as it is there: killed and called again, it goes on.
+    The workers of a Dask `cluster` must see the set under the same name.
 
     Raises `BadInput`: the set has been opened, or is not what was sealed.
     """
     check_untouched(root)
     if Folder(root).answers.exists():
         raise BadInput("this set has been opened: expected a sealed one", root)
-    tasks = unsolved(root, solver)
+    tasks = unsolved(root.resolve() if cluster else root, solver)
+    if cluster is not None:
+        with workers(cluster=cluster) as spread:
+            return sum(1 for _ in track(spread(solve, tasks), "solving", total=len(tasks)))
     with ThreadPoolExecutor(jobs) as pool:
         return sum(1 for _ in track(pool.map(solve, tasks), "solving", total=len(tasks)))
 
