@@ -12,7 +12,7 @@ ROOT = Path(pyport.examiner.__file__).parent
 #: steps of a diagnosis, whose figures it prints: it draws and judges nothing.
 ALLOWED = {
     "worlds": {"angles", "errors", "files", "stages"},
-    "sealed": {"angles", "errors", "files", "stages"},
+    "sealed": {"angles", "errors", "files", "stages", "workers"},
     "nights": {"", "errors"},
     "nulls": {"errors"},
     "mounts": set(),

@@ -23,7 +23,6 @@ from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.examiner.worlds.kinds import files_of
 from pyport.files import sha256, write_whole
 from pyport.stages import track
-from pyport.workers import workers
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
 SOLVER = ("pyport", "diagnose")
@@ -68,6 +67,8 @@ def run(
         raise BadInput("this set has been opened: expected a sealed one", root)
     tasks = unsolved(root.resolve() if cluster else root, solver)
     if cluster is not None:
+        from pyport.workers import workers
+
         with workers(cluster=cluster) as spread:
             return sum(1 for _ in track(spread(solve, tasks), "solving", total=len(tasks)))
     with ThreadPoolExecutor(jobs) as pool:
