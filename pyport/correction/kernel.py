@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
-from pyport.effects.fields import UNKNOWN, field
-from pyport.effects.structure import jump_at
+from pyport.effects.empirical.fields import UNKNOWN, field
+from pyport.effects.telescope.structure import jump_at
 from pyport.models.members import apart
 from pyport.models.model import Model, rt32_values
 from pyport.pointing.approximate import RT32_JUMP, effect_of

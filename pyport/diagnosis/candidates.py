@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.naming.finding import Interval
-from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, fields
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.effects import catalogue as effects_of
-from pyport.effects.fields import Bumps
+from pyport.effects.empirical import fields
+from pyport.effects.empirical.fields import Bumps
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import FEWEST
 
@@ -183,7 +184,7 @@ class Shape:
     family, variant
         What kind of shape it is, and which of its kind.
     bumps
-        What its columns are made of, for any place in the sky: see `pyport.effects.fields.field`.
+        What its columns are made of, for any place in the sky: see `empirical.fields.field`.
     choices
         How many of its kind are tried: the price of picking the best.
     region

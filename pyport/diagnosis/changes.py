@@ -23,8 +23,8 @@ from pyport.diagnosis.shapes.edges import edges_of
 from pyport.diagnosis.turns import TIE
 from pyport.diagnosis.weighing import View, WhitenedData, plain_view, shown_beside, whiten_model
 from pyport.effects import Effect, catalogue
-from pyport.effects.epochs import clock, epoch_step
-from pyport.effects.fields import OSCILLATION
+from pyport.effects.empirical.epochs import clock, epoch_step
+from pyport.effects.empirical.fields import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, FEWEST, MOST_CHANGES

@@ -15,7 +15,7 @@ from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
-from pyport.effects.fields import OSCILLATION
+from pyport.effects.empirical.fields import OSCILLATION
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
 from pyport.workers import side_by_side
 

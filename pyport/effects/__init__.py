@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 from types import ModuleType
 
 from pyport.effects.base import Circumstances, Coefficient, Effect, MissingColumn, Site
@@ -15,30 +14,34 @@ FAMILIES: tuple[ModuleType, ...]
 #: Every effect that an alt-azimuth mount may have, by its id.
 CATALOGUE: dict[str, Effect]
 
-_FAMILIES = (
-    "geometry",
-    "encoders",
-    "mounts",
-    "site",
-    "astrometry",
-    "atmosphere",
-    "drive",
-    "thermal",
-    "receiver",
-    "rotation",
-    "structure",
-    "epochs",
-    "fields",
-    "driven",
-)
+
+@functools.cache
+def _families() -> tuple[ModuleType, ...]:
+    """Import the families, in their order."""
+    from pyport.effects import mounts
+    from pyport.effects.empirical import driven, epochs, fields
+    from pyport.effects.sky import astrometry, atmosphere, site
+    from pyport.effects.telescope import (
+        drive,
+        encoders,
+        geometry,
+        receiver,
+        rotation,
+        structure,
+        thermal,
+    )
+
+    mount = geometry, encoders, mounts
+    sky = site, astrometry, atmosphere
+    telescope = drive, thermal, receiver, rotation, structure
+    return *mount, *sky, *telescope, epochs, fields, driven
 
 
 def __getattr__(name: str) -> object:
     """Import the families when the catalogue is asked for: who makes a table needs none."""
     if name not in ("FAMILIES", "CATALOGUE"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    families = tuple(importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES)
-    globals()["FAMILIES"] = families
+    globals()["FAMILIES"] = _families()
     globals()["CATALOGUE"] = catalogue(ALTAZ)
     return globals()[name]
 
@@ -48,8 +51,7 @@ def catalogue(mount: Mount) -> dict[str, Effect]:
     """Return every effect that a mount may have, in its words, by its id."""
     from pyport.effects.mounts import concerns, on
 
-    families = [importlib.import_module(f"{__name__}.{one}") for one in _FAMILIES]
-    effects = [one for family in families for one in family.EFFECTS if concerns(one, mount)]
+    effects = [one for family in _families() for one in family.EFFECTS if concerns(one, mount)]
     return {one.id: one for one in (on(each, mount) for each in effects)}
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pyport.effects import Effect
-from pyport.effects.fields import UNKNOWN
+from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.formats import models
 from pyport.formats.model_file import (

@@ -12,7 +12,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects import Circumstances, MissingColumn
-from pyport.effects.fields import Bumps
+from pyport.effects.empirical.fields import Bumps
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import NAMES, WORDS, ModelFile

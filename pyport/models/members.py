@@ -13,7 +13,7 @@ from pyport.angles import Array
 from pyport.columns import LABELS
 from pyport.effects import Circumstances, Effect, MissingColumn, Site, known
 from pyport.effects.base import Basis, stack
-from pyport.effects.fields import UNKNOWN, field
+from pyport.effects.empirical.fields import UNKNOWN, field
 from pyport.errors import BadInput
 
 #: Columns that differ by no more than this share are the same ones.

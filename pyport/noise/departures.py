@@ -18,8 +18,8 @@ from scipy.linalg.lapack import dpotri
 
 from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
-from pyport.effects.astrometry import parallactic
 from pyport.effects.base import Circumstances, MissingColumn
+from pyport.effects.sky.astrometry import parallactic
 from pyport.noise.covariance import Covariance, Departures, Possible
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group

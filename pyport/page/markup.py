@@ -11,7 +11,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.naming.words import number
-from pyport.effects.fields import UNKNOWN
+from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import toml_spelled
 from pyport.models import toml

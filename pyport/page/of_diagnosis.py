@@ -7,7 +7,7 @@ import numpy as np
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.turns import Step
-from pyport.effects.fields import UNKNOWN
+from pyport.effects.empirical.fields import UNKNOWN
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect
-from pyport.effects.structure import subreflector_jump
+from pyport.effects.telescope.structure import subreflector_jump
 from pyport.pointing import swift
 from pyport.pointing.jump import jump_altitude
 from pyport.pointing.parameters import PARAMETERS

@@ -21,7 +21,7 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array, Codes
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances, MissingColumn
-from pyport.effects.geometry import NIGHTLY
+from pyport.effects.telescope.geometry import NIGHTLY
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.models.model import Model

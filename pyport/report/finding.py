@@ -11,7 +11,7 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import sigmas
 from pyport.diagnosis.naming import finding as found
-from pyport.effects.fields import UNKNOWN
+from pyport.effects.empirical.fields import UNKNOWN
 from pyport.fitting import combinations
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term

@@ -143,7 +143,7 @@ def each4(function: Callable[[np.float32], np.float32], x: Array4) -> Array4:
 def refraction4(zd_deg: float) -> np.float32:
     """Return R(z) [deg] in REAL*4, signed as Fortran's SIGN does it.
 
-    The formula is that of `rt32-table` in :mod:`pyport.effects.atmosphere`.
+    The formula is that of `rt32-table` in :mod:`pyport.effects.sky.atmosphere`.
     """
     h = real4((90 - abs(zd_deg)) * DEG) * SHORT_RADIAN
     first = 1 / tan((h + real4(7.31) / (h + real4(4.4))) / SHORT_RADIAN)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.atmosphere import FORMULAE, ITERATIONS
+from pyport.effects.sky.atmosphere import FORMULAE, ITERATIONS
 from pyport.pointing import recovered
 from pyport.steering.published import Block, published
 from pyport.steering.tabulate import DEFAULT_REFRACTION, rt32_offsets, zenith_refraction
@@ -92,7 +92,7 @@ class Candidate:
     Attributes
     ----------
     name, iterations
-        As for :func:`pyport.effects.atmosphere.refraction`.
+        As for :func:`pyport.effects.sky.atmosphere.refraction`.
     outside_deg
         Distance from the bounds [deg] at their zenith distances, shape (n,).
     agree, total

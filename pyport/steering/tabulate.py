@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.effects.atmosphere import ITERATIONS, mean_refraction
+from pyport.effects.sky.atmosphere import ITERATIONS, mean_refraction
 from pyport.errors import BadInput
 from pyport.pointing import exact_offsets, kernel, printed, recovered, swift
 from pyport.steering.grid import RT32_GRID, Grid, Table
@@ -74,8 +74,8 @@ def tabulate(
         a diagnosis (a TOML file), azimuth from south through west; or any other model with
         coefficients, azimuth from north through east.
     refraction_name
-        One of :data:`pyport.effects.atmosphere.FORMULAE`; by default the RT32's own for its models
-        and Bennett's for others.
+        One of :data:`pyport.effects.sky.atmosphere.FORMULAE`; by default the RT32's own for its
+        models and Bennett's for others.
     grid
         Where.
     reading
@@ -130,7 +130,7 @@ def zenith_refraction(name: str, zd_deg: Array, iterations: int = ITERATIONS) ->
 
     Refraction lifts a source toward the zenith from either side of it: the
     offset -R brings the zenith distance nearer to zero. See
-    :func:`pyport.effects.atmosphere.refraction` for the names and the iterations.
+    :func:`pyport.effects.sky.atmosphere.refraction` for the names and the iterations.
     """
     altitude = (90 - np.abs(zd_deg)) * DEG
     return np.sign(zd_deg) * mean_refraction(name, altitude, iterations) / DEG

@@ -7,8 +7,8 @@ import pytest
 
 from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE
-from pyport.effects.fields import field
-from pyport.effects.structure import curved_jump
+from pyport.effects.empirical.fields import field
+from pyport.effects.telescope.structure import curved_jump
 from pyport.formats.models import load
 from pyport.models.model import Term
 

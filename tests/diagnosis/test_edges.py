@@ -8,7 +8,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.shapes.edge_paths import CLIMB, _good, _log_likely, _path
 from pyport.diagnosis.shapes.edges import _path as cheapest
 from pyport.diagnosis.shapes.edges import sky_of
-from pyport.effects.structure import FreeEdge
+from pyport.effects.telescope.structure import FreeEdge
 from pyport.formats.models import load
 
 DEG = np.pi / 180

@@ -11,7 +11,7 @@ from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
-from pyport.effects.fields import OSCILLATION, oscillation
+from pyport.effects.empirical.fields import OSCILLATION, oscillation
 from pyport.formats.models import load
 
 HOUR = 3600.0

@@ -7,7 +7,7 @@ import pytest
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances
-from pyport.effects.atmosphere import SHAPES, formula_of_refraction, mean_refraction
+from pyport.effects.sky.atmosphere import SHAPES, formula_of_refraction, mean_refraction
 
 
 def looking(*el_deg: float) -> Circumstances:

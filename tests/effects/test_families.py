@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.fields import oscillation
-from pyport.effects.receiver import band_of, bands
+from pyport.effects.empirical.fields import oscillation
+from pyport.effects.telescope.receiver import band_of, bands
 
 AT = campaign()
 MOST = 41

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCMIN, ARCSEC, DEG
-from pyport.effects.atmosphere import FORMULAE, mean_refraction
+from pyport.effects.sky.atmosphere import FORMULAE, mean_refraction
 from pyport.errors import BadInput
 
 PHYSICAL = sorted(set(FORMULAE) - {"none"})

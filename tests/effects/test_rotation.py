@@ -6,7 +6,7 @@ from effects.sky import campaign, replaced, without
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.rotation import LEAST_ARC, MOST_COLUMNS, angle_columns, arc
+from pyport.effects.telescope.rotation import LEAST_ARC, MOST_COLUMNS, angle_columns, arc
 
 AT = campaign(60)
 WAY_ROUND = np.linspace(-170, 170, 60)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pyport.angles import ARCSEC
-from pyport.effects.fields import field
+from pyport.effects.empirical.fields import field
 from pyport.formats.model_file import WORDS
 from pyport.formats.rest import MOST_LOST, sky, sums, waves
 from pyport.models.members import effect_of

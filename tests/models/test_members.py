@@ -12,8 +12,8 @@ from effects.cases import AT
 
 from pyport.diagnosis import candidates
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.fields import KINDS, field, values
-from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
+from pyport.effects.empirical.fields import KINDS, field, values
+from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.files import toml_spelled
 from pyport.formats.model_file import WORDS

@@ -17,10 +17,10 @@ from pyport.angles import ARCSEC, DEG
 from pyport.correction.kernel import kernel
 from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE, Circumstances, Site
-from pyport.effects.encoders import azimuth_track
-from pyport.effects.epochs import epoch_step
-from pyport.effects.fields import field
-from pyport.effects.structure import FreeEdge, curved_jump, jump_above
+from pyport.effects.empirical.epochs import epoch_step
+from pyport.effects.empirical.fields import field
+from pyport.effects.telescope.encoders import azimuth_track
+from pyport.effects.telescope.structure import FreeEdge, curved_jump, jump_above
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Model, Term

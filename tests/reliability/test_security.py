@@ -41,13 +41,7 @@ WHO_MAY = {
 }
 #: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.
 BY_NAME = {
-    *(
-        "__init__.py",
-        "cli/manners.py",
-        "effects/__init__.py",
-        "pointing/__init__.py",
-        "mounts/__init__.py",
-    ),
+    *("__init__.py", "cli/manners.py", "pointing/__init__.py", "mounts/__init__.py"),
     "parity/described/functions.py",
 }
 #: Who alone may import compiled code from a file: the module that f2py made of the Fortran.

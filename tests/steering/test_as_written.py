@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pyport import legacy
 from pyport.angles import DEG
-from pyport.effects.atmosphere import mean_refraction
+from pyport.effects.sky.atmosphere import mean_refraction
 from pyport.pointing import exact_offsets, recovered
 from pyport.pointing.exact import tilted
 from pyport.steering import as_written

@@ -20,7 +20,7 @@ from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.effects.base import LASTING, STEP, ZERO
-from pyport.effects.epochs import clock
+from pyport.effects.empirical.epochs import clock
 from pyport.least_squares import robust
 from pyport.thresholds import FIRST_REACH, OUTLIER_WEIGHT
 

@@ -28,7 +28,7 @@ from pyport.diagnosis.naming.verdict import honest
 from pyport.diagnosis.shapes.edges import curve_points
 from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.diagnosis.turns import Step
-from pyport.effects.fields import OSCILLATION
+from pyport.effects.empirical.fields import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.stages import stage
 from pyport.thresholds import MOST_MEMBERS

@@ -13,8 +13,8 @@ from pyport.diagnosis.candidates import numbers
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.weighing import WhitenedData, plain_view
-from pyport.effects import fields
-from pyport.effects.fields import Bumps, inside
+from pyport.effects.empirical import fields
+from pyport.effects.empirical.fields import Bumps, inside
 from pyport.thresholds import FEWEST
 
 #: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
@@ -50,7 +50,7 @@ class Field:
     of_time
         Whether it belongs to the moments of its recordings: no other session has it.
     bumps, axes, which
-        What its columns are made of, for any place in the sky: see `pyport.effects.fields.field`;
+        What its columns are made of, for any place in the sky: see `empirical.fields.field`;
         no axes where both measure it alike.
     """
 

@@ -20,7 +20,7 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.shapes.edges import LEVELS, Sky, sky_of
 from pyport.diagnosis.turns import Outcome
 from pyport.diagnosis.weighing import weigh_alike
-from pyport.effects.structure import FreeEdge, SoftEdge, jump_above
+from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
 from pyport.stages import stage

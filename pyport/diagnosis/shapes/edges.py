@@ -13,7 +13,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.weighing import View
 from pyport.effects import Effect
-from pyport.effects.structure import Edge, FreeEdge, curved_jump, jump_above
+from pyport.effects.telescope.structure import Edge, FreeEdge, curved_jump, jump_above
 from pyport.thresholds import FEWEST
 
 #: First steps of the search for a waving edge: its height, and how it waves with azimuth. [rad]

@@ -23,7 +23,7 @@ from pyport.diagnosis.shapes.boxes import Field, boxes, families
 from pyport.diagnosis.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
 from pyport.diagnosis.winner import predicts, trials_of
-from pyport.effects.fields import field as as_effect
+from pyport.effects.empirical.fields import field as as_effect
 from pyport.least_squares.gram import inverted, spanned
 from pyport.stages import stage
 from pyport.thresholds import CONVINCING, FAMILY_ERROR, FEWEST, IMPERFECTION, NAME_PRICE

@@ -29,7 +29,7 @@ from pyport.diagnosis.shapes.periods import (
 )
 from pyport.diagnosis.weighing import beside_model
 from pyport.effects.base import Effect
-from pyport.effects.fields import OSCILLATION, Stretch, oscillation
+from pyport.effects.empirical.fields import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.stages import stage

@@ -16,7 +16,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.effects import Circumstances, Coefficient, Effect, MissingColumn, Site, known
 from pyport.effects.base import AXES, stack
-from pyport.effects.encoders import (
+from pyport.effects.telescope.encoders import (
     azimuth_harmonics,
     elevation_encoder_harmonics,
     elevation_harmonics,

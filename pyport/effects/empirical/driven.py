@@ -20,9 +20,15 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.geometry import collimation, elevation_zero, sag_cosine, tilt
-from pyport.effects.rotation import LEAST_ARC, OFFSETS_AND_SIZES, PLACES, angle_columns, arc
-from pyport.effects.thermal import sun
+from pyport.effects.telescope.geometry import collimation, elevation_zero, sag_cosine, tilt
+from pyport.effects.telescope.rotation import (
+    LEAST_ARC,
+    OFFSETS_AND_SIZES,
+    PLACES,
+    angle_columns,
+    arc,
+)
+from pyport.effects.telescope.thermal import sun
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
 

@@ -17,8 +17,8 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.geometry import tilt
-from pyport.effects.site import sun
+from pyport.effects.sky.site import sun
+from pyport.effects.telescope.geometry import tilt
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
 _WIND = "Mangum et al. 2006, PASP 118, 1257: wind on antennas in the open"

@@ -21,7 +21,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.geometry import sag_cosine, tilt
+from pyport.effects.telescope.geometry import sag_cosine, tilt
 from pyport.thresholds import SEVERAL
 
 _OWN = "the constants of a pointing model hold for one state of the telescope"

@@ -1,0 +1,1 @@
+"""What is known by its course alone: changes in time, fields, terms that follow a condition."""

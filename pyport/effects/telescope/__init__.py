@@ -1,0 +1,1 @@
+"""What the telescope does: mount, drives, encoders, structure, receivers, the weather on it."""
