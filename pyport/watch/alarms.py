@@ -14,10 +14,10 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.words import number
 from pyport.diagnosis.turns import decide_by
-from pyport.watch.antenna import Antenna
-from pyport.watch.changes import Change
-from pyport.watch.composite import log_omitted
-from pyport.watch.detector import SPREADS, Detector, log_odds
+from pyport.watch.detection.antenna import Antenna
+from pyport.watch.detection.changes import Change
+from pyport.watch.detection.composite import log_omitted
+from pyport.watch.detection.detector import SPREADS, Detector, log_odds
 
 #: An effect is named when it has this probability among all that could have changed; until then
 #: a class is, of those that make it up together.

@@ -12,7 +12,7 @@ from pyport.planning.design import coverage, separation
 from pyport.planning.suggest import directions
 from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.watch.alarms import moment
-from pyport.watch.antenna import Antenna
+from pyport.watch.detection.antenna import Antenna
 from pyport.watch.watch import Seen, Watch
 
 #: Pointings that a running zero, and a running tilt, are taken from.
@@ -140,7 +140,7 @@ def suggested(own: Antenna, rows: list[Seen]) -> list[dict[str, Any]]:
 
 def _deciding(own: Antenna) -> list[dict[str, Any]]:
     from pyport.effects import Circumstances
-    from pyport.watch.changes import columns
+    from pyport.watch.detection.changes import columns
 
     layout, detector, changes = own.layout, own.detector, own.baseline.changes
     joint = (detector.log_mass + layout.log_share)[:, : layout.members]

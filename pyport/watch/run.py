@@ -15,7 +15,7 @@ from pyport.recordings import write as write_recordings
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
-from pyport.watch.composite import FEWEST_IN_NIGHT, FEWEST_NIGHTS
+from pyport.watch.detection.composite import FEWEST_IN_NIGHT, FEWEST_NIGHTS
 from pyport.watch.follow import Batch, Cursor
 from pyport.watch.state import Outputs
 from pyport.watch.watch import POINTINGS_PER_FALSE_ALARM, Event, Seen, Watch

@@ -22,10 +22,10 @@ from pyport.checkpoint import key_of
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.watch.alarms import Alarm
-from pyport.watch.antenna import Antenna, Slot
-from pyport.watch.composite import Composite
-from pyport.watch.detector import Detector
-from pyport.watch.null import Null
+from pyport.watch.detection.antenna import Antenna, Slot
+from pyport.watch.detection.composite import Composite
+from pyport.watch.detection.detector import Detector
+from pyport.watch.detection.null import Null
 from pyport.watch.watch import Event, Seen, Watch
 
 #: What reading an archive raises that is none, or is spoilt.

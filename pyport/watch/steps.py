@@ -6,12 +6,12 @@ from math import log
 
 import numpy as np
 
-from pyport.watch import composite, detector, null
 from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm, name, resize
-from pyport.watch.antenna import Antenna, Slot, columns_of, first_state, state_columns
-from pyport.watch.detector import SPREADS, Detector
-from pyport.watch.null import Innovation, Predictive
-from pyport.watch.prepare import Rows
+from pyport.watch.detection import composite, detector, null
+from pyport.watch.detection.antenna import Antenna, Slot, columns_of, first_state, state_columns
+from pyport.watch.detection.detector import SPREADS, Detector
+from pyport.watch.detection.null import Innovation, Predictive
+from pyport.watch.detection.prepare import Rows
 
 #: Pointings after an alarm in which it is named; where it then has one name it is confirmed.
 NAMING = 20

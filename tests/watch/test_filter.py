@@ -9,10 +9,11 @@ from scipy.special import logsumexp
 
 from pyport.formats.models import load
 from pyport.recordings.from_table import from_table
-from pyport.watch import antenna, composite, detector, null, steps
-from pyport.watch.baseline import past
-from pyport.watch.composite import calibrated
-from pyport.watch.prepare import prepare
+from pyport.watch import steps
+from pyport.watch.detection import antenna, composite, detector, null
+from pyport.watch.detection.baseline import past
+from pyport.watch.detection.composite import calibrated
+from pyport.watch.detection.prepare import prepare
 
 
 @pytest.fixture(scope="module")

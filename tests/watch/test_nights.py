@@ -9,7 +9,7 @@ import pytest
 from pyport.examiner.nights import nights, replays
 from pyport.examiner.nights.nights import Case, Step
 from pyport.examiner.real import sets
-from pyport.watch import composite
+from pyport.watch.detection import composite
 
 DATA = Path(os.environ.get("PYPORT_SHARED_DATA", "../shared/data"))
 

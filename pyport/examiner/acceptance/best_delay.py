@@ -24,10 +24,10 @@ from pyport.models.model import Model, Term
 from pyport.recordings.from_table import from_table
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import with_nights
-from pyport.watch import null
-from pyport.watch.baseline import past
-from pyport.watch.changes import together
-from pyport.watch.prepare import prepare
+from pyport.watch.detection import null
+from pyport.watch.detection.baseline import past
+from pyport.watch.detection.changes import together
+from pyport.watch.detection.prepare import prepare
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from scipy.special import logsumexp
 
 from pyport.angles import Array
 from pyport.noise.scatter import tails
-from pyport.watch import detector, null
-from pyport.watch.baseline import LEAST_DOF, Past
-from pyport.watch.detector import Detector, Layout, layout
-from pyport.watch.null import Innovation, Null, Predictive, States
-from pyport.watch.prepare import Rows, prepare
+from pyport.watch.detection import detector, null
+from pyport.watch.detection.baseline import LEAST_DOF, Past
+from pyport.watch.detection.detector import Detector, Layout, layout
+from pyport.watch.detection.null import Innovation, Null, Predictive, States
+from pyport.watch.detection.prepare import Rows, prepare
 
 #: Drifts and departures of a wilder night, over those of the past: octaves, so that what lies
 #: between is within a factor of 1.4 of one. Nights wilder still are not in the promise.

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from pyport.angles import Array
-from pyport.watch.changes import SPREAD_SHARE, Change
-from pyport.watch.null import (
+from pyport.watch.detection.changes import SPREAD_SHARE, Change
+from pyport.watch.detection.null import (
     OUTLIER,
     Innovation,
     Null,

@@ -21,8 +21,8 @@ from pyport.noise.departures import terms_of_sessions, terms_of_sources
 from pyport.noise.scatter import recorded
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import with_nights
-from pyport.watch import changes
-from pyport.watch.changes import Change
+from pyport.watch.detection import changes
+from pyport.watch.detection.changes import Change
 
 #: Past pointings below which nothing is watched; so many for each coefficient of the model.
 FEWEST, FEWEST_PER_COEFFICIENT = 30, 3

@@ -17,8 +17,8 @@ from scipy.special import gammaln
 
 from pyport.angles import Array
 from pyport.noise.pointings import SAME_PLACE, SAME_S, SAME_TIMELESS
-from pyport.watch.baseline import Baseline
-from pyport.watch.prepare import Rows
+from pyport.watch.detection.baseline import Baseline
+from pyport.watch.detection.prepare import Rows
 
 #: A number or an array of them.
 Number = Any

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pyport.angles import Array, Codes
-from pyport.watch import detector
-from pyport.watch.baseline import Baseline
-from pyport.watch.composite import Composite, log_omitted
-from pyport.watch.detector import Detector, Layout
-from pyport.watch.null import Null
+from pyport.watch.detection import detector
+from pyport.watch.detection.baseline import Baseline
+from pyport.watch.detection.composite import Composite, log_omitted
+from pyport.watch.detection.detector import Detector, Layout
+from pyport.watch.detection.null import Null
 
 
 @dataclass

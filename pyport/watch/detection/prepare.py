@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.recordings.schema import Recordings
-from pyport.watch.baseline import Baseline
-from pyport.watch.changes import columns
+from pyport.watch.detection.baseline import Baseline
+from pyport.watch.detection.changes import columns
 
 
 @dataclass(frozen=True)
