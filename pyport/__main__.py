@@ -7,9 +7,9 @@ def main() -> None:
     """Run the command line; the steering table, by the kernel, before anything is imported."""
     try:
         if sys.argv[1:2] == ["table"]:
-            from pyport.pointing import printed_table
+            from pyport.pointing import compiled
 
-            if printed_table.answered(sys.argv[1:]):
+            if compiled.answered(sys.argv[1:]):
                 return
         from pyport import cli
     except KeyboardInterrupt:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from pyport.angles import Array
-from pyport.pointing.axis import Axis
+from pyport.pointing.leaning import Axis
 
 #: d(azimuth, altitude) per radian of something.
 Slopes = tuple[Array, Array]

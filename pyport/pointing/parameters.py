@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.pointing.printed_table import RECOVERED_DEG
+from pyport.pointing.compiled import RECOVERED_DEG
 
 #: Half a unit of the last digit that the parameters are printed to [rad].
 PRINTED_ROUNDING = 0.5e-6 * DEG

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 
 from pyport.angles import Array, wrap
 from pyport.pointing import kernel
-from pyport.pointing.axis import Axis
 from pyport.pointing.jump import has_jumped, jump_altitude
-from pyport.pointing.leaning import Leaning
+from pyport.pointing.leaning import Axis, Leaning
 
 #: Points of a block, and arrays that its work needs: together they fit into a core's second cache.
 BLOCK, _ROOMS = 16384, 10

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.pointing import kernel, printed_table
+from pyport.pointing import compiled, kernel
 from pyport.steering.grid import Grid, Table
 
 
@@ -25,10 +25,10 @@ def rows(table: Table) -> Iterator[str]:
 def text(table: Table) -> bytes:
     """Return the table's rows, each with its line end."""
     az_deg, zd_deg = table.grid.az_deg, table.grid.zd_deg
-    az_text, zd_text, width = printed_table.places(az_deg.tolist(), zd_deg.tolist())
+    az_text, zd_text, width = compiled.places(az_deg.tolist(), zd_deg.tolist())
     if kernel.KERNEL is not None:
         offsets = map(np.ascontiguousarray, (table.d_az_deg, table.d_zd_deg))
-        return printed_table.rows(kernel.KERNEL, az_text, zd_text, width, *offsets)
+        return compiled.rows(kernel.KERNEL, az_text, zd_text, width, *offsets)
     az, zd = (
         np.array([list(one.encode()) for one in places], np.uint8) for places in (az_text, zd_text)
     )
@@ -47,8 +47,8 @@ def text(table: Table) -> bytes:
 def decimals(units: NDArray[np.int64], width: int) -> NDArray[np.uint8]:
     """Return whole units of 1e-7 as text, F`width`.7, one more axis of `width` characters."""
     # what is no number has become the least of them, of which there is no absolute value
-    if not np.all((units < printed_table.MOST_UNITS) & (units > -printed_table.MOST_UNITS)):
-        raise BadInput(printed_table.WIDER.format(width))
+    if not np.all((units < compiled.MOST_UNITS) & (units > -compiled.MOST_UNITS)):
+        raise BadInput(compiled.WIDER.format(width))
     rest = np.abs(units).astype(np.int32)
     out = np.full((*units.shape, width), ord(" "), np.uint8)
     zero = ord("0")
