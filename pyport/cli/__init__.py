@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 import click
@@ -47,6 +49,12 @@ FORMER = {
     "trials": "dev trials",
     "verify": "dev verify",
 }
+
+
+#: EX_SOFTWARE of sysexits.h: an internal error, whatever the input was.
+FAULT = 70
+
+_LIBRARIES = ("numpy", "scipy", "astropy", "pyerfa", "pyarrow", "matplotlib", "click")
 
 
 def _print_version(context: click.Context, _: click.Parameter, wanted: bool) -> None:  # noqa: FBT001 - click's signature
@@ -113,10 +121,56 @@ def main() -> None:
 
 
 def _end_with_fault(error: BaseException) -> NoReturn:
-    from pyport.cli import fault
+    click.echo(_kept(error, sys.argv[1:]), err=True)
+    sys.exit(FAULT)
 
-    click.echo(fault.keep(error, sys.argv[1:]), err=True)
-    sys.exit(fault.STATUS)
+
+def _kept(error: BaseException, words: Sequence[str]) -> str:
+    """Write what is needed to find a fault; return the line for the terminal.
+
+    The file holds the command, the traceback and the versions, and nothing of the recordings. It
+    goes to the current folder, or to the temporary one where that cannot be written.
+    """
+    import platform
+    import shlex
+    import tempfile
+    import traceback
+    from datetime import UTC, datetime
+
+    from pyport.files import write_whole
+
+    at = traceback.extract_tb(error.__traceback__)
+    place = f" ({Path(at[-1].filename).name}:{at[-1].lineno})" if at else ""
+    what = " ".join(f"{type(error).__name__}{place}: {error}".split())[:300]
+    now = datetime.now(UTC)
+    lines = [
+        f"pyport {__version__}, {now:%Y-%m-%d %H:%M:%S} UTC",
+        f"command: {shlex.join(['pyport', *words])}",
+        f"Python {sys.version}",
+        f"machine: {platform.platform()}",
+        *(f"{name} {_version(name)}" for name in _LIBRARIES),
+        "",
+        "".join(traceback.format_exception(error)),
+    ]
+    text = "\n".join(lines)
+    for folder in (Path(), Path(tempfile.gettempdir())):
+        path = folder / f"pyport-fault-{now:%Y%m%d-%H%M%S-%f}.txt"
+        try:
+            with write_whole(path) as file:
+                file.write(text.encode("utf-8", "replace").decode())
+        except OSError:
+            continue
+        return f"pyport: fault of the program: {what}; please send {path} to its makers"
+    return f"pyport: fault of the program: {what}; no report could be written"
+
+
+def _version(name: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def _refuse_what_is_no_text(words: list[str]) -> None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import FILE, flag, in_json, models, option, say
+from pyport.cli.manners import FILE, about_file, flag, in_json, models, option, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:

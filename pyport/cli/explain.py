@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import FILE, PATH, beside_model, flag, models, option
+from pyport.cli.manners import FILE, PATH, about_file, beside_model, flag, models, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:

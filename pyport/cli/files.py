@@ -8,8 +8,7 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import PATH, flag, in_json, option, plain, say
+from pyport.cli.manners import PATH, about_file, flag, in_json, option, plain, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:

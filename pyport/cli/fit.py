@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import PATH, flag, models, option
+from pyport.cli.manners import PATH, about_file, flag, models, option
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:

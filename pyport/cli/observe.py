@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import FILE, PATH, beside_model, flag, in_json, option, say
+from pyport.cli.manners import FILE, PATH, about_file, beside_model, flag, in_json, option, say
 from pyport.cli.manners import recordings as named
 from pyport.errors import BadInput
 

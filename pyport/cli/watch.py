@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.about import about_file
-from pyport.cli.manners import beside_model, flag, in_json, option
+from pyport.cli.manners import about_file, beside_model, flag, in_json, option
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
