@@ -20,8 +20,8 @@ from pyport.recordings.files import Survey
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.stream import is_data_set, pass_files
 from pyport.report.finding import completed
-from pyport.stages import stage, timed, track, working
-from pyport.workers import Spread, workers
+from pyport.runs.stages import stage, timed, track, working
+from pyport.runs.workers import Spread, workers
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ def command(out: Path, *, as_json: bool) -> None:
     """Show everything once: parity, table, recordings, an equatorial session, a night watched."""
     from pyport import legacy, pipeline, steering
     from pyport.parity.report import summary
-    from pyport.stages import working
+    from pyport.runs.stages import working
 
     tell = click.echo if not as_json else (lambda *_, **__: None)
     tell(click.style("1. Is the port the published program?\n", bold=True))

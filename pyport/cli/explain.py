@@ -153,7 +153,7 @@ def predict(
     from pyport.formats.models import load
     from pyport.prediction import compare, rehearsal
     from pyport.recordings import read
-    from pyport.stages import working
+    from pyport.runs.stages import working
 
     if rehearse and not against:
         raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
@@ -220,7 +220,7 @@ def plot(
     from pyport import page, plots
     from pyport.formats.models import load
     from pyport.recordings import read
-    from pyport.stages import track, working
+    from pyport.runs.stages import track, working
 
     measured, wanted = read(recordings, given), load(model)
     if what == "fit":

@@ -99,7 +99,7 @@ def command(
     from pyport.page.of_fit import of_fit
     from pyport.recordings import read
     from pyport.recordings.stream import pass_files
-    from pyport.stages import working
+    from pyport.runs.stages import working
 
     labels = None if per is None else tuple(one.strip() for one in per.split(",") if one.strip())
     unfitted = load(model)
@@ -140,7 +140,7 @@ def _fit_rt32(
     """Fit p1..p12 from nothing; return it for programs, as the RT32's table, and for the page."""
     from pyport.angles import DEG
     from pyport.recordings import read
-    from pyport.stages import working
+    from pyport.runs.stages import working
     from pyport.studies.rt32 import box_step, document, fit_rt32
     from pyport.studies.rt32.fit import honest_sigmas
     from pyport.studies.rt32.sky import of_rt32

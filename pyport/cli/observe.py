@@ -103,7 +103,7 @@ def look(
     from pyport.planning.summary import text
     from pyport.recordings import read
     from pyport.recordings.formats import mapped
-    from pyport.stages import working
+    from pyport.runs.stages import working
 
     if save_columns is not None and given.mapping:
         mapped.save(given.mapping, save_columns)

@@ -38,7 +38,7 @@ def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
     day, whether the arms are mirror images, and whether offsets jump at transit.
     """
     from pyport.recordings import read
-    from pyport.stages import working
+    from pyport.runs.stages import working
     from pyport.studies.gmrt.figures import write_figures
 
     with working("repeating the paper's analysis"):
@@ -143,7 +143,7 @@ def rt32(
     Model3, bad measurements.
     """
     from pyport.recordings import read, resolve
-    from pyport.stages import track, working
+    from pyport.runs.stages import track, working
     from pyport.studies.rt32 import METHODS, document, fit_rt32
     from pyport.studies.rt32 import box_step as chosen_step
     from pyport.studies.rt32.fit import honest_sigmas

@@ -71,7 +71,7 @@ def command(
 ) -> None:
     """Write the steering table of a pointing model, refraction included."""
     from pyport import steering
-    from pyport.stages import working
+    from pyport.runs.stages import working
     from pyport.steering.grid import span
     from pyport.steering.tabulate import Conditions
 

@@ -20,7 +20,7 @@ from pyport.noise.pointings import pointings
 from pyport.noise.whitening import Series
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 
 

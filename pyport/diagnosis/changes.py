@@ -26,7 +26,7 @@ from pyport.effects import Effect, catalogue
 from pyport.effects.empirical.epochs import clock, epoch_step
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.noise.covariance import Covariance
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import CONVINCING, FEWEST, MOST_CHANGES
 
 

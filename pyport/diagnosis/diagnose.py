@@ -27,9 +27,9 @@ from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
 from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
-from pyport.stages import stage
+from pyport.runs.stages import stage
+from pyport.runs.workers import one_thread
 from pyport.thresholds import FAMILY_ERROR
-from pyport.workers import one_thread
 
 TINY = 1e-200
 

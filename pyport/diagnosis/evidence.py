@@ -12,7 +12,7 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
-from pyport.stages import stage
+from pyport.runs.stages import stage
 
 #: Prior variances that are tried, over the variance with which the best direction is known.
 _STRENGTHS = np.geomspace(0.1, 1e9, 51)

@@ -19,7 +19,7 @@ from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import BLOCKS, CLIP, FOLDS, GROSS, MOST_FOLDS, SEVERAL
 
 #: Stretches left out that tell how far a held-out rms may be off.

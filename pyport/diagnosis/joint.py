@@ -22,7 +22,7 @@ from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinat
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
 from pyport.least_squares.gram import Solution
 from pyport.noise.coefficients import solve
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import MOSTLY, SIGNIFICANT
 
 

@@ -20,9 +20,9 @@ from pyport.diagnosis.shapes.fields import field_instead
 from pyport.diagnosis.turns import TIE, Outcome, Step, family_p_value
 from pyport.diagnosis.weighing import confirmed, likeliest, weigh
 from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
-from pyport.stages import stage
+from pyport.runs.stages import stage
+from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, FAMILY_ERROR, IMPERFECTION, MOST_FINDINGS, OUT_OF_REACH
-from pyport.workers import side_by_side
 
 
 def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:

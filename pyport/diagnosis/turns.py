@@ -13,7 +13,7 @@ from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects import degeneracies
 from pyport.least_squares.gram import inverted
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import (
     ALIKE,
     BENT,

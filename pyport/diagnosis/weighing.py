@@ -24,9 +24,9 @@ from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, reweighed
 from pyport.noise.whitening import Noise
-from pyport.stages import stage
+from pyport.runs.stages import stage
+from pyport.runs.workers import side_by_side
 from pyport.thresholds import ENOUGH_ANTENNAS
-from pyport.workers import side_by_side
 
 DRAWS = 300
 

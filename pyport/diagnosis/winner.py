@@ -16,8 +16,8 @@ from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
 from pyport.effects.empirical.fields import OSCILLATION
+from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
-from pyport.workers import side_by_side
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:

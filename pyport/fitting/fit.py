@@ -20,7 +20,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, estimate, frame
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 
 def completed(fit: Fit) -> Model:

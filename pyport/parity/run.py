@@ -9,7 +9,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from pyport.checkpoint import Checkpoint, State, cache_folder
 from pyport.errors import BadInput
 from pyport.parity.compare import Comparison, Pair
 from pyport.parity.compiled import oracle, stored
@@ -20,8 +19,9 @@ from pyport.parity.described.functions import Answers, ask_port, part, size
 from pyport.parity.described.loading import load
 from pyport.parity.evidence.shrink import Fails, Minimal, failing, minimal
 from pyport.parity.promise import Asker, Held, hold, kept, spread
-from pyport.stages import track
-from pyport.workers import workers
+from pyport.runs.checkpoint import Checkpoint, State, cache_folder
+from pyport.runs.stages import track
+from pyport.runs.workers import workers
 
 #: Points that one process takes at a time.
 CHUNK = 5000

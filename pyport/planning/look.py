@@ -24,7 +24,7 @@ from pyport.planning.suggest import (
     within_reach,
 )
 from pyport.recordings.schema import Recordings
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 #: Of more recordings than this as many are looked at, chosen at random.
 MOST = 4000

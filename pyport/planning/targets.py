@@ -16,7 +16,7 @@ from pyport.planning.look import busiest, thinned
 from pyport.planning.separate import separate
 from pyport.planning.suggest import Targets, directions, suggest
 from pyport.recordings.schema import Recordings
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 #: Catalogued sources are offered where they stand so often within the time left [s].
 STEP_S = 1800.0

@@ -16,7 +16,7 @@ from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.rehearsal import NIGHTS, Rehearsal, left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 #: Terms of which one is so many times larger than all of them together cancel each other.
 CANCEL = 3.0

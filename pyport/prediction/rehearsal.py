@@ -28,7 +28,7 @@ from pyport.models.model import Model
 from pyport.prediction import shrunk
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, Rows, solved
 from pyport.recordings.schema import Recordings
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 #: Steps of the grid.
 AZIMUTH_DEG, ELEVATION_DEG = 10, 5

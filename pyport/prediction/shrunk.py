@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.effects.base import Circumstances
 from pyport.least_squares import robust
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 #: Waves in elevation stand between these: a little beyond what a telescope can see. [rad]
 LOW, HIGH = -10 * DEG, 100 * DEG

@@ -23,7 +23,7 @@ from pyport.recordings.masks import masked
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.schema import Recordings, tabulate
 from pyport.recordings.where import where
-from pyport.workers import Spread
+from pyport.runs.workers import Spread
 
 DATA = Path(__file__).parent / "data"
 

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.checkpoint import key_of
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.runs.checkpoint import key_of
 from pyport.watch.alarms import Alarm
 from pyport.watch.detection.antenna import Antenna, Slot
 from pyport.watch.detection.composite import Composite

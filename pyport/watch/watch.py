@@ -19,6 +19,7 @@ from pyport.recordings.from_table import Header, Table, from_table, raw_table
 from pyport.recordings.interpret import interpret
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import NIGHT_GAP_S, night_of, with_nights
+from pyport.runs.workers import one_thread
 from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
 from pyport.watch.detection import antenna as one_antenna
@@ -26,7 +27,6 @@ from pyport.watch.detection.antenna import Antenna
 from pyport.watch.detection.baseline import TooFew, enough, past
 from pyport.watch.detection.composite import FEWEST_IN_NIGHT, calibrated
 from pyport.watch.detection.prepare import prepare
-from pyport.workers import one_thread
 
 #: One false alarm in so many pointings or more, on average, unless another number is asked for.
 POINTINGS_PER_FALSE_ALARM = 10_000

@@ -13,7 +13,7 @@ from pyport.examiner.worlds.kinds import make_case
 from pyport.formats.models import load
 from pyport.recordings import read
 from pyport.report.folder import write
-from pyport.stages import stage, timed
+from pyport.runs.stages import stage, timed
 
 ROWS = {
     "test_one_cause": "diagnosis",

@@ -20,7 +20,7 @@ from pyport.prediction import compare, contenders, rehearsal, shrunk
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
 from pyport.recordings.schema import Recordings
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 ALTAZ = load("altaz")
 DATA = Path(__file__).parents[3] / "shared" / "data" / "auxtel"

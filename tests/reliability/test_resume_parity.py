@@ -13,11 +13,11 @@ import pytest
 import rt32
 from rt32_inputs import random
 
-from pyport.checkpoint import Checkpoint
 from pyport.parity import promise
 from pyport.parity.compare import Pair
 from pyport.parity.described.functions import ask_port
 from pyport.parity.run import over
+from pyport.runs.checkpoint import Checkpoint
 
 CHUNKS = [(start, start + 25) for start in range(0, 6000, 25)]
 #: Compares by itself in two processes, so that it can be killed; prints who works.
@@ -25,7 +25,7 @@ RUN = """
 import os, sys
 from pathlib import Path
 sys.path[:0] = sys.argv[2:]
-from pyport import checkpoint
+from pyport.runs import checkpoint
 from test_resume_parity import CHUNKS, between
 from pyport.parity.run import over
 checkpoint.LEAST_S = 0.05

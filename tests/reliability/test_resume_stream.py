@@ -13,8 +13,8 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
-from pyport.checkpoint import Checkpoint
 from pyport.recordings.stream import pass_files
+from pyport.runs.checkpoint import Checkpoint
 
 FILES = 40
 #: Reads a data set, a fiftieth of a second for each piece, and writes down which it read.
@@ -22,7 +22,7 @@ RUN = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from pyport import checkpoint
+from pyport.runs import checkpoint
 from pyport.recordings import read
 checkpoint.LEAST_S = 0.1
 root, out, log = map(Path, sys.argv[1:4])

@@ -36,7 +36,7 @@ WHO_MAY = {
     },
     "asyncio": {"watch/serve.py"},
     "runpy": {"examiner/sealed/cell.py"},
-    "distributed": {"workers.py"},
+    "distributed": {"runs/workers.py"},
     "ctypes": {"legacy/intrinsics.py", "parity/compiled/stored.py"},
 }
 #: Who alone may import a module by a name: its own modules, and the ports of a parity.toml.

@@ -17,8 +17,8 @@ from pyport.examiner.sealed.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
-    ("angles", "errors", "files", "stages"),
-    ("arguments", "checkpoint", "thresholds", "workers"),
+    ("angles", "errors", "files"),
+    ("arguments", "runs", "thresholds"),
     ("mounts",),
     ("columns",),
     ("effects", "least_squares"),

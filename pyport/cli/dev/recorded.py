@@ -138,7 +138,7 @@ def field_system(folder: Path, *, as_json: bool) -> None:
     fitted by mdlpo.ctl beside NAME.err.
     """
     from pyport.formats.field_system import agreement
-    from pyport.stages import working
+    from pyport.runs.stages import working
 
     with working("comparing"):
         say(
@@ -172,7 +172,7 @@ def reduction() -> None:
 @in_json
 def sizes(*, as_json: bool) -> None:
     """Print how large each step was in the RT32's campaigns, beside the document's figures."""
-    from pyport.stages import working
+    from pyport.runs.stages import working
     from pyport.studies.rt32 import reduction_sizes as all_of_them
 
     with working("sizing each step"):

@@ -73,7 +73,7 @@ def make(
     from pyport.examiner.sealed.files import write_recordings, write_truth
     from pyport.examiner.worlds.kinds import files_of, make_case
     from pyport.files import write_whole
-    from pyport.stages import track
+    from pyport.runs.stages import track
 
     for each in track(range(seed, seed + count), "making cases", total=count):
         case = make_case(kind, each, effect=effect, **asked)

@@ -21,8 +21,8 @@ from pyport.effects import CATALOGUE
 from pyport.errors import BadInput
 from pyport.recordings.files import Survey
 from pyport.recordings.schema import Recordings
+from pyport.runs.workers import one_thread
 from pyport.thresholds import SEVERAL, SIGNIFICANT
-from pyport.workers import one_thread
 
 LEAN = "tilt_east"
 #: Play in scans along elevation, which a time tag moves by the rate itself.

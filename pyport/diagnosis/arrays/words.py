@@ -15,7 +15,7 @@ from pyport.diagnosis.arrays.repeat import FACTOR, Unseen, medians, unseen
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of, shared_shapes
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
-from pyport.workers import one_thread
+from pyport.runs.workers import one_thread
 
 _WIDTH = 96
 #: Radians of hour angle in a second of time.

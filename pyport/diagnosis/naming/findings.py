@@ -30,7 +30,7 @@ from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.diagnosis.turns import Step
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.effects.mounts import declared
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import MOST_MEMBERS
 
 

@@ -25,7 +25,7 @@ from pyport.diagnosis.turns import TIE, Step, decide_by, fits_physics
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of
 from pyport.recordings.sky import clock
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
 
 DRAWS = 40

@@ -23,7 +23,7 @@ from pyport.diagnosis.weighing import weigh_alike
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted
 from pyport.noise.whitening import FAR, Noise, by_pointing, factor
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ from pyport.effects.base import Effect
 from pyport.effects.empirical.fields import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
-from pyport.stages import stage
+from pyport.runs.stages import stage
 from pyport.thresholds import CONVINCING, FEWEST, PERIODS_FREE
 
 #: Shares of the drift's amplitude beside which a period is looked for.

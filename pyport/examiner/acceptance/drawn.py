@@ -24,7 +24,7 @@ from pyport.examiner.worlds.faults import UNCATALOGUED
 from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
 from pyport.recordings.files import Survey
-from pyport.stages import track
+from pyport.runs.stages import track
 from pyport.studies.gmrt.array import GAINED, evidence
 
 #: Cases without anything hidden, and of each uncatalogued cause.

@@ -21,7 +21,7 @@ from pyport.examiner.acceptance.drawn import Line
 from pyport.examiner.sealed.files import count, write_recordings
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.worlds.faults import UNCATALOGUED
-from pyport.stages import track
+from pyport.runs.stages import track
 
 if TYPE_CHECKING:
     from pyport.correction.use import PointingModel

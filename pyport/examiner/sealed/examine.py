@@ -33,7 +33,7 @@ from pyport.examiner.sealed.seal import (
     write_json,
 )
 from pyport.examiner.worlds.case import Case
-from pyport.stages import track
+from pyport.runs.stages import track
 
 _FOLDS = 10
 

@@ -33,7 +33,7 @@ from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.published import read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_truths, reveal, seal, write_json
 from pyport.files import sha256, write_whole
-from pyport.stages import track
+from pyport.runs.stages import track
 
 SEALED, ANSWERS, OPENED = "sealed.json", "answers.jsonl.xz", "opened.jsonl.xz"
 SCORE, VERDICTS = "score.json", "verdicts.jsonl.xz"

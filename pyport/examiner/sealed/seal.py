@@ -27,7 +27,7 @@ from pyport.examiner.sealed.files import canonical, write_recordings
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec, draft
 from pyport.examiner.sealed.published import read_answers, read_report, read_seal
 from pyport.files import sha256, write_whole
-from pyport.stages import track
+from pyport.runs.stages import track
 
 SCHEMA = "pyport.sealed/2"
 

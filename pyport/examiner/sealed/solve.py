@@ -22,7 +22,7 @@ from pyport.examiner.sealed.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.examiner.worlds.kinds import files_of
 from pyport.files import sha256, write_whole
-from pyport.stages import track
+from pyport.runs.stages import track
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
 SOLVER = ("pyport", "diagnose")
@@ -67,7 +67,7 @@ def run(
         raise BadInput("this set has been opened: expected a sealed one", root)
     tasks = unsolved(root.resolve() if cluster else root, solver)
     if cluster is not None:
-        from pyport.workers import workers
+        from pyport.runs.workers import workers
 
         with workers(cluster=cluster) as spread:
             return sum(1 for _ in track(spread(solve, tasks), "solving", total=len(tasks)))

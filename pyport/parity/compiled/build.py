@@ -20,11 +20,11 @@ from typing import Any
 
 import numpy as np
 
-from pyport.checkpoint import cache_folder
 from pyport.errors import BadInput
 from pyport.files import sha256
 from pyport.parity.compiled import driver
 from pyport.parity.described.description import Build, Description
+from pyport.runs.checkpoint import cache_folder
 
 HUNK = re.compile(r"@@ -(\d+)(?:,(\d+))? \+\d+(?:,\d+)? @@")
 TARGET = re.compile(r"^\+\+\+ (?:\S*/)?(\S+)", re.MULTILINE)

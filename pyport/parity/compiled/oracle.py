@@ -20,7 +20,7 @@ from pyport.parity.compiled import build as building
 from pyport.parity.compiled import driver
 from pyport.parity.described.description import Batch, Build, Description, Routine
 from pyport.parity.described.functions import filled, part, size, spelled
-from pyport.workers import end_with_parent
+from pyport.runs.workers import end_with_parent
 
 #: A process that has loaded so many copies of a library makes room for a new one.
 MOST_COPIES = 500

@@ -24,7 +24,7 @@ from pyport.parity.described import inputs
 from pyport.parity.described.description import Batch, Build, Description, Port, Routine
 from pyport.parity.described.functions import filled, part, size
 from pyport.parity.report import ulp
-from pyport.stages import track
+from pyport.runs.stages import track
 
 
 def coverage(description: Description, random_points: int) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from pyport.parity.described import inputs
 from pyport.parity.described.description import Batch, Description, Group, Port, Routine
 from pyport.parity.described.functions import Function, ask_port, part, resolve, size
 from pyport.parity.evidence.mutations import Mutant, fortran_mutants, mutants
-from pyport.stages import track
+from pyport.runs.stages import track
 
 #: Points that are looked at first: most mutants are killed by them.
 FIRST = 200

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import Array
-from pyport.checkpoint import Checkpoint, State
 from pyport.effects.base import SubPointings
 from pyport.errors import BadInput
 from pyport.recordings.interpret import interpret
@@ -42,7 +41,8 @@ from pyport.recordings.stream.points import (
     places_of,
     second_totals,
 )
-from pyport.workers import Spread
+from pyport.runs.checkpoint import Checkpoint, State
+from pyport.runs.workers import Spread
 
 #: Cells that are kept while the data set is gone through: what bounds the memory.
 MOST_CELLS = 300_000

@@ -20,8 +20,8 @@ from pyport.least_squares.gram import inverse_of, inverted
 from pyport.pointing import PARAMETERS, Rt32Model, kernel
 from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings, Stack, group, stack
+from pyport.runs.workers import one_thread
 from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tune, Tuned, variance
-from pyport.workers import one_thread
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01

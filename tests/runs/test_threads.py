@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from pyport import workers
+from pyport.runs import workers
 
 
 @pytest.mark.parametrize("cores", [1, 2])

@@ -104,7 +104,7 @@ def key_of(*what: object) -> str:
 
 @functools.cache
 def _program() -> str:
-    return tree(Path(__file__).parent)
+    return tree(Path(__file__).parents[1])
 
 
 def cache_folder() -> Path:

@@ -22,7 +22,7 @@ from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.seal import seal
 from pyport.examiner.sealed.solve import run
 from pyport.recordings import read, resolve
-from pyport.workers import workers
+from pyport.runs.workers import workers
 
 pytestmark = pytest.mark.slow
 
@@ -82,7 +82,7 @@ def test_bad_input_comes_through(cluster):
 
 def test_no_cluster_is_said(monkeypatch):
     """One line names the address."""
-    monkeypatch.setattr("pyport.workers.PATIENCE_S", 0.5)
+    monkeypatch.setattr("pyport.runs.workers.PATIENCE_S", 0.5)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
