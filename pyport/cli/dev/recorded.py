@@ -189,7 +189,7 @@ def sizes(*, as_json: bool) -> None:
 def apply(recordings: str, out: Path, steps: str | None, *, as_json: bool) -> None:
     """Write RECORDINGS to OUT with offsets free of what the steering program left out."""
     from pyport.recordings import read, resolve, write
-    from pyport.recordings.reduction import DOCUMENT, reduced
+    from pyport.studies.rt32.reduction import DOCUMENT, reduced
 
     taken = DOCUMENT if steps is None else tuple(filter(None, steps.split(",")))
     done = reduced(read(resolve(recordings)), taken)

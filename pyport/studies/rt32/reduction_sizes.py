@@ -17,8 +17,8 @@ from pyport.effects.sky.site import (
     sun,
     ut1_minus_utc,
 )
-from pyport.recordings.reduction import ARCSEC_PER_SECOND, STEPS, left_out
 from pyport.recordings.sky import horizon
+from pyport.studies.rt32.reduction import ARCSEC_PER_SECOND, STEPS, left_out
 
 #: The 32 m telescope at Piwnice near Torun.
 RT32 = Site(53.0955 * DEG, 18.5640 * DEG, 133.0)

@@ -13,7 +13,7 @@ from pyport.errors import BadInput
 from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 from pyport.recordings import read
-from pyport.recordings.reduction import DOCUMENT, STEPS, left_out, reduced
+from pyport.studies.rt32.reduction import DOCUMENT, STEPS, left_out, reduced
 from pyport.studies.rt32.reduction_sizes import (
     CAMPAIGNS,
     RT32,
