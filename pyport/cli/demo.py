@@ -90,7 +90,7 @@ def command(out: Path, *, as_json: bool) -> None:
 
 def _equatorial(out: Path) -> tuple[Path, str]:
     """Draw a session of a German mount, half of whose noise is what its model leaves out."""
-    from pyport.examiner.sealed.files import write_recordings
+    from pyport.examiner.sealed.record.files import write_recordings
     from pyport.examiner.worlds.kinds import make_case
 
     cause, mount, rows, seed = EQUATORIAL

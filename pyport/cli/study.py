@@ -194,7 +194,7 @@ def _simulated(seed: int, out: Path | None) -> tuple[Recordings, Array]:
     import numpy as np
 
     from pyport.angles import ARCSEC
-    from pyport.examiner.sealed.files import write_recordings
+    from pyport.examiner.sealed.record.files import write_recordings
     from pyport.examiner.worlds.rt32_campaign import rt32_campaign
     from pyport.recordings import read
 

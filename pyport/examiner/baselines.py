@@ -23,7 +23,7 @@ import numpy as np
 from pyport.errors import BadInput
 from pyport.examiner import scores
 from pyport.examiner.scores import Array, both
-from pyport.examiner.sealed.judge import Table, numbers, read_table
+from pyport.examiner.sealed.scoring.judge import Table, numbers, read_table
 
 _UNITS = {"deg": 3600.0, "arcmin": 60.0, "arcsec": 1.0}
 _HARMONICS = range(2, 9)

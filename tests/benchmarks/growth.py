@@ -135,7 +135,7 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
     """
     from pyport.diagnosis import candidates
     from pyport.diagnosis.diagnose import diagnose as run
-    from pyport.examiner.sealed.files import write_recordings
+    from pyport.examiner.sealed.record.files import write_recordings
     from pyport.examiner.worlds.kinds import make_case
     from pyport.formats.models import load
     from pyport.recordings import read as read_file

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 
 ROWS = {

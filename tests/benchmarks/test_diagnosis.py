@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 from pyport.formats.models import load
 from pyport.recordings import read

@@ -9,7 +9,7 @@ import pytest
 
 from pyport.examiner.acceptance import drawn, gains, real
 from pyport.examiner.acceptance.drawn import Line
-from pyport.examiner.sealed.files import Rate
+from pyport.examiner.sealed.record.files import Rate
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pyport.examiner import baselines, scores
-from pyport.examiner.sealed.files import write_recordings
-from pyport.examiner.sealed.published import check_report
+from pyport.examiner.sealed.record.files import write_recordings
+from pyport.examiner.sealed.record.published import check_report
 from pyport.examiner.worlds.kinds import make_case
 
 

@@ -32,7 +32,7 @@ GUIDED = importlib.util.find_spec("atheris") is not None
 #: What is watched to guide.
 INSTRUMENTED = [
     *("pyport.recordings", "pyport.formats", "pyport.steering", "pyport.models.model", "tomllib"),
-    *("pyport.examiner.sealed.published", "pyport.watch.follow", "pyport.planning"),
+    *("pyport.examiner.sealed.record.published", "pyport.watch.follow", "pyport.planning"),
 ]
 #: Share of a reader's time for spoilt files, where there is atheris too.
 SHARE = 0.3

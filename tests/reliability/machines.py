@@ -22,8 +22,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import write_recordings
 
 #: The greatest difference of a parameter, in its sigmas.
 PROMISED_SIGMAS = 1e-6

@@ -13,8 +13,8 @@ from seeds import ECSV, NIGHT, parquet
 
 from pyport.cli import pyport as program
 from pyport.effects import Circumstances
-from pyport.examiner.sealed.judge import judge, place
-from pyport.examiner.sealed.published import read_answers, read_report, read_seal
+from pyport.examiner.sealed.record.published import read_answers, read_report, read_seal
+from pyport.examiner.sealed.scoring.judge import judge, place
 from pyport.formats.convert import convert
 from pyport.formats.field_system import agreement
 from pyport.formats.models import load
@@ -183,7 +183,7 @@ def readers() -> dict[str, Reader]:
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
     scans = ("recordings.scans",)
-    judges = ("examiner.sealed.judge",)
+    judges = ("examiner.sealed.scoring.judge",)
     all_of_them = (
         ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *raw)),
         ("ecsv", ".ecsv", (ECSV,), recordings, ("recordings.formats.tables", *raw)),
@@ -247,9 +247,9 @@ def readers() -> dict[str, Reader]:
         ("table-binary", ".bin", (seeds.binary(),), table, ("steering.binary", "steering.lookup")),
         ("table-ascii", ".txt", (seeds.ascii_table(),), table, ("steering.ascii",)),
         ("table-places", ".txt", (b"1 10\n0.5 12.5\n",), places, ("steering.lookup",)),
-        ("seal", ".json", (seeds.SEAL,), read_seal, ("examiner.sealed.published",)),
-        ("answers", ".json", (seeds.ANSWERS,), read_answers, ("examiner.sealed.published",)),
-        ("report", ".json", (seeds.REPORT,), report, ("examiner.sealed.published", *judges)),
+        ("seal", ".json", (seeds.SEAL,), read_seal, ("examiner.sealed.record.published",)),
+        ("answers", ".json", (seeds.ANSWERS,), read_answers, ("examiner.sealed.record.published",)),
+        ("report", ".json", (seeds.REPORT,), report, ("examiner.sealed.record.published", *judges)),
     )
     return {
         name: Reader(name, suffix, seeds, call, _modules(modules))

@@ -11,7 +11,7 @@ import pytest
 import seeds
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed.published import read_report
+from pyport.examiner.sealed.record.published import read_report
 from pyport.formats.field_system import agreement
 from pyport.formats.models import load
 from pyport.recordings import read

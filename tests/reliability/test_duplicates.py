@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pyport.diagnosis.diagnose import diagnose
-from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.formats.models import load
 from pyport.noise.pointings import pointings
 from pyport.recordings import read

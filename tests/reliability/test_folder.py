@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from pyport.cli.dev.recorded import verify as command
 from pyport.errors import BadInput
-from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.pointing import kernel
 from pyport.recordings.stream import pass_files
 from pyport.report.folder import check, finish

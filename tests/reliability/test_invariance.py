@@ -10,8 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.recordings import read

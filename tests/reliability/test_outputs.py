@@ -14,7 +14,7 @@ import pytest
 
 from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.protocol import Spec
-from pyport.examiner.sealed.published import read_answers, read_seal
+from pyport.examiner.sealed.record.published import read_answers, read_seal
 from pyport.files import ABANDONED_S, tree, write_whole
 
 TABLE = (sys.executable, "-m", "pyport", "table", "--az", "0:100:1", "-o")

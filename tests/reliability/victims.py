@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pyport.examiner.sealed import files
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record import files
 from pyport.formats.convert import convert
 
 ROWS = 60

@@ -13,7 +13,7 @@ from types import FrameType
 import click
 
 from pyport.cli.manners import in_json, option, say
-from pyport.examiner.sealed.code import imported, modules
+from pyport.examiner.sealed.record.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (

@@ -70,7 +70,7 @@ def make(
     **asked: Any,  # noqa: ANN401 - fields of `Spec`
 ) -> None:
     """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
-    from pyport.examiner.sealed.files import write_recordings, write_truth
+    from pyport.examiner.sealed.record.files import write_recordings, write_truth
     from pyport.examiner.worlds.kinds import files_of, make_case
     from pyport.files import write_whole
     from pyport.runs.stages import track
@@ -179,7 +179,7 @@ def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
     """
     from pyport.cli.dev.listed import rewrite
     from pyport.examiner.real import studies
-    from pyport.examiner.sealed import page as book
+    from pyport.examiner.sealed.scoring import page as book
     from pyport.files import write_whole
 
     sets = book.published(docs / "proof" / "sets")

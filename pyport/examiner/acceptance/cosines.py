@@ -17,7 +17,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Problem, prepare
 from pyport.examiner import program
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.case import Case as Made
 from pyport.examiner.worlds.faults import UNKNOWN
 from pyport.examiner.worlds.kinds import make_case

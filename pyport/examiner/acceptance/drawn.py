@@ -16,9 +16,9 @@ import numpy as np
 from pyport.angles import ARCMIN, DEG
 from pyport.diagnosis.arrays.repeat import medians
 from pyport.examiner.ideal import observer
-from pyport.examiner.sealed.files import Rate, write_recordings
-from pyport.examiner.sealed.judge import Verdict, judge, place, read_table
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import Rate, write_recordings
+from pyport.examiner.sealed.scoring.judge import Verdict, judge, place, read_table
 from pyport.examiner.worlds.campaign import NOISES
 from pyport.examiner.worlds.faults import UNCATALOGUED
 from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
@@ -112,7 +112,7 @@ def _solve(task: _Task) -> tuple[Verdict, float]:
 
 def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
     """Return the report of a made case; what may be seen of it is written to `path`."""
-    from pyport.examiner.sealed.files import write_recordings
+    from pyport.examiner.sealed.record.files import write_recordings
 
     write_recordings(made, path)
     return reported(made, path, model)

@@ -18,8 +18,8 @@ import numpy as np
 
 from pyport.angles import ARCSEC, Array
 from pyport.examiner.acceptance.drawn import Line
-from pyport.examiner.sealed.files import count, write_recordings
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.record.files import count, write_recordings
 from pyport.examiner.worlds.faults import UNCATALOGUED
 from pyport.runs.stages import track
 

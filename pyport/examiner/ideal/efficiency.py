@@ -13,8 +13,8 @@ import numpy as np
 from pyport.examiner import program
 from pyport.examiner.acceptance.drawn import diagnosed
 from pyport.examiner.ideal import observer
-from pyport.examiner.sealed.judge import judge
 from pyport.examiner.sealed.protocol import Spec
+from pyport.examiner.sealed.scoring.judge import judge
 from pyport.examiner.worlds.kinds import HIDEABLE
 
 ROWS = (60, 100, 150, 300, 600, 1200, 2400)

@@ -14,8 +14,8 @@ import numpy as np
 
 from pyport.examiner import program
 from pyport.examiner.scores import Share, counted
-from pyport.examiner.sealed.files import write_recordings
-from pyport.examiner.sealed.judge import judge
+from pyport.examiner.sealed.record.files import write_recordings
+from pyport.examiner.sealed.scoring.judge import judge
 from pyport.examiner.worlds.faults import UNKNOWN as FORMS
 from pyport.examiner.worlds.kinds import STANDS, Spec
 

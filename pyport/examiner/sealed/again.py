@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from pyport.examiner.sealed.examine import Score, as_json, judged, scored
-from pyport.examiner.sealed.files import write_recordings
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.prove import scored_beside
-from pyport.examiner.sealed.published import read_seal
+from pyport.examiner.sealed.record.files import write_recordings
+from pyport.examiner.sealed.record.published import read_seal
 from pyport.examiner.sealed.seal import Folder, write_json
 from pyport.files import sha256
 

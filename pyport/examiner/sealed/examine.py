@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
 from pyport.examiner.ideal import observer
-from pyport.examiner.sealed import score
-from pyport.examiner.sealed.judge import Table, Verdict, judge, numbers, place, read_table
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
-from pyport.examiner.sealed.published import read_report, read_seal
+from pyport.examiner.sealed.record.published import read_report, read_seal
+from pyport.examiner.sealed.scoring import score
+from pyport.examiner.sealed.scoring.judge import Table, Verdict, judge, numbers, place, read_table
 from pyport.examiner.sealed.seal import (
     Folder,
     check_answers,

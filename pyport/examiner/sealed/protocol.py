@@ -17,8 +17,8 @@ import numpy as np
 
 from pyport.errors import BadInput
 from pyport.examiner.real.injected import causes_of, names
-from pyport.examiner.sealed import files
-from pyport.examiner.sealed.published import read_json
+from pyport.examiner.sealed.record import files
+from pyport.examiner.sealed.record.published import read_json
 from pyport.examiner.worlds.campaign import NOISES, SKIES
 from pyport.examiner.worlds.case import LITTLE
 from pyport.examiner.worlds.faults import UNKNOWN

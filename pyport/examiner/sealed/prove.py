@@ -26,11 +26,12 @@ from typing import Any
 
 from pyport.errors import BadInput
 from pyport.examiner import baselines
-from pyport.examiner.sealed import score, solve
+from pyport.examiner.sealed import solve
 from pyport.examiner.sealed.examine import examine, judged
-from pyport.examiner.sealed.history import History
 from pyport.examiner.sealed.protocol import Spec
-from pyport.examiner.sealed.published import read_json, read_seal
+from pyport.examiner.sealed.record.history import History
+from pyport.examiner.sealed.record.published import read_json, read_seal
+from pyport.examiner.sealed.scoring import score
 from pyport.examiner.sealed.seal import Folder, check_truths, reveal, seal, write_json
 from pyport.files import sha256, write_whole
 from pyport.runs.stages import track

@@ -21,11 +21,11 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import code, files
-from pyport.examiner.sealed.compact import rows_of
-from pyport.examiner.sealed.files import canonical, write_recordings
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec, draft
-from pyport.examiner.sealed.published import read_answers, read_report, read_seal
+from pyport.examiner.sealed.record import code, files
+from pyport.examiner.sealed.record.compact import rows_of
+from pyport.examiner.sealed.record.files import canonical, write_recordings
+from pyport.examiner.sealed.record.published import read_answers, read_report, read_seal
 from pyport.files import sha256, write_whole
 from pyport.runs.stages import track
 

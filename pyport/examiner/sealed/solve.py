@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed.compact import compact, rows_of
-from pyport.examiner.sealed.published import check_report, read_json, read_seal
+from pyport.examiner.sealed.record.compact import compact, rows_of
+from pyport.examiner.sealed.record.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.examiner.worlds.kinds import files_of
 from pyport.files import sha256, write_whole

@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import code, solve
-from pyport.examiner.sealed.files import commitment
-from pyport.examiner.sealed.history import History
+from pyport.examiner.sealed import solve
 from pyport.examiner.sealed.prove import (
     OPENED,
     SCORE,
@@ -28,7 +26,10 @@ from pyport.examiner.sealed.prove import (
     WHO,
     read_lines,
 )
-from pyport.examiner.sealed.published import read_seal
+from pyport.examiner.sealed.record import code
+from pyport.examiner.sealed.record.files import commitment
+from pyport.examiner.sealed.record.history import History
+from pyport.examiner.sealed.record.published import read_seal
 from pyport.examiner.sealed.seal import Folder
 from pyport.files import write_whole
 

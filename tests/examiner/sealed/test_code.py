@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from pyport.examiner.sealed import code
+from pyport.examiner.sealed.record import code
 
 FILES = {
     "__init__.py": "",
@@ -100,9 +100,13 @@ def test_the_examiner_draws_judges_and_scores():
     """Its pages are not in it."""
     found = code.parts(code.EXAMINER)
 
-    assert {f"examiner/sealed/{name}.py" for name in ("protocol", "judge", "score")} <= {*found}
+    assert {
+        f"examiner/sealed/{name}.py" for name in ("protocol", "scoring/judge", "scoring/score")
+    } <= {*found}
     assert "examiner/worlds/kinds.py" in found
-    assert not {f"examiner/sealed/{name}.py" for name in ("page", "figures")} & {*found}
+    assert not {f"examiner/sealed/{name}.py" for name in ("scoring/page", "scoring/figures")} & {
+        *found
+    }
 
 
 SAMPLE = '''

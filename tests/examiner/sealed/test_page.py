@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from pyport.cli.dev.listed import put_between
-from pyport.examiner.sealed import page, seal
+from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.examine import examine
 from pyport.examiner.sealed.prove import read_lines, write_lines
+from pyport.examiner.sealed.scoring import page
 
 ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs"

@@ -12,9 +12,10 @@ from click.testing import CliRunner
 
 from pyport.cli.dev.proof import prove as command
 from pyport.errors import BadInput
-from pyport.examiner.sealed import code, solve
+from pyport.examiner.sealed import solve
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.prove import Plan, advance, read_lines, write_lines
+from pyport.examiner.sealed.record import code
 from pyport.examiner.sealed.verify import alike, verify
 
 # a proof in a repository, and copies of it that are forged: some seconds

@@ -9,12 +9,13 @@ from click.testing import CliRunner
 
 from pyport.cli.dev.trials import command
 from pyport.examiner.sealed import examine as examining
-from pyport.examiner.sealed import judge as judging
-from pyport.examiner.sealed import score, seal
+from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.examine import examine
-from pyport.examiner.sealed.files import Rate, write_recordings
-from pyport.examiner.sealed.judge import judge
-from pyport.examiner.sealed.published import read_json
+from pyport.examiner.sealed.record.files import Rate, write_recordings
+from pyport.examiner.sealed.record.published import read_json
+from pyport.examiner.sealed.scoring import judge as judging
+from pyport.examiner.sealed.scoring import score
+from pyport.examiner.sealed.scoring.judge import judge
 from pyport.examiner.worlds.kinds import make_case
 
 

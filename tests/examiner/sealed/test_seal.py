@@ -9,7 +9,7 @@ from pyport.errors import BadInput
 from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.examine import examine
 from pyport.examiner.sealed.protocol import Spec
-from pyport.examiner.sealed.published import read_json
+from pyport.examiner.sealed.record.published import read_json
 
 
 def flip(path):

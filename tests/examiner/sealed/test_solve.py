@@ -7,7 +7,7 @@ import pytest
 
 from pyport.errors import BadInput
 from pyport.examiner.sealed import seal, solve
-from pyport.examiner.sealed.published import read_json
+from pyport.examiner.sealed.record.published import read_json
 
 pytestmark = pytest.mark.usefixtures("solvers")
 

@@ -9,7 +9,7 @@ import pytest
 
 from pyport.effects import CATALOGUE
 from pyport.effects.empirical.fields import oscillation
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.faults import SWALLOWED
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
 from pyport.examiner.worlds.mount import Stand

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 from pyport.examiner.worlds.rt32_campaign import rt32_campaign
 

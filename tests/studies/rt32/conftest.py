@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.rt32_campaign import rt32_campaign
 from pyport.recordings import read
 from pyport.studies.rt32 import METHODS, box_step, fit_rt32

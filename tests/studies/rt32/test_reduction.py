@@ -10,7 +10,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.cli.dev.recorded import reduction as command
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
-from pyport.examiner.sealed.files import write_recordings
+from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 from pyport.recordings import read
 from pyport.studies.rt32.reduction import DOCUMENT, STEPS, left_out, reduced

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from pyport.examiner.scores import MISSED
-from pyport.examiner.sealed.files import Rate, count
-from pyport.examiner.sealed.judge import Verdict
 from pyport.examiner.sealed.protocol import THRESHOLDS
+from pyport.examiner.sealed.record.files import Rate, count
+from pyport.examiner.sealed.scoring.judge import Verdict
 
 #: Levels at which stated p-values are held to what happens, and the one that the table shows.
 _LEVELS = (0.01, 0.05, 0.1, 0.2, 0.5)

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.examiner.sealed import figures
-from pyport.examiner.sealed.judge import Verdict
 from pyport.examiner.sealed.prove import ANSWERS, OPENED, SCORE, SEALED, VERDICTS, WHO, read_lines
-from pyport.examiner.sealed.published import read_json, read_seal
+from pyport.examiner.sealed.record.published import read_json, read_seal
+from pyport.examiner.sealed.scoring import figures
+from pyport.examiner.sealed.scoring.judge import Verdict
 from pyport.examiner.sealed.seal import moved_on
 from pyport.files import sha256
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.examiner.scores import Share
-from pyport.examiner.sealed import code
+from pyport.examiner.sealed.record import code
 from pyport.examiner.worlds.case import Case
 from pyport.files import write_whole
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from pyport.files import sha256
 
-PACKAGE = Path(__file__).parents[2]
+PACKAGE = Path(__file__).parents[3]
 #: What modules of a room read beside Python.
 _DATA = frozenset({".c", ".h", ".csv", ".toml"})
 

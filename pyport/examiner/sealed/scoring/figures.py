@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pyport.examiner.sealed import score
-from pyport.examiner.sealed.files import Rate, count
-from pyport.examiner.sealed.judge import Verdict
+from pyport.examiner.sealed.record.files import Rate, count
+from pyport.examiner.sealed.scoring import score
+from pyport.examiner.sealed.scoring.judge import Verdict
 from pyport.files import write_whole
 
 if TYPE_CHECKING:
