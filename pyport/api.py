@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pyport.answers import Diagnosis, Fit, Look
-from pyport.arguments import mapping, number, refusal, texts, whole
+from pyport.arguments import mapping, number, refusal, several, texts, whole
 from pyport.errors import BadInput
 from pyport.recordings.from_table import Header, Table, from_table
 
@@ -171,10 +171,10 @@ def look(
 
 def _between(elevations: Sequence[float]) -> tuple[float, float]:
     """Return two elevations [deg], the lower one first."""
-    some = isinstance(elevations, Collection) and getattr(elevations, "ndim", 1) == 1
-    if not some or len(elevations) != 2 or isinstance(elevations, str):
+    two = several(elevations)
+    if two is None or len(two) != 2:
         raise refusal("elevations", elevations, "two numbers in degrees")
-    low, high = (number("elevations", one, -90, 180) for one in elevations)
+    low, high = (number("elevations", one, -90, 180) for one in two)
     if not low < high:
         raise BadInput(f"elevations: {low:g} is not below {high:g}")
     return low, high

@@ -33,11 +33,16 @@ def texts(name: str, value: Any) -> tuple[str, ...]:  # noqa: ANN401 - whatever 
     """Return texts, one alone as one of them, or refuse."""
     if isinstance(value, str):
         return (value,)
-    some = isinstance(value, Collection) and getattr(value, "ndim", 1) == 1
-    found = tuple(value) if some else (None,)
-    if not all(isinstance(one, str) for one in found):
+    found = several(value)
+    if found is None or not all(isinstance(one, str) for one in found):
         raise refusal(name, value, "a text or several")
     return found
+
+
+def several(value: Any) -> tuple[Any, ...] | None:  # noqa: ANN401 - whatever is given
+    """Return what a flat collection holds; None where it is none, as a text or a matrix."""
+    some = isinstance(value, Collection) and not isinstance(value, str)
+    return tuple(value) if some and getattr(value, "ndim", 1) == 1 else None
 
 
 def number(name: str, value: Any, low: float, high: float = math.inf) -> float:  # noqa: ANN401
