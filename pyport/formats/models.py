@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
-import json
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,7 +18,8 @@ from pyport.models import toml
 from pyport.models.model import BUILT_IN, Model
 from pyport.models.terms import editing
 from pyport.models.terms.words import SCALES
-from pyport.recordings.formats.csv import LARGEST_POWER, Line, read_text
+from pyport.recordings.formats.csv import Line, is_measured, read_text
+from pyport.toml_text import toml_spelled
 
 #: Keys of the value and its sigma in a unit.
 _SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
@@ -49,10 +48,8 @@ _DETAILS: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 def _is_number(value: object) -> bool:
-    if not isinstance(value, Decimal | int) or isinstance(value, bool):
-        return False
-    number = Decimal(value)
-    return number.is_finite() and abs(number.adjusted()) <= LARGEST_POWER
+    some = isinstance(value, Decimal | int) and not isinstance(value, bool)
+    return some and is_measured(Decimal(cast("Decimal | int", value)))
 
 
 def names_terms(path: Path) -> bool:
@@ -137,55 +134,26 @@ def _values() -> str:
 
 def write(file: ModelFile, path: Path) -> None:
     """Write a model with its digits as they stand."""
+    whole: dict[str, Any] = {"name": file.title} if file.title else {}
+    whole["vocabulary"] = file.vocabulary
+    if file.phi_deg != Decimal(90):
+        whole["phi_deg"] = file.phi_deg
+    tables = {"term": [_row(entry) for entry in file.entries], "details": file.details}
+    text = toml_spelled(whole | {key: table for key, table in tables.items() if table})
     with write_whole(path) as out:
-        if file.title:
-            out.write(f"name = {json.dumps(file.title)}\n")
-        out.write(f"vocabulary = {json.dumps(file.vocabulary)}\n")
-        if file.phi_deg != Decimal(90):
-            out.write(f"phi_deg = {file.phi_deg:f}\n")
-        for entry in file.entries:
-            out.write(_row(entry))
-        if file.details:
-            out.write(f"\n[details]\n{_pairs(file.details)}")
+        out.write(text)
 
 
-def _row(entry: Entry) -> str:
+def _row(entry: Entry) -> dict[str, Any]:
     suffix = _SUFFIX[entry.unit]
-    text = f"\n[[term]]\nname = {json.dumps(entry.name)}\nvalue{suffix} = {_literal(entry.value)}\n"
+    row: dict[str, Any] = {"name": entry.name, f"value{suffix}": entry.value}
     if entry.formula:
-        text += f"formula = {json.dumps(entry.formula)}\n"
+        row["formula"] = entry.formula
     if entry.sigma is not None:
-        text += f"sigma{suffix} = {_literal(entry.sigma)}\n"
+        row[f"sigma{suffix}"] = entry.sigma
     default = Entry("", Decimal(0), "")
-    for mark in _MARKS:
-        if getattr(entry, mark) != getattr(default, mark):
-            text += f"{mark} = {str(getattr(entry, mark)).lower()}\n"
-    return text
-
-
-def _pairs(table: Any) -> str:  # noqa: ANN401 - what a file's details hold
-    return "".join(
-        f"{json.dumps(str(key))} = {_literal(value)}\n"
-        for key, value in table.items()
-        if value is not None
-    )
-
-
-def _literal(value: Any) -> str:  # noqa: ANN401 - what a file's details hold
-    """Return a value as TOML spells it; nothing (None) cannot be spelled."""
-    if isinstance(value, dt.date | dt.time):
-        return value.isoformat()
-    if isinstance(value, Decimal) and not value.is_finite():
-        return str(float(value))
-    if isinstance(value, Decimal):
-        text = str(value) if abs(value.adjusted()) > LARGEST_POWER else f"{value:f}"
-        return text if {".", "E"} & set(text) or not value.as_tuple().exponent else f"{text}.0"
-    if isinstance(value, dict):
-        pairs = (f"{json.dumps(str(k))} = {_literal(v)}" for k, v in value.items() if v is not None)
-        return f"{{ {', '.join(pairs)} }}"
-    if isinstance(value, list):
-        return f"[{', '.join(_literal(one) for one in value if one is not None)}]"
-    return json.dumps(value)
+    changed = (mark for mark in _MARKS if getattr(entry, mark) != getattr(default, mark))
+    return row | {mark: getattr(entry, mark) for mark in changed}
 
 
 @dataclass(frozen=True)

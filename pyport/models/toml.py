@@ -12,12 +12,13 @@ import numpy as np
 from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects import Site, known
 from pyport.errors import BadInput
-from pyport.files import toml_spelled, write_whole
+from pyport.files import write_whole
 from pyport.models.conditions import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
 from pyport.mounts import ALTAZ, KINDS
 from pyport.recordings.formats.csv import read_text
+from pyport.toml_text import toml_spelled
 
 SCHEMA = "pyport.model/1"
 #: A covariance of more coefficients is left out: 500 make a triangle of a megabyte.

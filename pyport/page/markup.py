@@ -13,12 +13,12 @@ from pyport.angles import Array
 from pyport.diagnosis.naming.words import number
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
-from pyport.files import toml_spelled
 from pyport.models import toml
 from pyport.models.complete import label
 from pyport.models.model import Model, Term
 from pyport.recordings.schema import Recordings
 from pyport.report.typed import Finding
+from pyport.toml_text import toml_spelled
 
 #: Parameters shown on a finding's card; the table has them all.
 MOST_PARAMETERS = 4

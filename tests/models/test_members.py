@@ -15,10 +15,10 @@ from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.empirical.fields import KINDS, field, values
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
-from pyport.files import toml_spelled
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
 from pyport.recordings.schema import stack
+from pyport.toml_text import toml_spelled
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
 import made

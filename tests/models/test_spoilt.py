@@ -8,7 +8,7 @@ import pytest
 
 from pyport import api
 from pyport.errors import BadInput
-from pyport.files import toml_spelled
+from pyport.toml_text import toml_spelled
 
 TERM = {
     "effect": "unknown",
@@ -49,7 +49,7 @@ def saved(folder, place=(), value=None):
     if place:
         one[place[-1]] = value
     path = folder / "saved.toml"
-    path.write_text(toml_spelled(whole).replace("NaN", "nan").replace("Infinity", "inf"))
+    path.write_text(toml_spelled(whole))
     return path
 
 

@@ -17,7 +17,7 @@ from pyport.examiner.sealed.record.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
 FLOORS = (
-    ("angles", "errors", "files"),
+    ("angles", "errors", "files", "toml_text"),
     ("arguments", "runs", "thresholds"),
     ("mounts",),
     ("columns",),

@@ -51,10 +51,14 @@ class Line(NamedTuple):
             value = Decimal(word)
         except InvalidOperation:
             value = Decimal("nan")
-        measured = value.is_finite() and abs(value.adjusted()) <= LARGEST_POWER
-        if not measured or len(word) > LONGEST_NUMBER:
+        if not is_measured(value) or len(word) > LONGEST_NUMBER:
             raise self.error(f"{what} is {word[:60]!r}, expected a number")
         return value
+
+
+def is_measured(value: Decimal) -> bool:
+    """Tell whether a number may be a measurement: a finite one, of no power of ten beyond all."""
+    return value.is_finite() and abs(value.adjusted()) <= LARGEST_POWER
 
 
 def lines_of(path: Path) -> list[Line]:

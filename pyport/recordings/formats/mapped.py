@@ -33,9 +33,10 @@ from pyport.columns import (
     angle_of,
 )
 from pyport.errors import BadInput
-from pyport.files import toml_spelled, write_whole
+from pyport.files import write_whole
 from pyport.recordings.formats.csv import comment, read_text
 from pyport.recordings.raw import Raw
+from pyport.toml_text import toml_spelled
 
 #: Signs between columns, in the order in which they are tried; None for blanks.
 DELIMITERS = (",", ";", "\t", "|", None)
