@@ -106,8 +106,10 @@ def to_j2000(place: Place, of: Equinox) -> Place:
 #: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
 #: than a summer's day.
 NIGHT_GAP_S = 6 * 3600.0
-#: Rows that turn back in azimuth or elevation less often than this are sorted by place.
-TURNING = 0.5
+#: The share of rows along which one coordinate goes on and the other stands still beyond which
+#: they are a table's: a raster has nearly all, places in random order at one elevation a third,
+#: a source that is followed none.
+RASTER = 0.5
 #: Header keys under which it is said what stands for what.
 SESSIONS, ORDER = "sessions_from", "order_from"
 
@@ -147,17 +149,16 @@ def clock(at: Circumstances) -> Array:
 def _sorted(recordings: Recordings) -> bool:
     """Tell whether the rows stand in the order of their places: a table's order is no time's.
 
-    From one row to the next a random order of azimuths or elevations turns back in two of three
-    cases, the grid of a table in few.
+    Along the lines of a grid one of azimuth and elevation goes on in one direction and the other
+    stands still. A source that is followed moves in both.
     """
     order = np.argsort(recordings.line, kind="stable")
-
-    def turns(values: Array) -> float:
-        steps = np.diff(values[order])
-        steps = np.sign(steps[steps != 0])
-        return float(np.mean(steps[1:] != steps[:-1])) if len(steps) > 1 else 0.0
-
-    return max(turns(recordings.at.az), turns(recordings.at.el)) < TURNING
+    steps = np.sign(np.diff([recordings.at.az[order], recordings.at.el[order]]))
+    if steps.shape[1] < 2:
+        return False
+    goes_on = (steps[:, 1:] == steps[:, :-1]) & (steps[:, 1:] != 0)
+    stands = (steps[:, 1:] == 0) & (steps[:, :-1] == 0)
+    return bool(np.mean((goes_on & stands[::-1]).any(axis=0)) > RASTER)
 
 
 def _nights(time: Array) -> Array:
