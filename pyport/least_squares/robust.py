@@ -107,10 +107,18 @@ def scale(residual: Array, floor: float = 0.0, through: int = 0) -> float:
     if len(residual) == 0:
         return floor
     size = np.abs(residual)
-    first = max(float(np.median(size)) / _MAD, floor, 1e-300)
+    first = max(_median(size) / _MAD, floor, 1e-300)
     kept = size[size <= 3 * first]
     refined = 1.0135 * float(np.sqrt(kept @ kept / len(kept))) if len(kept) else first
     return max(refined, floor)
+
+
+def _median(values: Array) -> float:
+    """Return the median of finite values, sooner than numpy's, which looks for NaN besides."""
+    half = len(values) // 2
+    parted = np.partition(values, half)
+    middle = float(parted[half])
+    return middle if len(values) % 2 else (float(parted[:half].max()) + middle) / 2
 
 
 def biweight(residual: Array, sigma: float, reach: float) -> Array:

@@ -100,9 +100,13 @@ def document(level: float) -> Tune:
 def soft_l1(residual: Array) -> Tuned:
     """Return 2 (sqrt(1 + u^2) - 1), u in robust sigmas: a square that goes over into a line."""
     sigma = robust.scale(residual, LEAST)
+
+    def weight(r: Array) -> Array:
+        return np.asarray(1 / np.sqrt(1 + (r / sigma) ** 2))
+
     return Tuned(
-        lambda r: (1 + (r / sigma) ** 2) ** -0.5,
-        lambda r: (1 + (r / sigma) ** 2) ** -1.5,
+        weight,
+        lambda r: weight(r) / (1 + (r / sigma) ** 2),
         f"scale {sigma / ARCSEC:.1f} arcsec",
     )
 
