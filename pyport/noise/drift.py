@@ -16,6 +16,7 @@ from scipy.linalg import solve_triangular
 
 from pyport.angles import Array, Codes
 from pyport.least_squares import robust
+from pyport.least_squares.gram import ROUNDING
 from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor, variance_of_means
 from pyport.pointing import kernel
 from pyport.thresholds import ENOUGH
@@ -286,10 +287,6 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     prior = _prior(len(own))
     chance = own * (1 + others[0] / (prior / prior.sum()))
     return np.asarray(chance / chance.sum())
-
-
-#: What products of columns that hardly differ lose to rounding, over their squared lengths.
-ROUNDING = 1e-11
 
 
 def _triangle(products: Array) -> Array:

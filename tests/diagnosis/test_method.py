@@ -10,6 +10,7 @@ from pyport.errors import BadInput
 
 ROOT = Path(__file__).parent.parent.parent
 PAGE = ROOT / "docs" / "method.md"
+PACKAGES = ("least_squares", "noise", "diagnosis", "watch")
 #: How wide and how long a text is on the terminal: no decision.
 LAYOUT = {"_WIDTH", "_SHOWN", "_LIMITS"}
 NUMBERS_OF_NUMPY = {"array", "arange", "geomspace"}
@@ -55,9 +56,9 @@ def constants_of(text):
 
 
 def constants():
-    """Return {dotted name below pyport: value as written} of both packages."""
+    """Return {dotted name below pyport: value as written} of the packages that decide."""
     found = {}
-    for package in ("noise", "diagnosis", "watch"):
+    for package in PACKAGES:
         for path in sorted((ROOT / "pyport" / package).rglob("*.py")):
             module = ".".join(path.relative_to(ROOT / "pyport").with_suffix("").parts)
             for name, value in constants_of(path.read_text(encoding="utf-8")).items():
@@ -72,7 +73,7 @@ def listed(text):
     return {
         row[0].strip().strip("`"): row[1].strip().strip("`")
         for row in rows
-        if len(row) == 5 and row[0].strip().startswith(("`noise.", "`diagnosis.", "`watch."))
+        if len(row) == 5 and row[0].strip().startswith(tuple(f"`{one}." for one in PACKAGES))
     }
 
 
@@ -98,7 +99,7 @@ def test_every_listed_constant_has_a_unit_a_decision_and_a_reason():
     rows = [
         line
         for line in text.splitlines()
-        if line.startswith(("| `noise.", "| `diagnosis.", "| `watch."))
+        if line.startswith(tuple(f"| `{one}." for one in PACKAGES))
     ]
 
     assert len(rows) == len(LISTED)

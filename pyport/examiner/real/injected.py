@@ -34,6 +34,8 @@ _TERM_ARCSEC = 40.0
 _BLOCKS = 8
 #: Skewness, in its standard errors, up to which noise may be turned over.
 _EVEN = 2.0
+#: Nights are dealt among those of up to twice or half their length: in powers of two.
+_ALIKE = 1.0
 _OFFSETS = ("d_xel", "d_el", "d_az", "sigma_xel", "sigma_el", "d_zd")
 
 
@@ -211,25 +213,34 @@ def _told(effect: str, factor: float, rho: tuple[float, float]) -> dict[str, Any
 
 
 def _dealt(rng: np.random.Generator, found: Recordings, noise: Array) -> Array:
-    """Return noise whose nights are dealt out anew, axis by axis, each turned over or not."""
+    """Return noise whose nights are dealt out anew among those of about their length.
+
+    Axis by axis, each night turned over or not; one that is shorter than where it goes is played
+    backward from its end on, so that nothing jumps where nature did not.
+    """
     unit = found.group if len(np.unique(found.group)) > 1 else found.night
     time = found.table.get("time_utc")
     order = np.arange(len(found)) if time is None else np.argsort(time, kind="stable")
-    order = order[np.argsort(np.unique(unit, return_inverse=True)[1][order], kind="stable")]
     parts = [order[unit[order] == one] for one in np.unique(unit)]
     if len(parts) == 1:
         parts = np.array_split(parts[0], _BLOCKS)
-    hand = rng.permutation(len(parts))
+    parts.sort(key=len)
+    length = np.array([len(part) for part in parts])
+    hand = np.argsort(length * 2 ** rng.uniform(-_ALIKE, _ALIKE, len(parts)))
     fresh = np.full_like(noise, np.nan)
     for axis, values in enumerate(noise.T):
-        known = values[np.isfinite(values)]
-        if not len(known):
-            continue
-        even = abs(np.mean((known / known.std()) ** 3)) < _EVEN * np.sqrt(6 / len(known))
-        dealt = []
-        for one in hand:
-            night = values[parts[one]]
-            dealt.append(night[np.isfinite(night)] * (rng.choice([-1, 1]) if even else 1))
-        there = np.concatenate(parts)
-        fresh[there[np.isfinite(values[there])], axis] = np.concatenate(dealt)
+        nights = [part[np.isfinite(values[part])] for part in parts]
+        known = np.concatenate([values[night] for night in nights])
+        even = not len(known) or _is_even(known)
+        for there, one in zip(nights, hand, strict=True):
+            night = values[nights[one]]
+            if not len(night):
+                night = rng.choice(known, len(there))
+            sign = rng.choice([-1, 1]) if even else 1
+            fresh[there, axis] = sign * np.resize([*night, *night[::-1]], len(there))
     return fresh
+
+
+def _is_even(known: Array) -> bool:
+    """Tell whether noise may be turned over: no skewness is seen in it."""
+    return bool(abs(np.mean((known / known.std()) ** 3)) < _EVEN * np.sqrt(6 / len(known)))
