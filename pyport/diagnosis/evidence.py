@@ -151,11 +151,10 @@ class Evidence:
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
         products = self.gram.matrices[:, :-1, :-1]
         out = np.zeros((*products.shape[:2], draws))
-        for one, (own, drawn) in enumerate(zip(products, out, strict=True)):
+        for one, own in enumerate(products):
             # Single precision is more than the few hundred draws can tell.
             white = rng.standard_normal((len(own), draws), np.float32)
-            drawn += root(own).astype(np.float32) @ white
-            drawn *= scale[antenna[one]]
+            out[one] = scale[antenna[one]] * (root(own).astype(np.float32) @ white)
         return out
 
     def beside(self, model: Sequence[Part], only: Codes | None = None) -> Projection:

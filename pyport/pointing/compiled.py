@@ -72,10 +72,19 @@ def places(az_deg: Sequence[float], zd_deg: Sequence[float]) -> tuple[list[str],
     """Return the axes of a table [deg] as text, and the characters that an offset has beside them.
 
     Fortran's (I4,I3,2F12.7); a grid that is not in whole degrees has (F10.4,F9.4,2F13.7).
+    Raises `BadInput`: a direction does not fit.
     """
     whole = all(one == round(one) for axis in (az_deg, zd_deg) for one in axis)
-    az, zd, width = ("{:4.0f}", "{:3.0f}", 12) if whole else ("{:10.4f}", "{:9.4f}", 13)
-    return [az.format(one) for one in az_deg], [zd.format(one) for one in zd_deg], width
+    sizes, digits, width = ((4, 3), 0, 12) if whole else ((10, 9), 4, 13)
+    az, zd = (
+        [f"{one:{size}.{digits}f}" for one in axis]
+        for size, axis in zip(sizes, (az_deg, zd_deg), strict=True)
+    )
+    for size, axis in zip(sizes, (az, zd), strict=True):
+        for one in axis:
+            if len(one) > size:
+                raise BadInput(f"a direction of {one} deg does not fit into {size} columns")
+    return az, zd, width
 
 
 def rows(

@@ -66,6 +66,15 @@ def test_an_offset_that_does_not_fit_is_refused(offset):
         list(rows(Table(SMALL, np.full((3, 2), offset), np.zeros((3, 2)))))
 
 
+@pytest.mark.usefixtures("both_paths")
+@pytest.mark.parametrize("az_deg", [(9998, 9999, 10000), (-0.5, 0.0, 1e5)])
+def test_a_direction_that_does_not_fit_is_refused(az_deg):
+    """Whole degrees have four columns, others ten."""
+    grid = Grid(np.array(az_deg), SMALL.zd_deg)
+    with pytest.raises(BadInput, match="0 deg does not fit into (4|10) columns"):
+        list(rows(Table(grid, np.zeros((3, 2)), np.zeros((3, 2)))))
+
+
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
