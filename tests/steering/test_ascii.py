@@ -71,7 +71,7 @@ def test_an_offset_that_does_not_fit_is_refused(offset):
 def test_a_direction_that_does_not_fit_is_refused(az_deg):
     """Whole degrees have four columns, others ten."""
     grid = Grid(np.array(az_deg), SMALL.zd_deg)
-    with pytest.raises(BadInput, match="0 deg does not fit into (4|10) columns"):
+    with pytest.raises(BadInput, match=r"0 deg does not fit into (4|10) columns"):
         list(rows(Table(grid, np.zeros((3, 2)), np.zeros((3, 2)))))
 
 

@@ -45,11 +45,16 @@ def cases(count: int, seed: int) -> list[Case]:
 def examine(case: Case) -> dict[str, Any]:
     """Return the largest cosines of a form with what has a name and with what has none."""
     made = make_case("unknown", case.seed, effect=case.form, rows=ROWS, rho=1.0, noise="white")
+    return {**vars(case), "program": program.version(), **of_made(made)}
+
+
+def of_made(made: Made) -> dict[str, Any]:
+    """Return the largest cosines of what is hidden in a case behind the classical model."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "recordings.csv"
         write_recordings(made, file)
         setup = prepare(read(file), load("altaz"), None, 0)
-    found: dict[str, Any] = {**vars(case), "program": program.version()}
+    found: dict[str, Any] = {}
     for kind, some in (("named", setup.candidates), ("shape", setup.shapes)):
         found[f"{kind}_cosine"], found[kind] = largest(setup, made, some)
     return found

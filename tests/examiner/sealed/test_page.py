@@ -61,6 +61,16 @@ def test_the_page_holds_the_table_and_its_pictures(record):
         assert (docs / picture).read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_form_without_a_name_stands_beside_what_is_most_like_it(record):
+    """How it was answered, and how much of it the program could take, as two cosines."""
+    _, text = record
+    row = r"^\| \w+ \| 1 \| 1 \| 0 \| - \| (\S+) \(.+\) \| (\S+) \("
+    rows = re.findall(row, text, re.MULTILINE)
+
+    assert rows
+    assert all(0 < float(cosine) <= 1 for row in rows for cosine in row)
+
+
 def test_every_truth_can_be_checked_by_hand(record, tmp_path, monkeypatch):
     """The lines of Python on the page hold as they stand, and not after a truth was changed."""
     docs, text = record

@@ -5,18 +5,23 @@ Nothing is written by hand: what a page says is read from the files that `pyport
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
+from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.prove import ANSWERS, OPENED, SCORE, SEALED, VERDICTS, WHO, read_lines
 from pyport.examiner.sealed.record.published import read_json, read_seal
 from pyport.examiner.sealed.scoring import figures
 from pyport.examiner.sealed.scoring.judge import Verdict
-from pyport.examiner.sealed.seal import moved_on
+from pyport.examiner.sealed.seal import moved_on, write_json
 from pyport.files import sha256
+from pyport.runs.stages import track
+
+COSINES = "cosines.json"
 
 _HEAD = """# Does it find what was hidden?
 
@@ -195,6 +200,7 @@ def _section(one: Published, docs: Path) -> list[str]:
         _table(score),
         *pictures,
         _left_out(verdicts),
+        _unknown(verdicts, _cosines(one.folder)),
         _wrong(verdicts),
     ]
 
@@ -232,6 +238,63 @@ def _left_out(verdicts: Sequence[Verdict]) -> str:
             "coefficient is compared with nature's own. What is too small to be seen is missed.\n",
             "| left out | found | said first | known coefficients off by |",
             "|---|---|---|---|",
+            *lines,
+            "",
+        ]
+    )
+
+
+def _cosines(folder: Path) -> dict[str, dict[str, Any]]:
+    """Return the largest cosines of each form that no name has with what the program fits.
+
+    They are measured when the page is first written, and kept: they are the sealed program's.
+    """
+    path = folder / COSINES
+    if not path.exists():
+        from pyport.examiner.acceptance.cosines import of_made
+
+        _, *opened = read_lines((folder / OPENED).read_bytes())
+        truths = {one["case"]: json.loads(one["truth"]) for one in opened}
+        forms = {case: one for case, one in truths.items() if one["spec"]["group"] == "unknown"}
+        write_json(
+            path,
+            {
+                case: of_made(Spec(**one["spec"]).make(one["seed"]))
+                for case, one in track(forms.items(), "measuring cosines")
+            },
+        )
+    return read_json(path)
+
+
+def _unknown(verdicts: Sequence[Verdict], cosines: dict[str, dict[str, Any]]) -> str:
+    """Return how each form without a name was answered, beside the most that the program fits."""
+    forms: dict[str, list[Verdict]] = {}
+    for one in sorted(verdicts, key=lambda each: str(each.spec["effect"])):
+        if one.case in cosines:
+            forms.setdefault(str(one.spec["effect"]), []).append(one)
+    if not forms:
+        return ""
+    lines = []
+    for form, own in forms.items():
+        said = [one.said for one in own]
+        named = sorted({one for one in said if one not in {"unknown", "nothing"}})
+        nearest = [
+            max((cosines[one.case] for one in own), key=lambda each: float(each[f"{kind}_cosine"]))
+            for kind in ("named", "shape")
+        ]
+        alike = [
+            f"{one[f'{kind}_cosine']:.2f} ({one[kind]})"
+            for kind, one in zip(("named", "shape"), nearest, strict=True)
+        ]
+        counts = f"{said.count('unknown')} | {said.count('nothing')} | {', '.join(named) or '-'}"
+        lines.append(f"| {form.replace('_', ' ')} | {len(own)} | {counts} | {' | '.join(alike)} |")
+    return "\n".join(
+        [
+            "### Forms that no name has\n",
+            "The largest cosine of each, beside the model, with what the program has a name for",
+            "and with its shapes that have none.\n",
+            "| form | cases | unknown | nothing | named | cosine with a name | with a shape |",
+            "|---|---|---|---|---|---|---|",
             *lines,
             "",
         ]
