@@ -21,7 +21,7 @@ from pyport.examiner.real import sets
 from pyport.examiner.real.huber import scatter
 from pyport.examiner.real.sets import Recordings
 from pyport.examiner.worlds.case import Case
-from pyport.examiner.worlds.mount import Base, Mount, Stand, Wave
+from pyport.examiner.worlds.mount import Base, Encoder, Mount, Stand, Wave
 from pyport.examiner.worlds.sky import Air, bending
 
 #: Sets that are parts or copies of others, are simulated or hold a handful of rows.
@@ -93,11 +93,11 @@ def _mounted(draw: Callable[[np.random.Generator], Mount]) -> _Shape:
     return shape
 
 
-def _wave(on: str, of: str) -> _Shape:
+def _wave(on: Encoder, of: Encoder) -> _Shape:
     def draw(rng: np.random.Generator) -> Mount:
         angle = rng.uniform(0, 2 * np.pi)
         sine, cosine = ARCSEC * np.sin(angle), ARCSEC * np.cos(angle)
-        return Mount(waves=(Wave(on, of, int(rng.integers(2, 5)), sine, cosine),))  # type: ignore[arg-type]
+        return Mount(waves=(Wave(on, of, int(rng.integers(2, 5)), sine, cosine),))
 
     return _mounted(draw)
 

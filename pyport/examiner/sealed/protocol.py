@@ -22,7 +22,8 @@ from pyport.examiner.sealed.record.published import read_json
 from pyport.examiner.worlds.campaign import NOISES, SKIES
 from pyport.examiner.worlds.case import LITTLE
 from pyport.examiner.worlds.faults import UNKNOWN
-from pyport.examiner.worlds.kinds import HIDEABLE, MODELS, STANDS, TWINS, Spec
+from pyport.examiner.worlds.kinds import HIDEABLE, MODELS, STANDS, Spec
+from pyport.examiner.worlds.twins import TWINS
 from pyport.files import write_whole
 
 #: What each row of the score must reach, as the proof's table has it.

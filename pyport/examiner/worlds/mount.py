@@ -82,12 +82,16 @@ def _rms(values: Array) -> float:
 Each = float | Array
 
 
+#: One of the two encoders.
+Encoder = Literal["az", "el"]
+
+
 @dataclass(frozen=True)
 class Wave:
     """A reading error of one encoder, `sine` sin(k angle) + `cosine` cos(k angle) [rad]."""
 
-    on: Literal["az", "el"]
-    of: Literal["az", "el"]
+    on: Encoder
+    of: Encoder
     k: int
     sine: Each
     cosine: Each
@@ -154,7 +158,7 @@ CLASSICAL = (
     "tilt_east",
     "sag_cosine",
 )
-BASE = tuple(Mount(**{name: ARCSEC}) for name in CLASSICAL)  # type: ignore[arg-type]
+BASE = tuple(Mount().plus(**{name: ARCSEC}) for name in CLASSICAL)
 
 
 def beam(mount: Mount, az: Array, el: Array) -> Array:

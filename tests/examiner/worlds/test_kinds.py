@@ -6,8 +6,9 @@ import pytest
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.examiner.worlds.faults import CATALOGUED, OCCASIONAL, SWALLOWED, UNCATALOGUED
-from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, TWINS, make_case
+from pyport.examiner.worlds.kinds import HIDEABLE, KINDS, make_case
 from pyport.examiner.worlds.mount import Base
+from pyport.examiner.worlds.twins import TWINS
 
 ROWS = 240
 
