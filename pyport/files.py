@@ -62,6 +62,12 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
                 Path(temporary).unlink()
 
 
+def copy_whole(source: Path, target: Path) -> None:
+    """Copy the bytes of a file."""
+    with write_whole(target, "wb") as file:
+        file.write(source.read_bytes())
+
+
 def _give_usual_permissions(path: str) -> None:
     """Undo the owner-only mode of a temporary file, as far as the umask allows."""
     mask = os.umask(0)

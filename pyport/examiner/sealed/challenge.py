@@ -101,14 +101,17 @@ def scores(root: Path, answers: Sequence[str], jobs: int = 1) -> dict[str, list[
     truths = check_truths(folder.vault, sealed)
     found = {}
     for one in dict.fromkeys(answers):
+        whose = Path(one).stem
+        given = folder
         if one == PROGRAM:
             solve.run(root, jobs)
         elif one in METHODS:
+            given = Folder(root, one)
             prove.answer_beside(root, jobs, (one,))
         else:
-            _keep(Folder(root, f"answers-{Path(one).stem}"), read(Path(one)), [*truths])
-        by = "reports" if one == PROGRAM else one if one in METHODS else f"answers-{Path(one).stem}"
-        found[Path(one).stem] = score.table(judged(Folder(root, by), truths, jobs))
+            given = Folder(root, f"answers-{whose}")
+            _keep(given, read(Path(one)), [*truths])
+        found[whose] = score.table(judged(given, truths, jobs))
     return found
 
 

@@ -33,7 +33,7 @@ from pyport.examiner.sealed.record.history import History
 from pyport.examiner.sealed.record.published import read_json, read_seal
 from pyport.examiner.sealed.scoring import score
 from pyport.examiner.sealed.seal import Folder, check_truths, reveal, seal, write_json
-from pyport.files import sha256, write_whole
+from pyport.files import copy_whole, sha256, write_whole
 from pyport.runs.stages import track
 
 SEALED, ANSWERS, OPENED = "sealed.json", "answers.jsonl.xz", "opened.jsonl.xz"
@@ -71,7 +71,7 @@ def _seal(plan: Plan) -> None:
         raise BadInput("a baseline needs scikit-learn: pip install 'pyport-pointing[challenge]'")
     if not plan.folder.seal.exists():
         seal(plan.work, plan.name, plan.specs())
-    _copy(plan.folder.seal, plan.place / SEALED)
+    copy_whole(plan.folder.seal, plan.place / SEALED)
 
 
 def _answer(plan: Plan) -> None:
@@ -160,11 +160,6 @@ def _sealed(plan: Plan) -> dict[str, Any]:
 
 def _head(of: str, path: Path) -> dict[str, str]:
     return {f"{of}_sha256": sha256(path), "utc": datetime.now(UTC).isoformat(timespec="seconds")}
-
-
-def _copy(source: Path, target: Path) -> None:
-    with write_whole(target, "wb") as file:
-        file.write(source.read_bytes())
 
 
 def write_lines(path: Path, lines: Iterable[Any]) -> None:

@@ -26,7 +26,7 @@ from pyport.examiner.sealed.record import code, files
 from pyport.examiner.sealed.record.compact import rows_of
 from pyport.examiner.sealed.record.files import canonical, write_recordings
 from pyport.examiner.sealed.record.published import read_answers, read_report, read_seal
-from pyport.files import sha256, write_whole
+from pyport.files import copy_whole, sha256, write_whole
 from pyport.runs.stages import track
 
 SCHEMA = "pyport.sealed/2"
@@ -168,9 +168,8 @@ def reveal(root: Path) -> int:
         answers = {name: sha256(folder.report(name)) for name in names}
         write_json(folder.answers, {"opened_utc": _now(), "reports_sha256": answers})
     for name in names:
-        for suffix in ("truth.json", "nonce"):
-            with write_whole(folder.opened / f"{name}.{suffix}", "wb") as file:
-                file.write((folder.vault / f"{name}.{suffix}").read_bytes())
+        for file in (f"{name}.truth.json", f"{name}.nonce"):
+            copy_whole(folder.vault / file, folder.opened / file)
     return len(names)
 
 

@@ -18,6 +18,7 @@ from typing import Any
 from pyport.errors import BadInput
 from pyport.examiner.sealed import solve
 from pyport.examiner.sealed.prove import (
+    ANSWERS,
     OPENED,
     SCORE,
     SEALED,
@@ -123,14 +124,11 @@ def _hashes(chain: Chain, sealed: dict[str, Any], folder: Folder) -> Iterator[Ch
 
     Answers and truths are written to the folder on the way.
     """
-    (head, *said), (opening, *opened) = (
-        read_lines(chain.held[name]) for name in (STAGES[1][0][0], OPENED)
-    )
+    (head, *said), (opening, *opened) = (read_lines(chain.held[name]) for name in (ANSWERS, OPENED))
     for what, told, of in (
         ("the answers name the seal", head.get("seal_sha256"), chain.held[SEALED]),
-        ("the opening names the answers", opening.get("answers_sha256"),
-         chain.held[STAGES[1][0][0]]),
-    ):  # fmt: skip
+        ("the opening names the answers", opening.get("answers_sha256"), chain.held[ANSWERS]),
+    ):
         yield Check(what, str(told)[:16], told == hashlib.sha256(of).hexdigest())
     cases = [one["case"] for one in sealed["cases"]]
     answered = sorted((one["by"], one["case"]) for one in said)
