@@ -13,7 +13,7 @@ from pyport.cli.manners import PATH, flag, in_json, option, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.examiner.sealed.scoring.score import Row
+    from pyport.examiner.sealed.scoring.overall import Row
 
 _NEXT = (
     "no answer was given yet; commit the seal alone",

@@ -20,7 +20,7 @@ from pyport.examiner.sealed.examine import judged
 from pyport.examiner.sealed.protocol import SETS
 from pyport.examiner.sealed.record.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.scoring import score
-from pyport.examiner.sealed.scoring.score import Row
+from pyport.examiner.sealed.scoring.overall import Row
 from pyport.examiner.sealed.seal import Folder, check_truths, seal
 from pyport.files import write_whole
 

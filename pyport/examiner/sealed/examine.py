@@ -22,8 +22,9 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
 from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.protocol import THRESHOLDS, Spec
+from pyport.examiner.sealed.record.files import Rate
 from pyport.examiner.sealed.record.published import read_report, read_seal
-from pyport.examiner.sealed.scoring import score
+from pyport.examiner.sealed.scoring import overall, score
 from pyport.examiner.sealed.scoring.judge import Table, Verdict, judge, numbers, place, read_table
 from pyport.examiner.sealed.seal import (
     Folder,
@@ -138,7 +139,7 @@ class Score:
     name: str
     sealed: dict[str, Any]
     verdicts: list[Verdict]
-    rows: list[score.Row]
+    rows: list[overall.Row]
 
     @property
     def passed(self) -> bool:
@@ -196,7 +197,7 @@ def _judge(task: tuple[Folder, str, dict[str, Any]]) -> Verdict:
     return verdict
 
 
-def _controls(folder: Folder, verdicts: Iterable[Verdict]) -> list[score.Row]:
+def _controls(folder: Folder, verdicts: Iterable[Verdict]) -> list[overall.Row]:
     """Return the rows of answers dealt out at random and of a solver without offsets."""
     least = THRESHOLDS["one_rho_least"]
     named = [one for one in verdicts if one.group == "one" and one.spec["rho"] >= least]
@@ -205,16 +206,16 @@ def _controls(folder: Folder, verdicts: Iterable[Verdict]) -> list[score.Row]:
     names = [str(one.spec["effect"]) for one in named]
     mean, high = shuffled_key(named, np.random.default_rng(len(named)))
     hits, of = metadata_only([folder.recordings(one.case) for one in named], names)
-    blind = score.Rate(hits, of)
+    blind = Rate(hits, of)
     chance = 1 / len(set(names))
     return [
-        score.Row(
+        overall.Row(
             "control, shuffled key: class right first",
             f"{100 * mean:.1f} % (97.5 % of deals below {100 * high:.1f} %)",
             f"chance, about {100 * chance:.1f} %",
             mean <= 3 * chance,
         ),
-        score.Row(
+        overall.Row(
             "control, metadata only: class right",
             str(blind),
             f"chance, {100 * chance:.1f} %, inside the interval",
@@ -225,13 +226,13 @@ def _controls(folder: Folder, verdicts: Iterable[Verdict]) -> list[score.Row]:
 
 def as_json(whole: Score) -> dict[str, Any]:
     """Return the score as plain data."""
-    within_one, within_two = score.pulls(whole.verdicts)
+    within_one, within_two = overall.pulls(whole.verdicts)
     return {
         "name": whole.name,
         "passed": whole.passed,
         "table": [asdict(row) for row in whole.rows],
-        "confusion": [list(line) for line in score.confusion(whole.verdicts)],
-        "calibration": [[level, str(rate)] for level, rate in score.calibration(whole.verdicts)],
+        "confusion": [list(line) for line in overall.confusion(whole.verdicts)],
+        "calibration": [[level, str(rate)] for level, rate in overall.calibration(whole.verdicts)],
         "pulls": {"within_one_sigma": str(within_one), "within_two_sigma": str(within_two)},
         "verdicts": [_plain(one) for one in whole.verdicts],
     }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyport.examiner.sealed.record.files import Rate, count
-from pyport.examiner.sealed.scoring import score
+from pyport.examiner.sealed.scoring import overall
 from pyport.examiner.sealed.scoring.judge import Verdict
 from pyport.files import write_whole
 
@@ -91,7 +91,7 @@ def _frame(axes: Axes, across: str) -> None:
 
 def _calibration(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
     """Draw the p-values of cases that hide nothing against what they should be."""
-    values = np.sort([p for one in verdicts if (p := score.silent_p_value(one)) is not None])
+    values = np.sort([p for one in verdicts if (p := overall.silent_p_value(one)) is not None])
     if not len(values):
         return False
     axes.plot([0, 1], [0, 1], color=_QUIET, lw=1, label="honest")
@@ -119,7 +119,7 @@ def _skill(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
 
 def _confusion(axes: Axes, verdicts: Sequence[Verdict]) -> bool:
     """Draw what was said first of what was hidden."""
-    counted = score.confusion(verdicts)
+    counted = overall.confusion(verdicts)
     if not counted:
         return False
     hidden = sorted({one for one, _, _ in counted}, reverse=True)

@@ -2,36 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from pyport.examiner.scores import MISSED
 from pyport.examiner.sealed.protocol import THRESHOLDS
-from pyport.examiner.sealed.record.files import Rate, count
+from pyport.examiner.sealed.record.files import count
 from pyport.examiner.sealed.scoring.judge import Verdict
-
-#: Levels at which stated p-values are held to what happens, and the one that the table shows.
-_LEVELS = (0.01, 0.05, 0.1, 0.2, 0.5)
-_LEVEL = 0.05
-
-
-@dataclass(frozen=True)
-class Row:
-    """One row of the table: what was asked, what came out, what was to be reached."""
-
-    what: str
-    result: str
-    needed: str
-    passed: bool | None
-
-    def __str__(self) -> str:
-        """Return the row as Markdown."""
-        mark = {True: "yes", False: "**no**", None: "shown"}[self.passed]
-        return f"| {self.what} | {self.result} | {self.needed} | {mark} |"
+from pyport.examiner.sealed.scoring.overall import Row, at_most, of_all
 
 
 def table(verdicts: Sequence[Verdict]) -> list[Row]:
@@ -43,18 +22,7 @@ def table(verdicts: Sequence[Verdict]) -> list[Row]:
     for group, fill in _FILL.items():
         if group in by_group:
             rows += fill(by_group[group])
-    return [
-        *rows,
-        *_efficiency(verdicts),
-        *_beside(verdicts),
-        *_held_out(verdicts),
-        *_honesty(verdicts),
-    ]
-
-
-def _at_most(what: str, rate: Rate, key: str) -> Row:
-    most = THRESHOLDS[key]
-    return Row(what, str(rate), f"at most {100 * most:.0f} %", rate.value <= most)
+    return [*rows, *of_all(verdicts)]
 
 
 def _at_least(what: str, outcomes: list[bool], key: str) -> Row:
@@ -67,7 +35,7 @@ def _shown(what: str, outcomes: list[bool], needed: str = "shown") -> Row:
 
 
 def _claims(what: str, verdicts: list[Verdict], key: str) -> Row:
-    return _at_most(f"{what}: claims anything", count([one.claimed for one in verdicts]), key)
+    return at_most(f"{what}: claims anything", count([one.claimed for one in verdicts]), key)
 
 
 def _null(verdicts: list[Verdict]) -> list[Row]:
@@ -129,63 +97,6 @@ def _one(verdicts: list[Verdict]) -> list[Row]:
     ]
 
 
-def _beside(verdicts: Iterable[Verdict]) -> list[Row]:
-    """Return how often something wrong is said beside what is hidden, in every case that has it."""
-    loud = [
-        one
-        for one in verdicts
-        if one.found and one.spec["rho"] >= THRESHOLDS["one_rho_least"] and any(one.found)
-    ]
-    if not loud:
-        return []
-    told = Counter(name for one in loud for name in one.wrong)
-    said = ", ".join(f"{name} {n}" for name, n in told.most_common(5)) or "none"
-    rate = count([bool(one.wrong) for one in loud])
-    return [
-        _at_most("found, and something wrong beside it", rate, "beside_most"),
-        Row("wrong findings beside right ones", f"{sum(told.values())}: {said}", "shown", None),
-    ]
-
-
-def _efficiency(verdicts: Iterable[Verdict]) -> list[Row]:
-    """Return detections over those of an ideal observer, by rows and loudness, and of all cells."""
-    cells: dict[tuple[int, float], list[Verdict]] = {}
-    for one in verdicts:
-        if one.possible is not None and one.spec["rho"] >= THRESHOLDS["one_rho_least"]:
-            cells.setdefault((one.spec["rows"] or 1200, one.spec["rho"]), []).append(one)
-    enough = {cell: some for cell, some in cells.items() if sum(map(_chance, some)) >= _FEWEST}
-    least_rows = THRESHOLDS["efficiency_rows_least"]
-    rows = []
-    for (n, rho), some in sorted(enough.items()):
-        rows.append(_of_observer(f"{n} rows, rho {rho:g}", some, shown=n < least_rows))
-    whole = [one for (n, _), some in enough.items() if n >= least_rows for one in some]
-    if whole:
-        rows.append(_of_observer(f"all of {least_rows:g} rows and more", whole))
-    return rows
-
-
-#: In fewer detections that an ideal observer makes a ratio says nothing.
-_FEWEST = 2.0
-
-
-def _chance(one: Verdict) -> float:
-    return one.possible or 0.0
-
-
-def _of_observer(what: str, some: list[Verdict], *, shown: bool = False) -> Row:
-    """Return a row of a cell; it fails where its Wilson interval stays below what is needed."""
-    could, least = sum(map(_chance, some)), THRESHOLDS["efficiency_least"]
-    rate = count([one.claimed for one in some])
-    low, high = (end * rate.of / could for end in rate.interval)
-    told = f"{rate.hits / could:.2f} ({rate.hits} of {could:.1f}; {low:.2f} to {high:.2f})"
-    return Row(
-        f"{what}: detected, over what an ideal observer detects",
-        told,
-        "shown" if shown else f"at least {least:g}, inside the interval",
-        None if shown else high >= least,
-    )
-
-
 def _mounts(verdicts: list[Verdict]) -> list[Row]:
     """Return what is right on each mount, and by how much the others are behind alt-azimuth."""
     altaz, others = ([one for one in verdicts if bool(one.spec["mount"]) == it] for it in (0, 1))
@@ -210,7 +121,7 @@ def _driven(verdicts: list[Verdict]) -> list[Row]:
     steps = [any(name.startswith("epoch") for name in one.wrong) for one in verdicts]
     return [
         _shown("driven by a condition: named so, or unknown", [one.first for one in verdicts]),
-        _at_most("driven by a condition: called a step", count(steps), "driven_epochs_most"),
+        at_most("driven by a condition: called a step", count(steps), "driven_epochs_most"),
     ]
 
 
@@ -334,73 +245,3 @@ _FILL: dict[str, Any] = {
     "moment": _placed("a moment: rows between", "moment_rows", "moment_rows_most", least=False),
     "zero": lambda those: [_claims("control, amplitude zero", those, "zero_claims_most")],
 }
-
-
-#: Groups whose skill counts; that of others is asked only whether it is negative.
-_SKILLED = frozenset({"one", "curve", "moment"})
-#: Answers are kept in steps, by which a mean square may be off. [the noise's square]
-_STEPS = 2e-3
-
-
-def _held_out(verdicts: Iterable[Verdict]) -> list[Row]:
-    known = [one for one in verdicts if one.skill is not None]
-    loud = [
-        one.skill
-        for one in known
-        if one.skill and one.group in _SKILLED and one.spec["rho"] >= THRESHOLDS["skill_rho_least"]
-    ]
-    told = [one for one in known if one.claimed]
-    rows = []
-    if loud:
-        each = [gained / gainable for gained, gainable in loud if gainable > 0]
-        pooled = sum(gained for gained, _ in loud) / sum(gainable for _, gainable in loud)
-        middle, least = float(np.median(each)), THRESHOLDS["skill_least"]
-        result = f"median {middle:.3f}, pooled {pooled:.3f}"
-        what = f"held out: skill ({len(each)})"
-        rows.append(Row(what, result, f"at least {least:g}", middle >= least))
-    if told:
-        worse = count([one.skill is not None and one.skill[0] < -_STEPS for one in told])
-        rows.append(_at_most("held out: worse than without findings", worse, "worse_most"))
-    return rows
-
-
-def _honesty(verdicts: Sequence[Verdict]) -> list[Row]:
-    """Return whether stated probabilities and sigmas are true."""
-    below = dict(calibration(verdicts))[_LEVEL]
-    rows = [Row(f"nothing hidden: p-value below {_LEVEL:g}", str(below), "shown", None)]
-    for many, rate in zip(("one", "two"), pulls(verdicts), strict=True):
-        low, high = (THRESHOLDS[f"{many}_sigma_{end}"] for end in ("least", "most"))
-        what = f"coefficients within {many} sigma of the truth"
-        needed = f"{100 * low:.0f} to {100 * high:.0f} %, inside the interval"
-        met = None if not rate.of else rate.judged(low, high) != MISSED
-        rows.append(Row(what, str(rate), needed, met))
-    return rows
-
-
-def confusion(verdicts: Iterable[Verdict]) -> list[tuple[str, str, int]]:
-    """Return (hidden, said, how often) for cases that hide one cause loudly, by the hidden one."""
-    twin = {"degenerate": "twin: "}
-    pairs = Counter(
-        (twin.get(one.group, "") + str(one.spec["effect"]), "right" if one.first else one.said)
-        for one in verdicts
-        if one.group in {"one", "unknown", "degenerate"}
-        and one.spec["rho"] >= THRESHOLDS["one_rho_least"]
-    )
-    return [(hidden, said, n) for (hidden, said), n in sorted(pairs.items())]
-
-
-def silent_p_value(verdict: Verdict) -> float | None:
-    """Return the stated p-value of a case that hides nothing, if it is one."""
-    return verdict.p_value if verdict.group in {"null", "zero", "real null"} else None
-
-
-def calibration(verdicts: Iterable[Verdict]) -> list[tuple[float, Rate]]:
-    """Return how often p-values of cases that hide nothing are below a level, by level."""
-    values = [p for one in verdicts if (p := silent_p_value(one)) is not None]
-    return [(level, count([p <= level for p in values])) for level in _LEVELS]
-
-
-def pulls(verdicts: Iterable[Verdict]) -> tuple[Rate, Rate]:
-    """Return how many coefficients lie within one and within two reported sigmas of the truth."""
-    sizes = [abs(pull) for one in verdicts for _, _, pull in one.pulls]
-    return count([size <= 1 for size in sizes]), count([size <= 2 for size in sizes])
