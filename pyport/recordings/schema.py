@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array, Codes
 from pyport.columns import AXES, COLUMNS, SET_ASIDE, TIME
-from pyport.effects.base import Circumstances, Effect, Index, MissingColumn
+from pyport.effects.base import Circumstances, Effect, MissingColumn
+from pyport.effects.circumstances import Index
 from pyport.errors import BadInput
 from pyport.recordings.mounted import names_of
 
