@@ -17,7 +17,7 @@ from pyport.models.model import Model, Term
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame, frame
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Series
+from pyport.noise.series import Series
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
 from pyport.runs.stages import stage

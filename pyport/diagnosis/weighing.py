@@ -23,7 +23,7 @@ from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, reweighed
-from pyport.noise.whitening import Noise
+from pyport.noise.series import Noise
 from pyport.runs.stages import stage
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import ENOUGH_ANTENNAS

@@ -20,7 +20,7 @@ from pyport.angles import Array
 from pyport.least_squares.gram import Solution, inverse_of
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import Frame
-from pyport.noise.whitening import Noise
+from pyport.noise.series import Noise
 from pyport.thresholds import TRUST
 
 

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
+from pyport.noise.series import Departures, Noise, Possible, Series
 from pyport.noise.whitening import (
-    Noise,
-    Series,
     centring,
     factor,
     products,
@@ -27,85 +26,12 @@ from pyport.noise.whitening import (
     whiten_lone,
     whiten_series,
 )
-from pyport.pointing.kernel import Columns
 from pyport.thresholds import OUTLIER_WEIGHT
 
 #: A direction of the departures that adds less than this share to the variance is left out.
 NEGLIGIBLE = 1e-4
 #: Rows of whitened columns that are worked on at a time: fewer stay in the processor's cache.
 AT_A_TIME = 512
-
-
-@dataclass(frozen=True)
-class Departures:
-    """Random departures of sessions or sources in one term, all of one variance.
-
-    Attributes
-    ----------
-    term
-        What departs: `azimuth tilt`, `zero in elevation`, ...
-    of
-        `session` or `source`.
-    antenna
-        Whose.
-    labels
-        The session or source of each column.
-    columns
-        Offset of each reading for a departure of one [rad/rad], shape (m, q).
-    sigma
-        Standard deviation of the departures [rad].
-    dof
-        From how many deviations it is known.
-    """
-
-    term: str
-    of: str
-    antenna: str
-    labels: tuple[str, ...]
-    columns: Array = field(repr=False)
-    sigma: float = 0.0
-    dof: float = np.inf
-
-
-@dataclass(frozen=True)
-class Possible:
-    """Departures that are possible, and the series that show them."""
-
-    departures: tuple[Departures, ...]
-    parts: tuple[Series, ...]
-
-    @cached_property
-    def kind(self) -> Codes:
-        """Return which departures each column belongs to, shape (q,)."""
-        widths = [one.columns.shape[1] for one in self.departures]
-        return np.repeat(np.arange(len(widths)), widths)
-
-    @cached_property
-    def columns(self) -> Array:
-        """Return the columns of all departures, shape (m, q)."""
-        readings = sum(len(part.rows) for part in self.parts)
-        columns = [np.zeros((readings, 0)), *(one.columns for one in self.departures)]
-        return np.concatenate(columns, axis=1)
-
-    @cached_property
-    def few(self) -> tuple[Columns, ...]:
-        """Return for each series those columns in its rows, without their zeros."""
-        return tuple(Columns.of(self.columns[part.rows], len(self.kind)) for part in self.parts)
-
-    @cached_property
-    def shared(self) -> Array:
-        """Return what all labels share, shape (m, s)."""
-        found = [self.columns[:, :0]]
-        for one in self.departures:
-            count = len(set(one.labels))
-            found.append(one.columns.reshape(len(one.columns), -1, count).sum(axis=2))
-        return np.concatenate(found, axis=1)
-
-    def sizes(self, departures: Sequence[Departures]) -> Array:
-        """Return the standard deviation of what each column stands for, zero where unknown."""
-        sigmas = {(one.term, one.of, one.antenna): one.sigma for one in departures}
-        found = [sigmas.get((one.term, one.of, one.antenna), 0.0) for one in self.departures]
-        return np.array(found)[self.kind] if found else np.zeros(0)
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,9 @@ from pyport.angles import Array, Codes
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.effects.sky.astrometry import parallactic
-from pyport.noise.covariance import Covariance, Departures, Possible
+from pyport.noise.covariance import Covariance
 from pyport.noise.pointings import pointings
+from pyport.noise.series import Departures, Possible
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
 

@@ -9,16 +9,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from pyport.angles import Array, Codes
 from pyport.least_squares import robust
-from pyport.least_squares.gram import ROUNDING
-from pyport.noise.whitening import FAR, Noise, Series, by_pointing, factor, variance_of_means
-from pyport.pointing import kernel
+from pyport.noise.likelihood import Departing, Likelihood, likelihood_of
+from pyport.noise.series import Noise, Series
 from pyport.thresholds import ENOUGH
 
 #: Twice the log-likelihood that a noise may lack before it is out of the question: its chance is
@@ -85,22 +82,6 @@ def grid_of(parts: Sequence[Series]) -> Grid:
         np.array([0, *(n for n in range(len(shapes)) for _ in RATIOS)]),
         shapes,
     )
-
-
-@dataclass(frozen=True)
-class Departing:
-    """What departures of sessions and sources of one standard deviation do to a series.
-
-    Attributes
-    ----------
-    columns
-        In units of the scatter, q of them.
-    faint
-        Orthonormal directions among the columns that do not matter, shape (q, k).
-    """
-
-    columns: kernel.Columns
-    faint: Array
 
 
 @dataclass(frozen=True)
@@ -203,7 +184,7 @@ def draft(
     """
     count = np.bincount(part.pointing)
     within = _within(residual, weight, part, count, floor)
-    likelihood = _likelihood(value, columns, departing, weight, precision, part)
+    likelihood = likelihood_of(value, columns, departing, weight, precision, part)
     if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
         lack[0], scale[0] = likelihood.at([])
@@ -230,7 +211,7 @@ def _prior(size: int) -> Array:
 
 
 def _weighed(
-    likelihood: _Likelihood, grid: Grid, start: int | None, beyond: float
+    likelihood: Likelihood, grid: Grid, start: int | None, beyond: float
 ) -> tuple[Array, Array]:
     """Return the lack of likelihood of every noise of a grid and its scatter, shape (G,) each.
 
@@ -287,95 +268,6 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     prior = _prior(len(own))
     chance = own * (1 + others[0] / (prior / prior.sum()))
     return np.asarray(chance / chance.sum())
-
-
-def _triangle(products: Array) -> Array:
-    """Return the Cholesky triangle of products, held against rounding where that spoils them."""
-    try:
-        return np.asarray(np.linalg.cholesky(products))
-    except np.linalg.LinAlgError:
-        lost = ROUNDING * (1 + np.diag(products))
-        return np.asarray(np.linalg.cholesky(products + np.diag(lost)))
-
-
-@dataclass(frozen=True)
-class _Likelihood:
-    """The restricted likelihood of a white part and a drift, the scale profiled out.
-
-    `columns` holds those of the departures, of which the directions `faint` do not matter, the
-    design and, last, the data; `variance` is relative.
-    """
-
-    columns: kernel.Columns
-    variance: Array
-    time: Array | None
-    faint: Array
-
-    @property
-    def dof(self) -> int:
-        """Return the deviations that tell of the noise."""
-        return max(1, len(self.variance) - self.columns.full.shape[1] + 1)
-
-    def at(self, drifts: Sequence[tuple[float, float]]) -> tuple[float, float]:
-        """Return minus twice the log-likelihood and the scale, for drifts of unit scatter."""
-        drifts = () if self.time is None else drifts
-        found = kernel.products(self.columns, self.variance, self.time, drifts)
-        if found is None:
-            d, white = factor(self._dense, self.variance, self.time, drifts)
-            gram = white.T @ white
-        else:
-            d, gram = found
-        departing = np.arange(self.columns.q)
-        gram[departing, departing] += 1.0
-        fixed = np.arange(self.columns.q, len(gram) - 1)
-        gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
-        triangle = _triangle(gram[:-1, :-1])
-        right = np.zeros((len(triangle), 1 + self.faint.shape[1]))
-        right[:, 0], right[: len(self.faint), 1:] = gram[:-1, -1], self.faint
-        solved = solve_triangular(triangle, right, lower=True, check_finite=False)
-        taken, logs = _without(solved[:, 0], solved[:, 1:])
-        misfit = max(float(gram[-1, -1]) - taken, 1e-300)
-        logs += float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
-        return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
-
-    @cached_property
-    def _dense(self) -> Array:
-        return self.columns.dense()
-
-
-def _likelihood(
-    value: Array,
-    columns: Array,
-    departing: Departing,
-    weight: Array,
-    precision: Array,
-    part: Series,
-) -> _Likelihood:
-    """Return the likelihood of a series' pointings, outliers left out; see `draft`."""
-    given = departing.columns.beside(np.concatenate([columns, value[:, None]], axis=1))
-    unit = Noise(0.0, 1.0)
-    variance = variance_of_means(weight, precision, part, unit)
-    kept = variance < FAR
-    if not (part.alone and kept.all()):
-        means = by_pointing(given.dense(), weight, precision, part, unit)[0]
-        given = kernel.Columns.of(means[kept], given.q)
-    time = None if part.time is None else part.time[kept]
-    return _Likelihood(given, variance[kept], time, departing.faint)
-
-
-def _without(seen: Array, faint: Array) -> tuple[float, float]:
-    """Return the square and the log-determinant that a fit loses with some directions left out.
-
-    With M = L L' the products of all columns, b those with the data and V the directions (P, k),
-    `seen` is L^-1 b and `faint` L^-1 V: without them b' M^-1 b is less by the part that
-    (M^-1 b)' V (V' M^-1 V)^-1 V' M^-1 b is, and log|M| more by log|V' M^-1 V|.
-    """
-    square = float(seen @ seen)
-    if not faint.shape[1]:
-        return square, 0.0
-    triangle = np.linalg.cholesky(faint.T @ faint)
-    along = solve_triangular(triangle, faint.T @ seen, lower=True, check_finite=False)
-    return square - float(along @ along), 2 * float(np.log(np.diag(triangle)).sum())
 
 
 def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:

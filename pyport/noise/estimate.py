@@ -17,9 +17,11 @@ from pyport.least_squares import robust
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit, most_different
 from pyport.noise import departures, scatter
-from pyport.noise.covariance import Covariance, Departures, Possible, both_axes
-from pyport.noise.drift import BEYOND, Departing, beside, draft, grid_of, likeliest, within_reach
-from pyport.noise.whitening import OUTLIER, Noise, Series, series
+from pyport.noise.covariance import Covariance, both_axes
+from pyport.noise.drift import BEYOND, beside, draft, grid_of, likeliest, within_reach
+from pyport.noise.likelihood import Departing
+from pyport.noise.series import Departures, Noise, Possible, Series, series
+from pyport.noise.whitening import OUTLIER
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import (
     ENOUGH_ANTENNAS,

@@ -1,4 +1,4 @@
-"""The noise of one antenna and axis, and whitening under it.
+"""Whitening under the noise of one antenna and axis.
 
 Readings of one pointing that differ (channels of one scan) scatter by `within`; pointings
 scatter by `between` on top; and what drifts is a sum of Ornstein-Uhlenbeck processes. Whitening
@@ -9,167 +9,16 @@ What both axes, sessions and sources share is added by `covariance`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from pyport.angles import Array, Codes
-from pyport.noise.pointings import pointings
+from pyport.angles import Array
+from pyport.noise.series import Noise, Series
 from pyport.pointing import kernel
-from pyport.recordings.schema import Recordings, Stack, group
-from pyport.recordings.sky import clock
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 OUTLIER = 1e-3
 FAR = 1e4
-
-
-@dataclass(frozen=True)
-class Series:
-    """The stacked numbers of one antenna and axis: the unit that noise is fitted to.
-
-    Attributes
-    ----------
-    rows
-        Their indices in the stack, shape (m,), ordered by time.
-    pointing
-        For each the number of its pointing within the series; readings of one
-        pointing share it, shape (m,).
-    time
-        Time of each pointing [s since the first], or its place in the order of the rows where no
-        times are recorded; None where any is unknown.
-    number
-        The number of each pointing among all pointings of the recordings.
-    antenna, is_y
-        What the series is of.
-    """
-
-    rows: Codes
-    pointing: Codes
-    time: Array | None
-    number: Codes
-    antenna: str
-    is_y: bool
-
-    @cached_property
-    def readings(self) -> Codes:
-        """Return how many readings each pointing has."""
-        return np.bincount(self.pointing)
-
-    @cached_property
-    def alone(self) -> bool:
-        """Tell whether each reading is a pointing, in their order."""
-        return bool(self.readings.max() == 1) and self.order is None
-
-    @cached_property
-    def first(self) -> Codes:
-        """Return the index in the stack of the first reading of each pointing."""
-        return self.rows[np.unique(self.pointing, return_index=True)[1]]
-
-    @cached_property
-    def order(self) -> Codes | None:
-        """Return what sorts the readings by pointing; None where they are sorted."""
-        if np.all(self.pointing[1:] >= self.pointing[:-1]):
-            return None
-        return np.argsort(self.pointing)
-
-    def turns(self, memory: float) -> float:
-        """Return how many independent deviations of a drift of some memory [s] the series saw.
-
-        The mean square of one over a time T scatters as that of T / memory deviations do; a gap
-        that it forgets in is one memory long.
-        """
-        if self.time is None or not len(self.time):
-            return 1.0
-        return 1.0 + float(np.minimum(np.diff(np.sort(self.time)), memory).sum()) / memory
-
-
-@dataclass(frozen=True)
-class Noise:
-    """Fitted noise of one series [rad, s].
-
-    Attributes
-    ----------
-    within, between
-        Scatter of readings about their pointing's mean, and of pointings.
-    drifts
-        Amplitude and correlation time of each Ornstein-Uhlenbeck process: where
-        the recordings allow several, each stands there as likely as it is.
-    dof
-        What the scale was estimated from.
-    how
-        `replicates` or `reml`.
-    tail
-        By what factor `between` was widened because the tails are heavy.
-    centred
-        Whether what drifts is counted from its mean: what never changes is no drift.
-    """
-
-    within: float
-    between: float
-    drifts: tuple[tuple[float, float], ...] = ()
-    dof: float = np.inf
-    how: str = "reml"
-    tail: float = 1.0
-    centred: bool = False
-
-    @property
-    def drift(self) -> float:
-        """Return the rms of all that drifts [rad]."""
-        return float(np.sqrt(sum(amplitude**2 for amplitude, _ in self.drifts)))
-
-    @property
-    def time_s(self) -> float | None:
-        """Return the correlation time, averaged over what drifts; None where nothing does [s]."""
-        if self.drift == 0:
-            return None
-        power = np.array([amplitude**2 for amplitude, _ in self.drifts])
-        return float(np.exp(power @ np.log([time for _, time in self.drifts]) / power.sum()))
-
-    @property
-    def floor(self) -> float:
-        """Return the scatter of a single reading about the true curve [rad]."""
-        return float(np.sqrt(self.within**2 + self.between**2 + self.drift**2))
-
-
-def series(recordings: Recordings, stack: Stack) -> list[Series]:
-    """Split the stack into antennas and axes, ordered by time where there is one."""
-    antennas, names = group(recordings, ("antenna",))
-    sessions, _ = group(recordings, ("session",))
-    time = clock(recordings.at)
-    pointing = pointings(recordings)
-    found = []
-    for antenna, name in enumerate(names):
-        for is_y in (False, True):
-            rows = np.flatnonzero((antennas[stack.row] == antenna) & (stack.is_y == is_y))
-            if len(rows) == 0:
-                continue
-            of_row = stack.row[rows]
-            timed = bool(np.isfinite(time[of_row]).all())
-            first = time[of_row] if timed else sessions[of_row]
-            rows = rows[np.lexsort((pointing[of_row], sessions[of_row], first))]
-            found.append(_ordered(rows, stack.row[rows], pointing, time, name[0], is_y=is_y))
-    return found
-
-
-def _ordered(
-    rows: Codes, of_row: Codes, pointing: Codes, time: Array, antenna: str, *, is_y: bool
-) -> Series:
-    """Put the pointings of a series in the order of their rows."""
-    number, first, inverse = np.unique(pointing[of_row], return_index=True, return_inverse=True)
-    order = np.empty(len(first), np.intp)
-    order[np.argsort(first, kind="stable")] = np.arange(len(first))
-    when = time[of_row][np.sort(first)]
-    known = bool(np.all(np.isfinite(when)))
-    return Series(
-        rows,
-        order[inverse],
-        np.maximum.accumulate(when - when.min()) if known else None,
-        number[np.argsort(first, kind="stable")],
-        antenna,
-        is_y,
-    )
 
 
 def whiten_series(

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pyport.noise.covariance import Covariance
-from pyport.noise.whitening import Noise, Series
+from pyport.noise.series import Noise, Series
 
 N = 30
 DRIFTS = ((0.7, 500.0), (1.2, 50000.0))

@@ -7,10 +7,10 @@ import pytest
 
 from pyport.effects import Circumstances
 from pyport.noise import departures
-from pyport.noise.covariance import Covariance, Departures
+from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Noise, series
+from pyport.noise.series import Departures, Noise, series
 from pyport.recordings.schema import Recordings, stack
 
 

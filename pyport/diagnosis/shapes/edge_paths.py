@@ -22,7 +22,8 @@ from pyport.diagnosis.turns import Outcome
 from pyport.diagnosis.weighing import weigh_alike
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted
-from pyport.noise.whitening import FAR, Noise, by_pointing, factor
+from pyport.noise.series import Noise
+from pyport.noise.whitening import FAR, by_pointing, factor
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 

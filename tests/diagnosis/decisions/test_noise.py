@@ -11,11 +11,12 @@ from diagnosis.decisions.stubs import candidate
 from pyport.angles import DEG
 from pyport.diagnosis.case import Problem
 from pyport.effects import Circumstances
-from pyport.noise import common_mode, departures, drift, estimate, scatter
+from pyport.noise import common_mode, departures, drift, estimate, likelihood, scatter
 from pyport.noise.coefficients import tempered
-from pyport.noise.covariance import Covariance, Departures, Possible
+from pyport.noise.covariance import Covariance
 from pyport.noise.pointings import pointings
-from pyport.noise.whitening import Noise, Series, variance_of_means
+from pyport.noise.series import Departures, Noise, Possible, Series
+from pyport.noise.whitening import variance_of_means
 from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, stack
 
@@ -211,7 +212,7 @@ def test_an_estimate_by_weights_scatters_as_huber_says():
 
 def none_departing(n):
     """Return that nothing departs in a series of n readings."""
-    return drift.Departing(Columns.of(np.zeros((n, 0)), 0), np.zeros((0, 0)))
+    return likelihood.Departing(Columns.of(np.zeros((n, 0)), 0), np.zeros((0, 0)))
 
 
 def drafted(n, columns=1):
@@ -268,7 +269,7 @@ def test_the_restricted_likelihood_is_that_of_dense_algebra(drifts, faint):
     turned = np.linalg.qr(rng.normal(size=(q, q)))[0]
     kept = turned[:, faint:]
     data = np.concatenate([moved, columns, value[:, None]], axis=1)
-    known = drift._Likelihood(Columns.of(data, q), variance, time, turned[:, :faint])
+    known = likelihood.Likelihood(Columns.of(data, q), variance, time, turned[:, :faint])
     lack, scale = known.at(drifts)
     dense = np.diag(variance) + moved @ kept @ kept.T @ moved.T
     for amplitude, memory in drifts:

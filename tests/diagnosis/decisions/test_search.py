@@ -14,8 +14,8 @@ from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.shapes import fields
 from pyport.diagnosis.turns import Outcome, family_p_value, gain_needed, threshold
 from pyport.diagnosis.winner import Winner
-from pyport.noise.covariance import Covariance, Departures
-from pyport.noise.whitening import Noise
+from pyport.noise.covariance import Covariance
+from pyport.noise.series import Departures, Noise
 
 QUIET = lambda _: None  # noqa: E731
 
