@@ -11,8 +11,8 @@ ROOT = Path(pyport.examiner.__file__).parent
 #: Part -> what of the program outside the examiner its files may import. `acceptance` calls the
 #: steps of a diagnosis, whose figures it prints: it draws and judges nothing.
 ALLOWED = {
-    "worlds": {"angles", "errors", "files", "stages"},
-    "sealed": {"angles", "errors", "files", "stages", "workers"},
+    "worlds": {"angles", "errors", "files"},
+    "sealed": {"angles", "errors", "files", "runs"},
     "nights": {"", "errors"},
     "nulls": {"errors"},
     "mounts": set(),
