@@ -270,8 +270,16 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     return np.asarray(chance / chance.sum())
 
 
+#: A robust scatter of repeats below this share of their rms is that of copies.
+COPIES = 1e-3
+
+
 def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
-    """Return the scatter of readings about their pointing's mean; zero where each stands alone."""
+    """Return the scatter of readings about their pointing's mean; zero where each stands alone.
+
+    Readings that were rounded before a model was added are often copies of one another: where the
+    robust scatter is that of copies the rms, of readings that are no outliers, stands for it.
+    """
     spare = (count - 1)[count > 1].sum()
     if spare < 3:
         return 0.0
@@ -280,5 +288,7 @@ def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: f
     deviation = residual - mean[part.pointing]
     several = count[part.pointing] > 1
     share = np.sqrt(several.sum() / spare)
-    scatter = robust.scale(deviation[several & (weight > 0.5)]) * float(share)
+    usual = deviation[several & (weight > 0.5)]
+    scatter, rms = robust.scale(usual), float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
+    scatter = float(share) * (scatter if scatter > COPIES * rms else rms)
     return max(scatter, floor / 2, 1e-12)

@@ -1,12 +1,14 @@
 """Noise: whitening is generalised least squares, and the fit finds what was put in."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
-from pyport.noise import departures
+from pyport.noise import departures, drift
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, frame, reweighed
 from pyport.noise.pointings import pointings
@@ -154,3 +156,18 @@ def test_a_variance_that_rounding_makes_impossible_is_no_candidate():
     assert np.isfinite(given.lack(small, given.triangle(small)))
     assert given.triangle(large) is None
     assert given.lack(large, None) == np.inf
+
+
+def test_repeats_that_are_copies_do_not_shrink_the_scatter():
+    """Of twenty pairs seventeen are equal to the last digit: the scatter is the others'."""
+    rng = np.random.default_rng(4)
+    apart = np.where(np.arange(20) < 17, 1e-13, 30 * ARCSEC) * rng.normal(size=20)
+    residual = (
+        np.repeat(rng.normal(size=20) * 30 * ARCSEC, 2) + np.outer(apart, [0.5, -0.5]).ravel()
+    )
+    pointing = np.repeat(np.arange(20), 2)
+    part = SimpleNamespace(pointing=pointing)
+
+    within = drift._within(residual, np.ones(40), part, np.bincount(pointing), 0.0)
+
+    assert within == pytest.approx(np.sqrt(np.mean(apart**2) / 2), rel=1e-3)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -114,13 +115,16 @@ def _cells(each: int) -> list[Spec]:
 
 
 def _circumstances(each: int) -> list[Spec]:
-    """Return causes on other mounts, in little files, behind other models, at times, in arrays."""
+    """Return causes on other mounts, in little files, behind other models, at times, in arrays.
+
+    Each cause on another mount has its like on an alt-azimuth one, where that can have it.
+    """
     mounts = [
         Spec("mounts", "one", effect, 0.5, 400, mount=mount)
         for mount, some in STANDS.items()
         for effect in _each(some, 2 * each)
     ]
-    altaz = [Spec("mounts", "one", one, 0.5, 400) for one in _each(_BY_PLACE, 3 * each)]
+    altaz = [replace(one, mount=None) for one in mounts if one.effect in HIDEABLE]
     little = [
         Spec("little", "one", effect, 0.5, 400, little=what)
         for what, some in (("place", _BY_PLACE), ("time", (*_BY_TIME, *_BY_PLACE)))

@@ -62,8 +62,17 @@ def proved(tmp_path_factory):
     root = tmp_path_factory.mktemp("proof") / "repository"
     skipped = shutil.ignore_patterns("__pycache__")
     shutil.copytree(code.PACKAGE / "examiner", root / "pyport" / "examiner", ignore=skipped)
-    for name in ("__init__", "angles", "errors", "files", "stages", "thresholds"):
-        shutil.copy(code.PACKAGE / f"{name}.py", root / "pyport")
+    (root / "pyport" / "runs").mkdir()
+    for name in (
+        "__init__",
+        "angles",
+        "errors",
+        "files",
+        "runs/__init__",
+        "runs/stages",
+        "thresholds",
+    ):
+        shutil.copy(code.PACKAGE / f"{name}.py", root / "pyport" / f"{name}.py")
     (root / ".gitignore").write_text("out/\n")
     git(root.parent, "init", "-q", str(root))
     commit(root, ".gitignore", "pyport")
