@@ -220,7 +220,7 @@ def full(data: str | None = None) -> list[Spec]:
         *(Spec("ablation", "held", "ut1", 0.3, 5615) for _ in range(3)),
         *(Spec("weeks", "ablation", "nutation", weeks=weeks) for weeks in (1, 2, 4, 8, 16, 32, 64)),
         *(Spec("zero", "one", effect, 0.0) for effect in HIDEABLE),
-        *_circumstances(12),
+        *_circumstances(9),
         *_real(data, 4, 7),
     ]
 
