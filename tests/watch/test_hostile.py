@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 import re
 import resource
 import socket
@@ -25,7 +26,8 @@ pytest.importorskip("uvicorn", reason="the extra `serve` is not installed")
 from pyport.watch import serve as served_by
 from pyport.watch.serve import LOOPBACK, Live, serve
 
-PORT = 18767
+#: Tests that run side by side serve from ports of their own.
+PORT = 18767 + 10 * int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
 CLIENTS = 500
 #: Text in every column that may hold some.
 MARKUP = "<script>alert(1)</script><img src=x onerror=alert(2)>"

@@ -1,6 +1,7 @@
 """The live page: what it sends, to whom, and that a browser draws it as the log grows."""
 
 import json
+import os
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
@@ -16,7 +17,8 @@ from pyport.watch.serve import Live, refused, serve
 
 pytest.importorskip("uvicorn", reason="the extra `serve` is not installed")
 
-PORT = 18765
+#: Tests that run side by side serve from ports of their own.
+PORT = 18765 + 10 * int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
 
 
 @pytest.fixture(scope="module")
