@@ -10,7 +10,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.least_squares.gram import Gram, Part, index, inverse_of, root
+from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
 from pyport.runs.stages import stage
 
@@ -110,16 +110,18 @@ class Evidence:
         self.pointings = pointings
         self.dof = dof
         self.common = common
-        self._given = white, block, len(blocks), kind
+        self._given = white, block, kind
         self._draws, self._rng = draws, rng
+
+    @cached_property
+    def _slabs(self) -> list[Slab]:
+        return slabs(*self._given)
 
     @cached_property
     @stage("products and draws")
     def gram(self) -> Gram:
-        """Return the products of all columns and the data; let the columns go."""
-        given = self._given
-        del self._given
-        return Gram.of(*given)
+        """Return the products of all columns and the data."""
+        return Gram.summed(self._slabs, len(self.blocks), self._given[0].shape[1])
 
     @property
     def noise(self) -> Array:
@@ -134,27 +136,34 @@ class Evidence:
     @cached_property
     @stage("products and draws")
     def _drawn(self) -> tuple[Array, Array]:
-        noise = self._draw(self._draws, self._rng)
+        """Return products with drawn noise and the common-mode scales; let the columns go."""
+        size = self.gram.matrices.shape[1] - 1
+        noise = self._draw(self._slabs, size, self._draws, self._rng)
         common_mode_scale = np.ones(self._draws)
         if np.isfinite(self.common.dof):
             common_mode_scale = self.common.dof / self._rng.chisquare(self.common.dof, self._draws)
+        del self._given, self._slabs
         return noise, common_mode_scale
 
-    def _draw(self, draws: int, rng: np.random.Generator) -> Array:
-        """Return products of the columns with drawn noise, shape (blocks, K, draws).
+    def _draw(self, cut: Sequence[Slab], size: int, draws: int, rng: np.random.Generator) -> Array:
+        """Return products of the columns with drawn noise, shape (blocks, size, draws).
 
-        Products of columns with white noise are normal, their covariance the columns' products.
-        The scale of each block's noise is known from `dof` deviations only, which the draws
-        repeat.
+        The scale of each block's noise is known from `dof` deviations only,
+        which the draws repeat. Rows that are zero but for rounding get none: rounding
+        must not decide which row gets which numbers.
         """
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
-        products = self.gram.matrices[:, :-1, :-1]
-        out = np.zeros((*products.shape[:2], draws))
-        for one, own in enumerate(products):
+        out = np.zeros((len(self.blocks), size, draws))
+        for one in range(len(self.blocks)):
+            own = without([slab for slab in cut if slab.block == one], last=size)
+            rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))
             # Single precision is more than the few hundred draws can tell.
-            white = rng.standard_normal((len(own), draws), np.float32)
-            out[one] = scale[antenna[one]] * (root(own).astype(np.float32) @ white)
+            drawn = rng.standard_normal((len(rows), draws), np.float32)
+            for slab in own:
+                values = slab.values.astype(np.float32)
+                out[one, slab.columns] += values.T @ drawn[np.searchsorted(rows, slab.rows)]
+            out[one] *= scale[antenna[one]]
         return out
 
     def beside(self, model: Sequence[Part], only: Codes | None = None) -> Projection:

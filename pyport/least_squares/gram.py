@@ -59,6 +59,23 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
     return found
 
 
+def without(some: Sequence[Slab], last: int) -> list[Slab]:
+    """Leave the last column out of a block's slabs, and the rows that are empty without it."""
+    found = []
+    for slab in some:
+        kept = slab.columns != last
+        values = slab.values if kept.all() else slab.values[:, : kept.sum()]
+        found.append(Slab(slab.block, slab.rows, slab.columns[kept], values))
+    power = [np.einsum("nk,nk->n", slab.values, slab.values) for slab in found]
+    least = EMPTY**2 * max((float(one.max(initial=0.0)) for one in power), default=0.0)
+    return [
+        slab
+        if np.all(own > least)
+        else Slab(slab.block, slab.rows[own > least], slab.columns, slab.values[own > least])
+        for slab, own in zip(found, power, strict=True)
+    ]
+
+
 #: Directions with less than this share of a column's length count as fitted already.
 RANK_TOLERANCE = 1e-9
 #: What must be left of a column's squared length for products alone to distinguish it.
@@ -122,9 +139,13 @@ class Gram:
         Rows of one of the `kinds` (m,) have the same columns empty: what is empty costs nothing.
         """
         kinds = np.zeros_like(blocks) if kinds is None else kinds
-        size = whitened.shape[1]
+        return cls.summed(slabs(whitened, blocks, kinds), n_blocks, whitened.shape[1])
+
+    @classmethod
+    def summed(cls, cut: Sequence[Slab], n_blocks: int, size: int) -> Gram:
+        """Return the matrices of whitened columns (m, size) that were cut into slabs."""
         out = np.zeros((n_blocks, size, size))
-        for slab in slabs(whitened, blocks, kinds):
+        for slab in cut:
             out[slab.block][np.ix_(slab.columns, slab.columns)] += slab.values.T @ slab.values
         return cls(out)
 
@@ -187,21 +208,6 @@ def spanned(columns: Array) -> tuple[Array, Array, Array]:
     basis, strength, _ = np.linalg.svd(unit, full_matrices=False)
     kept = strength > EMPTY * strength.max(initial=1e-300)
     return np.asarray(basis[:, kept]), strength[kept], length
-
-
-#: What products of columns that hardly differ lose to rounding, over their squared lengths.
-ROUNDING = 1e-11
-
-
-def root(products: Array) -> Array:
-    """Return a triangle L with L L' = `products`, (K, K), of columns that may be sums of others."""
-    there = np.flatnonzero(np.diag(products) > np.finfo(float).tiny)
-    length = np.sqrt(np.diag(products)[there])
-    unit = products[np.ix_(there, there)] / length[:, None] / length
-    triangle = np.linalg.cholesky(unit + ROUNDING * np.eye(len(unit)))
-    out = np.zeros_like(products)
-    out[np.ix_(there, there)] = length[:, None] * triangle
-    return out
 
 
 def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from pyport.angles import Array
-from pyport.least_squares.gram import ROUNDING
 from pyport.noise.series import Noise, Series
 from pyport.noise.whitening import FAR, by_pointing, factor, variance_of_means
 from pyport.pointing import kernel
@@ -110,6 +109,10 @@ def _without(seen: Array, faint: Array) -> tuple[float, float]:
     triangle = np.linalg.cholesky(faint.T @ faint)
     along = solve_triangular(triangle, faint.T @ seen, lower=True, check_finite=False)
     return square - float(along @ along), 2 * float(np.log(np.diag(triangle)).sum())
+
+
+#: What products of columns that hardly differ lose to rounding, over their squared lengths.
+ROUNDING = 1e-11
 
 
 def _triangle(products: Array) -> Array:

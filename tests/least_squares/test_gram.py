@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.gram import Gram, Part, inverted, root
+from pyport.least_squares.gram import Gram, Part, inverted
 
 
 @given(seed=st.integers(0, 2**32 - 1), blocks=st.integers(1, 5))
@@ -62,23 +62,3 @@ def test_units_do_not_matter():
     other = inverted(scaled.T @ scaled)
 
     np.testing.assert_allclose(other[2], plain[2], rtol=1e-6)
-
-
-@given(st.integers(0, 2**32 - 1))
-def test_root_of_products_whatever_the_columns(seed):
-    """Columns that are sums of others, far shorter or empty: the root's products are theirs."""
-    rng = np.random.default_rng(seed)
-    columns = rng.normal(size=(int(rng.integers(1, 12)), 7)) * 10.0 ** rng.uniform(-6, 6, 7)
-    columns[:, 3] = columns[:, 0] - 2 * columns[:, 1]
-    columns[:, 5] = 0
-
-    triangle = root(columns.T @ columns)
-
-    length = np.linalg.norm(columns, axis=0)
-    unit = np.where(length > 0, length, 1.0)
-    np.testing.assert_allclose(
-        triangle @ triangle.T / np.outer(unit, unit),
-        columns.T @ columns / np.outer(unit, unit),
-        atol=1e-10,
-    )
-    assert (np.triu(triangle, 1) == 0).all()
