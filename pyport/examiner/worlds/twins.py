@@ -96,7 +96,9 @@ def twins(seed: int, name: str | None = None, rho: float = 0.5, rows: int = 1200
         twin.lay(streams.plan, rows), mount=Mount() if twin.held else usual_mount(streams.mount)
     )
     fault = CATALOGUED[twin.effect](world, streams.fault)
-    fault = replace(fault, same=tuple({*fault.same, *twin.same}))
+    droops = fault.facts.get("part") == "sag_cosine"
+    same = ("epoch_sag",) if droops else twin.same
+    fault = replace(fault, same=tuple({*fault.same, *same}))
     hidden = hide(world, [fault], rho, usual_noise(streams.noise), projected=not twin.held)
     about = {"kind": "degenerate", "seed": seed, "asked": chosen, "rho": rho, "noise_kind": "white"}
     arguments = ("--model", "none", "--refit", "none") if twin.held else ()

@@ -103,6 +103,12 @@ def _ticks(at: At) -> Array:
     return np.where(share % 1 < 0.12, 1.0, 0.0)
 
 
+def _rose(at: At) -> Array:
+    """Return petals in azimuth, seven in a turn, that point out low and in high."""
+    petals = np.abs(np.cos(3.5 * at.place.az + phase(at.rng)[0])) ** 12
+    return np.where(at.place.el < np.median(at.place.el), petals, -petals)
+
+
 def _days(at: At) -> Array:
     """Return an oscillation of some days, whose period is nothing of nature's."""
     return np.sin(
@@ -128,7 +134,7 @@ FORMS: dict[str, Form] = {
     "sun_ring": _of_the_sun,
     "two_conditions": lambda at: np.tanh(at.standard("humidity_pct") * at.standard("pressure_hpa")),
     "ticks": _ticks,
-    "rose": lambda at: np.abs(np.cos(2.5 * at.place.az + phase(at.rng)[0])) ** 5,
+    "rose": _rose,
     "hinge": lambda at: np.maximum(0.0, _apart(at) - at.rng.uniform(50, 70) * DEG),
 }
 
