@@ -121,3 +121,12 @@ def test_every_version_of_python_spells_code_alike():
     assert code.whole({"f": code.spelled(ast.parse(SAMPLE))}) == (
         "7765ee140dc2c15c2aac680b2ad7fd950dbf37265289f5e4e0dcb6432b4dafa2"
     )
+
+
+def test_a_room_that_imports_by_name_is_sealed_whole(package):
+    """Which of its modules it will ask for is not written anywhere."""
+    (package / "room" / "__init__.py").write_text(
+        "import importlib\nfor name in 'never':\n    importlib.import_module(name)\n"
+    )
+
+    assert "room/never.py" in code.parts(UNIT, package)

@@ -40,8 +40,8 @@ EXAMINER = Unit(("examiner.sealed.again", "examiner.sealed.cell"))
 def parts(unit: Unit, package: Path = PACKAGE) -> dict[str, str]:
     """Return the SHA-256 of every part of a unit by its path in the package.
 
-    Parts are the modules that the roots reach by imports, wherever in a file these stand, and the
-    data that lie in the rooms of those modules.
+    Parts are the modules that the roots reach by imports, wherever in a file these stand, all of a
+    room that imports by name, and the data that lie in the rooms of those modules.
 
     `package`: the folder of the package, this one or another checkout's.
     """
@@ -59,6 +59,7 @@ def parts(unit: Unit, package: Path = PACKAGE) -> dict[str, str]:
         found[place.as_posix()] = hashlib.sha256(spelled(tree).encode()).hexdigest()
         rooms.add(room)
         queue += imported(tree, package.name, files)
+        queue += [one for one in files if by_name(tree) and one.rpartition(".")[0] == name]
         parent = name.rpartition(".")[0]
         queue += [parent] if parent != package.name else []
     for room in rooms:
@@ -105,6 +106,13 @@ def imported(tree: ast.Module, package: str, known: Collection[str]) -> Iterator
             # The package itself imports nothing before it is asked for a name.
             if name in known and name != package:
                 yield name
+
+
+def by_name(tree: ast.Module) -> bool:
+    """Tell whether a file imports by a name that it makes up: any module of its room, then."""
+    return any(
+        getattr(node, "attr", getattr(node, "id", "")) == "import_module" for node in ast.walk(tree)
+    )
 
 
 def spelled(node: object) -> str:
