@@ -1,5 +1,6 @@
 """The floors of the program: no import leads up, none in a circle."""
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -48,3 +49,10 @@ def test_the_picture_has_every_room():
 
     assert done.exit_code == 0
     assert rooms == [*above, "all"]
+
+
+def test_no_floor_has_more_than_a_dozen_files():
+    """A folder that grows beyond what one looks through at a glance is parted."""
+    floors = Counter(path.parent for path in Path(pyport.__file__).parent.rglob("*.py"))
+
+    assert [str(folder) for folder, files in floors.items() if files > 12] == []
