@@ -198,6 +198,7 @@ def _section(one: Published, docs: Path) -> list[str]:
         "two baselines: term picking by BIC, and the cross-validated lasso, over [the classical",
         "list](challenge.md).\n",
         _table(score),
+        "Rows that did not pass are [explained](proof/reasons.md).\n",
         *pictures,
         _left_out(verdicts),
         _unknown(verdicts, _cosines(one.folder)),
