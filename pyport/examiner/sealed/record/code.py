@@ -59,7 +59,8 @@ def parts(unit: Unit, package: Path = PACKAGE) -> dict[str, str]:
         found[place.as_posix()] = hashlib.sha256(spelled(tree).encode()).hexdigest()
         rooms.add(room)
         queue += imported(tree, package.name, files)
-        queue += [one for one in files if by_name(tree) and one.rpartition(".")[0] == name]
+        if by_name(tree):
+            queue += [one for one in files if one.rpartition(".")[0] == name]
         parent = name.rpartition(".")[0]
         queue += [parent] if parent != package.name else []
     for room in rooms:
