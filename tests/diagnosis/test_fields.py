@@ -38,6 +38,18 @@ def test_a_dent_in_the_rail_is_unknown_and_lies_where_it_is():
 
 
 @pytest.mark.slow
+def test_sectors_finer_than_any_harmonic_are_found_though_no_name_sees_them():
+    """Sectors of a code disc, six degrees each, by turns too far and too near by the scatter."""
+    found = diagnose(
+        recordings(600, 5, y=lambda at: 5 * np.sign(np.sin(30 * at.az))), load("altaz")
+    )
+
+    assert [one.variant for one in found.findings] == ["el: follows az_deg"]
+    assert found.findings[0].verdict == "unknown"
+    assert found.p_value < 1e-4
+
+
+@pytest.mark.slow
 def test_a_part_of_the_sky_comes_back_with_its_edges():
     """A box in azimuth and elevation is found to a few degrees on all four sides."""
     found = diagnose(recordings(1200, 6, y=patch), load("altaz"))

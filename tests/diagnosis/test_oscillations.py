@@ -1,14 +1,17 @@
 """Oscillations: found with their period where a drift could draw them, and only there."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from diagnosis.made import recordings
 
 from pyport.diagnosis import holdout, winner
+from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming import findings
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.empirical.fields import OSCILLATION, oscillation
@@ -117,6 +120,36 @@ def test_nothing_else_is_an_oscillation(kind):
     setup = case(NOTHING[kind])
 
     assert oscillations.proposed(setup, weigh(setup).covariance, ()) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "times", "passed"),
+    [
+        ("pulses", 3, False),
+        ("pulses", 2, False),
+        ("square", 1, True),
+        ("held", 1, True),
+        ("wandering", 1, True),
+    ],
+)
+def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
+    """Pulses of a tenth of an hour repeat after two and three times the periods of overtones."""
+    bent = {
+        "pulses": lambda _: 12.0 * (TIME / PERIOD_S % 1 < 0.1),
+        "square": lambda _: 6.0 * (TIME / PERIOD_S % 1 < 0.4),
+    }
+    setup = case((bent | SWINGS)[kind])
+    near = oscillation(PERIOD_S / times)
+    place = np.arange(setup.columns.shape[1], setup.columns.shape[1] + 4)
+    one = Chosen(Candidate(near, place, (0, 1, 2, 3)), "all")
+    setup = oscillations.widened(setup, one)
+    scene = SimpleNamespace(
+        setup=setup, weighed=weigh(setup, (one,)), outcome=SimpleNamespace(chosen=(one,))
+    )
+    check = findings._own_period(scene, one)
+
+    assert check.passed == passed
+    assert f"every {times} periods" in check.words or passed
 
 
 def test_one_is_enough(swinging):

@@ -9,10 +9,13 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis import turns
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.joint import contribution, excess_of, largest_offset, visible
 from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
 from pyport.diagnosis.naming.scene import (
+    Check,
     Scene,
     axes,
     centred,
@@ -26,12 +29,16 @@ from pyport.diagnosis.naming.scene import (
 )
 from pyport.diagnosis.naming.verdict import honest
 from pyport.diagnosis.shapes.edges import curve_points
+from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.diagnosis.turns import Step
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.runs.stages import stage
-from pyport.thresholds import MOST_MEMBERS
+from pyport.thresholds import CONVINCING, MOST_MEMBERS
+
+#: So many times its period is what an oscillation may be an overtone of, and overtones of each.
+MULTIPLES, OVERTONES = 5, 3
 
 
 @stage("telling findings")
@@ -62,6 +69,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     parameters = (oscillation_parameters if of_time else parameters_of)(scene, choice)
     called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)
+    if of_time:
+        checks.append(_own_period(scene, chosen))
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
@@ -107,6 +116,35 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
+
+
+def _own_period(scene: Scene, chosen: Chosen) -> Check:
+    """Check that what is left, folded at the period of an oscillation, repeats no slower.
+
+    Short pulses have overtones as strong as themselves, and one of them may be what was found.
+    Beside the oscillation a free curve at a multiple of its period has then more evidence than one
+    at the period itself.
+    """
+    setup, period_s = scene.setup, chosen.candidate.effect.member["period_s"]
+    ground = Ground(setup, scene.weighed, scene.outcome.chosen)
+    time_s = setup.recordings.at.numbers("time")[setup.stack.row]
+    turns_of = 2 * np.pi * (time_s - time_s.min()) / period_s
+    upward = setup.stack.is_y[:, None]
+    found = []
+    for times in range(1, MULTIPLES + 1):
+        orders = [n for n in range(1, OVERTONES * times + 1) if n != times]
+        angles = turns_of[:, None] * np.array(orders) / times
+        waves = np.concatenate([np.sin(angles), np.cos(angles)], axis=1)
+        information, moments = ground.products(
+            np.concatenate([waves * upward, waves * ~upward], axis=1)
+        )
+        power, vectors = np.linalg.eigh(information)
+        found.append(at_best(np.maximum(power, 0.0), vectors.T @ moments)[0])
+    best = int(np.argmax(found))
+    slower = found[best] - max(found[0], 0.0)
+    slow = slower > CONVINCING
+    how = f"every {best + 1} periods, evidence {slower:.0f}" if slow else "no slower"
+    return Check(not slow, f"what it leaves repeats {how}")
 
 
 def oscillation_parameters(scene: Scene, choice: int) -> list[Parameter]:

@@ -17,10 +17,11 @@ from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps, inside
 from pyport.thresholds import FEWEST
 
-#: Widths of the bumps over the sky, and along azimuth and elevation. [rad]
+#: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
+#: sectors of an encoder's disc. [rad]
 OVER_SKY = (20 * DEG, 45 * DEG)
-ALONG_AZIMUTH = (6 * DEG, 20 * DEG)
-ALONG_ELEVATION = (5 * DEG,)
+ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
+ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 #: Bumps along a column: so many over the ranks of its values.
 ALONG_COLUMN = 10
 #: Lengths of bumps in time. [s]

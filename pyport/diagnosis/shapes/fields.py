@@ -26,7 +26,13 @@ from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.least_squares.gram import inverted, spanned
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, FAMILY_ERROR, FEWEST, IMPERFECTION, NAME_PRICE
+from pyport.thresholds import (
+    CONVINCING,
+    FAMILY_ERROR,
+    FEWEST,
+    IMPERFECTION,
+    NAME_PRICE,
+)
 
 #: A stretch that holds more of the readings than this is no place.
 WIDEST = 0.35
@@ -197,21 +203,26 @@ def region(field: Field, curve: Array) -> tuple[Interval, ...]:
 
 
 def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
-    """Return the search with a field in place of all names from some turn on, if it is better."""
+    """Return the search with a field in place of all names from some turn on, if it is better.
+
+    A field that no name points at shows by itself: a Bayes factor bounds the chance that noise
+    alone reaches it. None in time does, for that is what a drift is like.
+    """
     setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
-    if not names and family_p_value(outcome.last) > FAMILY_ERROR:
-        return None
     weighed = outcome.weighed if not names else weigh_model(setup, before)
     ground = Ground(setup, weighed, before)
     worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, weighed, before))]
-    best = max(worths, key=lambda one: one.evidence)
     strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
     least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
+    elif family_p_value(outcome.last) > FAMILY_ERROR:
+        least = max(least, -2 * float(np.log(FAMILY_ERROR)))
+        worths = [one for one in worths if not one.field.of_time]
+    best = max(worths, key=lambda one: one.evidence)
     if best.evidence <= least or best.directions.shape[1] == 0:
         return None
-    return _with_field(setup, before, outcome.steps[:turn], best, outcome.p_value)
+    return _with_field(outcome, turn, best)
 
 
 def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
@@ -221,14 +232,9 @@ def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
     return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
 
 
-def _with_field(
-    setup: Problem,
-    before: tuple[Chosen, ...],
-    steps: tuple[Step, ...],
-    worth: Worth,
-    p_value: float,
-) -> Outcome | None:
-    """Return the search with a field added to it; None where it does not predict unseen data."""
+def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
+    """Return the search with a field from some turn on; None where it does not predict."""
+    setup, before, steps = outcome.setup, outcome.chosen[:turn], outcome.steps[:turn]
     columns = worth.field.columns @ worth.directions
     # Of unit rms, so that a coefficient is the size of what it stands for.
     unit = np.sqrt(np.mean(columns**2, axis=0))
@@ -247,6 +253,7 @@ def _with_field(
     if not own:
         return None
     winner = replace(own[0], evidence=worth.evidence)
-    chance = family_p_value(trials)
+    chance = min(family_p_value(trials), float(np.exp(-worth.evidence / 2)))
+    first = outcome.p_value if steps else min(outcome.p_value, chance)
     step = Step(winner, new, (*trials, winner), before, beside, chance, candidate.price)
-    return Outcome(wider, after, (*steps, step), weigh(wider, after), p_value, ())
+    return Outcome(wider, after, (*steps, step), weigh(wider, after), first, ())

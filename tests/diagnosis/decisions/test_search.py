@@ -408,9 +408,14 @@ def test_evidence_beside_a_model_is_that_of_dense_algebra():
     assert gained < (column @ left) ** 2 / (column @ column)
 
 
-def field(evidence, directions=1):
+def field(evidence, directions=1, *, of_time=False):
     """Return what a field is worth."""
-    return SimpleNamespace(evidence=evidence, directions=np.ones((3, directions)), gain=1.0)
+    return SimpleNamespace(
+        evidence=evidence,
+        directions=np.ones((3, directions)),
+        gain=1.0,
+        field=SimpleNamespace(of_time=of_time),
+    )
 
 
 def instead(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
@@ -446,11 +451,20 @@ def test_a_field_must_exceed_what_a_strong_effect_leaves(monkeypatch, evidence, 
 
 
 @pytest.mark.parametrize(
-    ("p_value", "wins"), [(0.0095, True), (0.0105, False), (0.006, True), (0.019, False)]
+    ("p_value", "evidence", "wins"),
+    [(0.0095, 7.0, True), (0.0105, 7.0, False), (0.5, 9.0, False), (0.5, 9.4, True)],
 )
-def test_a_field_without_a_name_needs_a_mismatch(monkeypatch, p_value, wins):
-    """With a p-value up to one in a hundred."""
-    assert instead(monkeypatch, [field(90.0)], outcome(), p_value=p_value) == wins
+def test_a_field_that_no_name_points_at_shows_by_itself(monkeypatch, p_value, evidence, wins):
+    """At odds of a hundred to one, where the p-value of the names is above one in a hundred."""
+    assert instead(monkeypatch, [field(evidence)], outcome(), p_value=p_value) == wins
+
+
+@pytest.mark.parametrize(("p_value", "wins"), [(0.0095, True), (0.0105, False)])
+def test_a_field_in_time_needs_a_mismatch(monkeypatch, p_value, wins):
+    """What is smooth in time is what a drift is like."""
+    worths = [field(90.0, of_time=True), field(-3.0)]
+
+    assert instead(monkeypatch, worths, outcome(), p_value=p_value) == wins
 
 
 def test_a_field_that_nothing_determines_is_none(monkeypatch):
