@@ -10,6 +10,8 @@ from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.shapes.boxes import Field, boxes
 from pyport.diagnosis.shapes.fields import Ground, region
 from pyport.diagnosis.weighing import weigh
+from pyport.effects import Circumstances, Site
+from pyport.effects.empirical.fields import last_slew
 from pyport.formats.models import load
 
 
@@ -47,6 +49,38 @@ def test_sectors_finer_than_any_harmonic_are_found_though_no_name_sees_them():
     assert [one.variant for one in found.findings] == ["el: follows az_deg"]
     assert found.findings[0].verdict == "unknown"
     assert found.p_value < 1e-4
+
+
+@pytest.mark.slow
+def test_a_structure_that_rests_slowly_after_slews_is_told_from_a_drift():
+    """Elevation is off by the way that the telescope came."""
+    found = diagnose(
+        recordings(600, 5, y=lambda at: 9 * np.clip(np.diff(at.el, prepend=at.el[0]), -0.4, 0.4)),
+        load("altaz"),
+    )
+
+    assert [one.variant for one in found.findings] == ["el: follows the last slew in el"]
+    assert found.findings[0].verdict == "unknown"
+
+
+def test_the_last_slew_stays_while_a_source_is_tracked():
+    """Each antenna slews by itself; before its first slew nothing is known."""
+    degrees = np.radians([0, 100, 30, 31, 33.0, 100.2, 31.5])
+    at = Circumstances(
+        degrees,
+        np.full(7, 0.7),
+        Site(0.9),
+        {
+            "time": np.array([0, 1, 10, 20, 40, 12, 30.0]),
+            "antenna": np.array(list("ABAAABA")),
+        },
+    )
+    nowhere = np.nan
+
+    assert np.degrees(last_slew(at)[0]) == pytest.approx(
+        [nowhere, nowhere, 30, 30, 1.5, nowhere, 30], nan_ok=True
+    )
+    assert last_slew(at)[1] == pytest.approx([nowhere, nowhere, 0, 0, 0, nowhere, 0], nan_ok=True)
 
 
 @pytest.mark.slow

@@ -81,7 +81,7 @@ def families(setup: Problem) -> Iterator[tuple[int, Field]]:
         for m in WAVES_AROUND
         for n in WAVES_UPWARD
     ]
-    for kind in (sky, waves, [*_curves(setup), *_in_time(setup)]):
+    for kind in (sky, waves, [*_curves(setup), *_after_slews(setup), *_in_time(setup)]):
         for one in kind:
             yield len(kind), one
 
@@ -122,6 +122,19 @@ def _curves(setup: Problem) -> Iterator[Field]:
             ordered = np.sort(values).tolist()
             along = name, values[row]
             yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+
+
+def _after_slews(setup: Problem) -> Iterator[Field]:
+    """Yield bumps along how far the last slew went, where the moments of recordings are known."""
+    at = setup.recordings.at
+    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+        return
+    for name, went in zip(("az_deg", "el_deg"), fields.last_slew(at), strict=True):
+        known = np.sort(went[np.isfinite(went)]).tolist()
+        if len(set(known)) > ALONG_COLUMN:
+            how = f"follows the last slew in {name.removesuffix('_deg')}"
+            told = {"name": name, "count": ALONG_COLUMN, "values": known}
+            yield _field(setup, "a smooth curve", how, "slew", **told)
 
 
 def _curve(setup: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401

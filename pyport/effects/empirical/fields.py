@@ -58,7 +58,39 @@ def elevation(at: Circumstances, width_rad: float, centres_rad: Sequence[float])
 
 def column(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
     """Return bumps over the ranks that a column's numbers have among `values`, shape (n, K)."""
-    ordered, here = np.sort(np.asarray(values, float)), at.numbers(name)
+    return _ranked(at.numbers(name), count, values)
+
+
+#: What moves less is tracked, not slewed to. [rad]
+SLEW_RAD = 0.02
+
+
+def last_slew(at: Circumstances) -> Array:
+    """Return how far each antenna went in azimuth and elevation when it last slewed [rad], (2, n).
+
+    A structure comes to rest slowly, and a drive that has play stands where it came from. NaN where
+    an antenna has not slewed yet, or the time is unknown.
+    """
+    time, angles = at.numbers("time"), np.stack([at.az, at.el])
+    antennas = at.column("antenna") if "antenna" in at else np.zeros(len(at))
+    found = np.full(angles.shape, np.nan)
+    for one in np.unique(antennas):
+        rows = np.flatnonzero((antennas == one) & np.isfinite(time))
+        rows = rows[np.argsort(time[rows], kind="stable")]
+        went = np.diff(angles[:, rows])
+        slewed = np.flatnonzero(np.abs(went).max(axis=0) > SLEW_RAD)
+        last = np.searchsorted(slewed, np.arange(len(rows))) - 1
+        found[:, rows[last >= 0]] = went[:, slewed[last[last >= 0]]]
+    return found
+
+
+def slew(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
+    """Return bumps over the ranks of how far the last slew went in an angle, shape (n, K)."""
+    return _ranked(last_slew(at)[int(name != "az_deg")], count, values)
+
+
+def _ranked(here: Array, count: int, values: Sequence[float]) -> Array:
+    ordered = np.sort(np.asarray(values, float))
     rank = np.searchsorted(ordered, here) / len(ordered)
     bumps = _normal(rank, np.linspace(0, 1, count), 1 / (count - 1))
     return np.where(np.isfinite(here)[:, None], bumps, 0.0)
@@ -111,7 +143,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
 
 KINDS: dict[str, Callable[..., Array]] = {
     one.__name__: one
-    for one in (sky, wave, waves, azimuth, elevation, column, time, box, stretch, curve)
+    for one in (sky, wave, waves, azimuth, elevation, column, slew, time, box, stretch, curve)
 }
 
 
@@ -176,7 +208,7 @@ def field(
 
 
 def _needs(bumps: Bumps) -> tuple[str, ...]:
-    if bumps["kind"] == "time" or bumps.get("name") == "time":
+    if bumps["kind"] in {"time", "slew"} or bumps.get("name") == "time":
         return ("time_utc",)
     named = bumps["kind"] in {"column", "curve"} and bumps["name"] not in {"az_deg", "el_deg"}
     return (bumps["name"],) if named else ()
