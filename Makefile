@@ -9,7 +9,7 @@ OUT ?= out
 
 .PHONY: demo test quick lint format proof proof-small acceptance docs physics api tutorial screenshots golden
 .PHONY: dist wheel sanitize clean
-.PHONY: nulls real mutants-diagnosis calibrate efficiency mounts watch-nights watch-replays watch-kills watch-week
+.PHONY: nulls real same mutants-diagnosis calibrate efficiency mounts watch-nights watch-replays watch-kills watch-week
 .PHONY: fuzz torture faults machines lock audit
 .PHONY: bench bench-record growth FORCE
 .PHONY: parity-long parity-matrix parity-slalib mutants coverage parity-report
@@ -159,6 +159,12 @@ proof: $(BIN)/pyport
 # Small wrong changes of the noise, the diagnosis, the fit and the effects: what the tests notice.
 mutants-diagnosis: $(VENV)/test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/mutants/run.py
+
+# Ten fixed inputs diagnosed by this program and by an earlier one: code that moves changes no report.
+BASE ?= HEAD
+
+same: $(BIN)/pyport
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/same/run.py $(BASE)
 
 # False alarms against thresholds, and coverage, in every kind of noise; goes on where it was stopped.
 calibrate: $(BIN)/pyport

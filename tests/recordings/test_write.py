@@ -134,3 +134,45 @@ def test_ecsv_units_beside_the_names(tmp_path):
     table.write(path, overwrite=True)
     with pytest.raises(ValueError, match="expected 'deg'"):
         read(path)
+
+
+def with_unit(path, name, unit, number):
+    """Write an ECSV file with one row and one column more, and return it."""
+    path.write_text(
+        "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: az_deg, datatype: float64}\n"
+        "# - {name: el_deg, datatype: float64}\n"
+        "# - {name: d_el, unit: arcsec, datatype: float64}\n"
+        f"# - {{name: {name}, unit: {unit}, datatype: float64}}\n"
+        f"az_deg el_deg d_el {name}\n10 40 5 {number!r}\n"
+    )
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "number", "column"),
+    [
+        ("temperature_c", "K", 285.15, "temperature_c"),
+        ("temperature", "K", 285.15, "temperature_c"),
+        ("temperature_c", "deg_C", 12.0, "temperature_c"),
+        ("pressure_hpa", "kPa", 1.2, "pressure_hpa"),
+        ("tsys_k", "K", 12.0, "tsys_k"),
+    ],
+)
+def test_ecsv_units_are_converted_to_those_of_the_names(tmp_path, name, unit, number, column):
+    """Kelvins are no degrees; what the contract does not know stays as it is."""
+    night = read(with_unit(tmp_path / "night.ecsv", name, unit, number))
+
+    assert night.at.column(column) == pytest.approx([12.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "wrong"),
+    [
+        ("temperature_c", "kg", "column 'temperature_c' is in kg, expected deg_C"),
+        ("d_az", "furlong", "column 'd_az_deg' is in furlong, expected deg"),
+    ],
+)
+def test_an_ecsv_unit_that_the_name_cannot_have_is_refused(tmp_path, name, unit, wrong):
+    """In one line that says both."""
+    with pytest.raises(ValueError, match=wrong):
+        read(with_unit(tmp_path / "night.ecsv", name, unit, 1.0))

@@ -14,6 +14,7 @@ from pyport.angles import RADIANS_PER
 from pyport.columns import ANGLES
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.recordings.formats.cells import in_its_unit
 from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
 from pyport.recordings.raw import LONGEST_CELL, Raw, TextColumn
 from pyport.recordings.schema import Table
@@ -28,7 +29,8 @@ _SUFFIX = {"hourangle": "h"}
 def read_ecsv(path: Path) -> Raw:
     """Read the cells of an ECSV file; a column's unit may stand in its name or beside it.
 
-    Raises `BadInput`: the file is no ECSV, or a column's name and its unit contradict each other.
+    Raises `BadInput`: the file is no ECSV, or a column's unit contradicts its name, or is none that
+    the name could have.
     """
     from astropy.table import Table
 
@@ -42,10 +44,10 @@ def read_ecsv(path: Path) -> Raw:
     header, rows = (lines[0], lines[1:]) if lines else (1, [])
     columns: dict[str, NDArray[Any]] = {}
     for column in table.itercols():
-        name = _with_unit(column.name, None if column.unit is None else str(column.unit), path)
+        name, cells = _with_unit(column, path)
         if name in columns:
             raise BadInput(f"two columns are called {name!r}, expected one", path, header)
-        columns[name] = _filled(column)
+        columns[name] = cells
     if not len(table):
         raise BadInput("no rows below the column names", path, header)
     meta = {str(key): _told(value) for key, value in table.meta.items()}
@@ -61,16 +63,19 @@ def _told(value: object) -> str:
     return short.repr(value)
 
 
-def _with_unit(name: str, unit: str | None, path: Path) -> str:
-    unit = _SUFFIX.get(unit or "", unit)
-    if unit not in RADIANS_PER:
-        return name
-    if name in ANGLES:
-        return f"{name}_{unit}"
+def _with_unit(column: Any, path: Path) -> tuple[str, NDArray[Any]]:  # noqa: ANN401 - astropy
+    """Return a column under the contract's name, in the unit that the name tells."""
+    name, unit = column.name, getattr(column, "unit", None)
+    if unit is None or not str(unit):
+        return name, _filled(column)
+    unit = _SUFFIX.get(str(unit), str(unit))
     quantity, _, told = name.rpartition("_")
-    if quantity in ANGLES and told in RADIANS_PER and told != unit:
+    if quantity in ANGLES and told in RADIANS_PER and unit in RADIANS_PER and told != unit:
         raise BadInput(f"column {name!r} says its unit is {unit!r}, expected {told!r}", path)
-    return name
+    try:
+        return in_its_unit(name, column)
+    except BadInput as error:
+        raise BadInput(error.message.removeprefix("table: "), path) from None
 
 
 def _filled(column: Any) -> NDArray[Any]:  # noqa: ANN401 - astropy is not typed
