@@ -24,10 +24,10 @@ def finding(effect, *members, verdict="named", **more):
     return {"effect": effect, "class": [effect, *members], "verdict": verdict, "where": {}, **more}
 
 
-def judged(findings, *causes, group="one"):
+def judged(findings, *causes, group="one", **facts):
     """Return the verdict on findings, for hidden causes given as (effect, class)."""
     effects = [
-        {"effect": effect, "class": list(names), "parameters": {"size": 2.0}}
+        {"effect": effect, "class": list(names), "parameters": {"size": 2.0}, "facts": facts}
         for effect, names in causes
     ]
     truth = {"spec": {"group": group, "rho": 1.0, "effect": "x"}, "truth": {"effects": effects}}
@@ -98,6 +98,15 @@ def test_a_pull_is_how_many_sigmas_a_coefficient_is_off():
 
     assert verdict.pulls == (("sag_sine", "size", 2.0), ("sag_sine", "of_nature", -2.0))
     assert again.pulls == verdict.pulls
+
+
+@pytest.mark.parametrize(("variant", "compared"), [("k = 3", 1), ("k = 30", 0), ("k = 2", 0)])
+def test_coefficients_of_another_harmonic_are_others(variant, compared):
+    """Three waves were hidden."""
+    parameters = [{"name": "size", "value": 2.5, "sigma": 0.25, "expected": None}]
+    verdict = judged([finding("sag_sine", parameters=parameters, variant=variant)], SAG, k=3)
+
+    assert len(verdict.pulls) == compared
 
 
 def test_wilson_s_interval_is_that_of_the_books():

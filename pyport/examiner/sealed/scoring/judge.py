@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -119,10 +120,14 @@ def _first_three(findings: list[Finding]) -> list[Finding]:
 def _pulls(findings: list[Finding], cause: Cause) -> list[tuple[str, str, float]]:
     """Return (effect, parameter, pull) of what both sides give a number for.
 
-    Of several findings of one name the strongest stands for it; the uncatalogued have no numbers.
+    Of several findings of one name the strongest stands for it; the uncatalogued have no numbers,
+    and the coefficients of another harmonic are others.
     """
-    effect = cause["effect"]
+    effect, k = cause["effect"], cause.get("facts", {}).get("k")
     meant = [one for one in findings if one["effect"] == effect != "unknown"][:1]
+    other = re.compile(rf"k = (?!{k}\b)\d+")
+    if k is not None and any(other.match(one.get("variant") or "") for one in meant):
+        return []
     pulls = []
     for parameter in (each for one in meant for each in one.get("parameters", [])):
         # Only what nature fixes, or what truth knows under the same name, can be compared.
