@@ -1,4 +1,4 @@
-"""The panels of the page as figures: the sky, residuals against columns, distributions, ..."""
+"""Panels for print: the sky, residuals against columns, distributions, what the search tried."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Panels for print: every one is drawn, with units, the same bytes each time, safe file names."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -17,6 +18,9 @@ from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.plots.style import AFTER, BEFORE, nice
 
+#: Panels of what has no unit.
+UNITLESS = {"correlations", "candidates"}
+
 
 @pytest.fixture(scope="module")
 def panels():
@@ -30,13 +34,23 @@ def panels():
 
 @pytest.mark.slow
 def test_every_panel_is_drawn_with_its_units(panels, tmp_path):
-    """Each panel of residuals names its unit on an axis; each is written as an SVG."""
+    """Each pair of axes names the unit of the residuals; each panel is written as an SVG."""
     for name, draw in panels.items():
         figure = draw()
-        labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes]
-        if name.startswith(("against", "azel", "distributions", "rms")):
-            assert any("[" in label for label in labels), name
+        for axes in figure.axes:
+            label = axes.get_xlabel() + axes.get_ylabel() + axes.get_title()
+            assert "arcsec" in label or name in UNITLESS, name
         assert plots.write(figure, tmp_path / f"{name}.svg").stat().st_size > 1000
+
+
+def test_every_panel_stands_in_the_manual(panels):
+    """The page on pages has a table of them."""
+    manual = (Path(__file__).parents[2] / "docs" / "page.md").read_text(encoding="utf-8")
+    columns = {f"against-{one}" for one in ("session", "source", "_up", "scan_direction")}
+
+    assert {f"`{name}`" for name in panels.keys() - columns - {"against-temperature_c"}} <= {
+        *re.findall(r"`[^`\n]+`", manual)
+    }
 
 
 def test_names_of_panels_are_names_of_files(panels):
