@@ -52,7 +52,7 @@ class Shown:
         return list(panels(*self.drawn))
 
     def plot(self, panel: str) -> Figure:
-        """Return a panel of the page as a matplotlib figure.
+        """Return a panel as a matplotlib figure.
 
         Raises
         ------
