@@ -8,6 +8,7 @@ import resource
 import subprocess
 import sys
 import tarfile
+import time
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,18 @@ ROOT = Path(__file__).parents[2]
 #: The last commit before there was a kernel.
 BEFORE = "6aa51f1"
 ONE = {"effect": "refraction"}
+
+
+#: What no command with pictures can do without: Python, the libraries, an empty picture.
+EMPTY = """
+import click, numpy, pyarrow.csv, scipy.linalg, scipy.special
+from matplotlib.figure import Figure
+figure = Figure(figsize=(10, 6.4), layout="constrained")
+for place in (1, 2, 3):
+    figure.add_subplot(2, 2, place)
+figure.savefig("empty.png", dpi=110)
+"""
+COUNTED = "Python, its libraries, and an empty picture of that kind"
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +75,17 @@ def made(folder, *kind, **more):
 
 def command(folder, *words, program=ROOT):
     """Return what runs a command of a program and returns the processor's time that it took [s]."""
+    out = "--out", str(folder / "out"), "--quiet"
+    return process(folder, "-m", "pyport", *words, *out, program=program)
+
+
+def process(folder, *words, program=ROOT):
+    """Return what runs Python and returns the processor's time that it took [s]."""
 
     def run():
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(
-            [sys.executable, "-m", "pyport", *words, "--out", str(folder / "out"), "--quiet"],
+            [sys.executable, *words],
             env={**os.environ, "PYTHONPATH": str(program)},
             cwd=folder,
             check=True,
@@ -77,11 +96,14 @@ def command(folder, *words, program=ROOT):
     return run
 
 
-def in_seconds(benchmark, request, run):
-    """Measure a command once."""
+def in_seconds(benchmark, request, folder, *words):
+    """Measure a command once, and what it cannot do without."""
     benchmark.group = ROWS[request.function.__name__]
-    benchmark.extra_info["peers"] = {}
-    benchmark.pedantic(run, rounds=1)
+    begin = time.perf_counter()
+    process(folder, "-c", EMPTY)()
+    taken = time.perf_counter() - begin
+    benchmark.extra_info.update(peers={}, limit=COUNTED, limit_s=taken)
+    benchmark.pedantic(command(folder, *words), rounds=1)
 
 
 def beside_the_old(benchmark, request, folder, path, old):
@@ -89,36 +111,41 @@ def beside_the_old(benchmark, request, folder, path, old):
     benchmark.group = ROWS[request.function.__name__]
     theirs = command(folder, "diagnose", str(path), program=old)()
     ours = benchmark.pedantic(command(folder, "diagnose", str(path)), rounds=1)
-    benchmark.extra_info.update(seconds=ours, peers={f"processor's time of {BEFORE}": theirs})
+    benchmark.extra_info.update(
+        seconds=ours,
+        peers={f"processor's time of {BEFORE}": theirs},
+        limit=COUNTED,
+        limit_s=process(folder, "-c", EMPTY)(),
+    )
 
 
 def test_one_cause(benchmark, request, folder):
     """As many rows as the RT32's campaign, one cause."""
     path = made(folder, "one", 21, rows=5600, **ONE)
-    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+    in_seconds(benchmark, request, folder, "diagnose", str(path))
 
 
 def test_four_causes(benchmark, request, folder):
     """Recordings like the RT32's."""
-    in_seconds(benchmark, request, command(folder, "diagnose", str(made(folder, "rt32", 91))))
+    in_seconds(benchmark, request, folder, "diagnose", str(made(folder, "rt32", 91)))
 
 
 def test_drawn_case(benchmark, request, folder):
     """As many rows as a trial."""
     path = made(folder, "one", 21, **ONE)
-    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+    in_seconds(benchmark, request, folder, "diagnose", str(path))
 
 
 def test_many_rows(benchmark, request, folder):
     """Fifty thousand rows."""
     path = made(folder, "one", 21, rows=50000, **ONE)
-    in_seconds(benchmark, request, command(folder, "diagnose", str(path)))
+    in_seconds(benchmark, request, folder, "diagnose", str(path))
 
 
 def test_plot(benchmark, request, folder):
     """Every panel of a night's recordings, as PDF."""
     path = made(folder, "one", 21, rows=54, **ONE)
-    in_seconds(benchmark, request, command(folder, "plot", str(path)))
+    in_seconds(benchmark, request, folder, "plot", str(path))
 
 
 def test_one_cause_before(benchmark, request, folder, old):

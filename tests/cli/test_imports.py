@@ -41,6 +41,7 @@ def test_imports_inside_functions_and_for_types_count():
     assert "recordings" in arrows(FOUND)["noise"]
 
 
+@pytest.mark.slow
 def test_the_picture_has_every_room():
     """Each with its floor, from the top."""
     done = CliRunner().invoke(program, ["dev", "imports"])

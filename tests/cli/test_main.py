@@ -113,6 +113,7 @@ def test_bad_arguments_are_one_line(called, tmp_path, monkeypatch, words):
     assert said.startswith("pyport: error: ")
 
 
+@pytest.mark.slow
 def test_a_process_of_its_own_ends_with_the_status(tmp_path):
     """As a shell sees it."""
     done = pyport("diagnose", "nowhere.csv", "--out", "out", cwd=tmp_path)
@@ -132,6 +133,7 @@ def nights(tmp_path_factory):
     return names, folder / "both", done
 
 
+@pytest.mark.slow
 def test_a_diagnosis_leaves_report_rows_and_pictures(nights):
     """Each file of recordings gets its folder; the report is valid JSON and on standard output."""
     names, out, done = nights

@@ -171,6 +171,7 @@ def test_names_are_completed(typed, at, expected):
     assert f"plain,{expected}" in done.stdout.splitlines()
 
 
+@pytest.mark.slow
 @given(
     st.recursive(
         st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
@@ -197,6 +198,7 @@ def test_plain_takes_arrays_and_dataclasses_apart():
     assert plain((np.float64(1.5), np.bool_(True))) == [1.5, True]  # noqa: FBT003 - numpy's
 
 
+@pytest.mark.slow
 def test_what_is_being_done_is_told_on_a_terminal_only():
     """On a terminal standard error says what goes on; into a file it says nothing."""
     words = [sys.executable, "-m", "pyport", "look", "gmrt-2003-06-02", "--model", "gmrt-paper"]

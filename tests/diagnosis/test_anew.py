@@ -28,6 +28,7 @@ def outcome(request):
     return found
 
 
+@pytest.mark.slow
 def test_what_is_left_out_chooses_nothing(outcome):
     """Readings of no weight may say what they like."""
     setup, weighed = outcome.setup, outcome.weighed

@@ -28,6 +28,7 @@ def test_nothing_is_claimed_where_nothing_is_hidden():
     assert sum(claims) <= 1
 
 
+@pytest.mark.slow
 def test_refraction_that_was_left_out_is_found_with_its_constant():
     """58 arcsec of cot E behind the classical seven terms comes back as refraction."""
     found = run(recordings(600, 1, y=lambda at: 58 / np.tan(at.el)))
@@ -39,6 +40,7 @@ def test_refraction_that_was_left_out_is_found_with_its_constant():
     assert first.visible_rms < 0.6 * first.true_rms
 
 
+@pytest.mark.slow
 def test_a_nodding_telescope_is_named_with_its_harmonic():
     """A third harmonic of azimuth in elevation comes back with k = 3 and its size."""
     found = run(recordings(600, 2, y=lambda at: 6 * np.sin(3 * at.az)))
@@ -50,6 +52,7 @@ def test_a_nodding_telescope_is_named_with_its_harmonic():
     assert len(found.findings) == 1
 
 
+@pytest.mark.slow
 def test_an_offset_that_follows_an_unknown_column_is_unknown_and_says_which():
     """Physics outside the catalogue is not given a name; the column that it follows is."""
     found = run(

@@ -62,6 +62,7 @@ def test_a_path_becomes_a_curve_and_a_path_again():
     np.testing.assert_array_equal(sky.path_of(sky.edge_of(path)), path)
 
 
+@pytest.mark.slow
 def test_paths_are_drawn_as_often_as_they_are_likely():
     """Shares of many draws are those that trying every path gives."""
     rng = np.random.default_rng(3)

@@ -39,6 +39,7 @@ def wandering():
     return diagnose(made, load("altaz"))
 
 
+@pytest.mark.slow
 def test_what_nights_do_is_a_size(wandering):
     """Terminal, report and page give the standard deviation among the nights."""
     found = told(report_of(wandering))["noise"]["departures"]
@@ -51,6 +52,7 @@ def test_what_nights_do_is_a_size(wandering):
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
 
 
+@pytest.mark.slow
 def test_what_drifts_is_said_with_its_memory(drifting):
     """In arcseconds and hours, with the nights furthest from usual; the steady axis is not."""
     (one,) = told(report_of(drifting))["noise"]["drifts"]
@@ -85,6 +87,7 @@ def drifting():
     return diagnose(made, load("altaz"))
 
 
+@pytest.mark.slow
 def test_scatter_that_grows_toward_the_horizon_is_said():
     """As one over sin E, by so much; even scatter is not worth a word."""
     rng = np.random.default_rng(5)
@@ -99,6 +102,7 @@ def test_scatter_that_grows_toward_the_horizon_is_said():
     assert not by_elevation(even)
 
 
+@pytest.mark.slow
 def test_what_was_derived_is_said():
     """Nights from gaps, the order from the rows: the reader knows that nobody recorded them."""
     made = recordings(120, 3)
@@ -134,6 +138,7 @@ def test_the_sky_rms_is_that_of_pointings():
     assert axis_rms(data, left, ~used, is_y=True) is None
 
 
+@pytest.mark.slow
 def test_both_commands_say_the_same_rms_in_the_same_words():
     """One definition per axis and on the sky, named where it is printed."""
     made = recordings(200, 8)

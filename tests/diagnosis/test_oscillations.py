@@ -214,6 +214,7 @@ def test_nights_at_equal_intervals_leave_the_period_open():
     assert sigma["unequal"] < 0.001 * 1800 < 0.01 * 1800 < sigma["equal"]
 
 
+@pytest.mark.slow
 def test_period_amplitude_and_phase_are_reported():
     """Each with its error; the sentence says them."""
     found = diagnose(made(SWINGS["held"]), load("altaz"), seed=1).findings[0]

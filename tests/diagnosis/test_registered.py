@@ -56,6 +56,7 @@ def warped(n=240, seed=3, **columns):
     return recordings(n, seed, x=bend[0], y=bend[1], **columns)
 
 
+@pytest.mark.slow
 def test_it_is_named_sized_worded_and_drawn():
     """In four nights it is found; the text, the report and the page say what it is."""
     measured = warped()
@@ -71,6 +72,7 @@ def test_it_is_named_sized_worded_and_drawn():
     assert "<h3>bearing warp</h3>" in drawn
 
 
+@pytest.mark.slow
 def test_it_is_refused_from_a_single_night():
     """One night has one curve of temperature: whatever else went with the hour looks the same."""
     n = 240

@@ -62,6 +62,7 @@ def test_tilt_that_follows_the_temperature_is_never_a_change_between_sessions(se
         assert abs(parameter.value - true) < 4 * parameter.sigma < 0.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "nights", "times"), [(18, 1, 1), (24, 2, -1), (18, 1, 2)])
 def test_a_circle_of_the_rotator_is_found_in_eighteen_rows(rows, nights, times):
     """A camera 20 arcsec off the axis of its rotator, in noise of 1 arcsec, turns up as that."""
@@ -77,6 +78,7 @@ def test_a_circle_of_the_rotator_is_found_in_eighteen_rows(rows, nights, times):
     assert found[0].variant == f"phi = {sign}{twice}rotator_deg"
 
 
+@pytest.mark.slow
 def test_a_lean_that_the_model_lacks_has_one_name_in_one_night():
     """What leans by the hour draws the same there, but it is a change of what is missing."""
 
@@ -91,6 +93,7 @@ def test_a_lean_that_the_model_lacks_has_one_name_in_one_night():
     assert [(one.effect, one.members) for one in found] == [("tilt", ("tilt",))]
 
 
+@pytest.mark.slow
 def test_focus_that_moves_the_beam_is_named_with_its_size():
     """A beam that goes 8 arcsec across with each mm of focus: the collimation follows it."""
     given = drawn(200, 3, 1, 3.0, lambda at, _: (8 * at.column("focus_mm"), 0 * at.el))
@@ -131,6 +134,7 @@ def test_a_receiver_on_a_platform_is_named_where_skew_and_sag_are_not_fitted():
     assert first.verdict == "named"
 
 
+@pytest.mark.slow
 def test_a_receiver_on_a_platform_is_no_second_name_for_sag():
     """Beside skew and sag it is the sine of elevation, which is said once."""
     found = diagnose(drawn(300, 3, 2, 1.0, on_platform), load("altaz")).findings
@@ -139,6 +143,7 @@ def test_a_receiver_on_a_platform_is_no_second_name_for_sag():
     assert all("nasmyth" not in one.members for one in found)
 
 
+@pytest.mark.slow
 def test_two_conditions_that_go_together_are_both_said():
     """Where the yoke goes with the air the tilt may follow either: no one name."""
 

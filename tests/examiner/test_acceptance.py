@@ -61,6 +61,7 @@ def test_the_distance_of_an_edge_is_the_median_over_its_length():
     assert drawn._edge_off_deg({"where": {"curve": None}}) is None
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not there")
 def test_the_lmts_published_terms_come_out():
     """Published coefficients and rms are met, and the tilts of both axes disagree."""
@@ -70,6 +71,7 @@ def test_the_lmts_published_terms_come_out():
     assert isinstance(lines["LMT, xel: rms"], Line)
 
 
+@pytest.mark.slow
 def test_a_gain_that_is_stated_is_one_on_fresh_recordings():
     """A tilt that steps, half of whose recordings are diagnosed; 3 s, for both halves count."""
     one = gains._gain(("epoch_tilt", 502))

@@ -24,6 +24,7 @@ def recorded(tmp_path, *kind, **options):
     return path
 
 
+@pytest.mark.slow
 def test_a_loud_cause_of_the_list_comes_first(tmp_path, method):
     """Its name, alone in its class, in a report that can be judged."""
     path = recorded(tmp_path, "one", 5, effect="elevation_encoder_harmonics", rho=2.0)

@@ -37,6 +37,7 @@ def test_a_tube_hangs_down_on_every_mount(kind):
     assert np.allclose(np.hypot(x, y) / ARCSEC, 20 * np.cos(el), atol=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mount", examine.MOUNTS)
 def test_a_case_is_the_same_every_time_and_another_is_not(mount):
     """Drawn from its number; what is hidden is called as the program calls it on this mount."""

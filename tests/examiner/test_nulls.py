@@ -107,6 +107,7 @@ def test_terms_and_causes_have_the_formulae_of_the_program():
             np.testing.assert_allclose(cause.offset, after * theirs("tilt", cause.truth), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_least_squares_of_white_cases_cover_the_hidden_model():
     """Two coefficients of three within one sigma, 19 of 20 within two."""
     z = []
@@ -145,6 +146,7 @@ def test_a_change_is_expected_by_session_and_since_a_moment():
     assert cause.expected("tilt_up[night 02]") is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "low", "high"),
     [("scatter-elevation", 2.5, 7), ("scatter-azimuth", 3, 6), ("scatter-session", 3, 6)],
@@ -156,6 +158,7 @@ def test_scatter_grows_by_the_stated_factor(kind, low, high):
     assert low <= sigma.max() / sigma.min() <= high
 
 
+@pytest.mark.slow
 def test_scatter_by_elevation_goes_as_the_air_does():
     """What is left over 1 / sin E is white."""
     at = pointings(sky="wide")
@@ -176,6 +179,7 @@ def test_outliers_are_one_in_twenty_and_on_their_side():
     assert np.mean(single < -5) == 0
 
 
+@pytest.mark.slow
 def test_skewed_noise_leans_and_has_no_mean():
     """Gamma of shape two: skewness sqrt(2)."""
     value = noise("skewed", pointings()).value
@@ -185,6 +189,7 @@ def test_skewed_noise_leans_and_has_no_mean():
     assert np.mean(value, axis=0) == pytest.approx(0, abs=0.03)
 
 
+@pytest.mark.slow
 def test_the_axes_hang_together_where_they_should():
     """0.6 to 0.9 either way; nothing in white noise."""
     at = pointings()
@@ -338,6 +343,7 @@ def test_scatter_that_is_reported_is_no_claim():
     assert nulls.claimed({"mismatch": True, "findings": [{}]})
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_it_stopped(tmp_path, monkeypatch):
     """What is there is not done again, a line cut short is; of another program nothing counts."""
     file = tmp_path / "nulls.jsonl"

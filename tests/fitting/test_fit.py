@@ -29,6 +29,7 @@ def simulated(n, noise_arcsec, seed):
     return Recordings(at, x, y, nothing, nothing, np.arange(n), Path("simulated"))
 
 
+@pytest.mark.slow
 def test_altaz_is_recovered_within_its_sigmas():
     """Over many noise draws the misses are normal with the sigmas that the fit states."""
     misses = []

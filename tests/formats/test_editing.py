@@ -125,6 +125,7 @@ def test_every_effect_can_be_added_by_its_id():
             assert len(named(effect.id)) == len(effect.coefficients)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_holds_what_is_fixed(night):
     """Its base are the terms that are fitted; fixed ones are taken off."""
     setup = prepare(read(night), edited(load("altaz"), fix=["IE=-55", "NPAE=0"]))

@@ -51,6 +51,7 @@ def test_port_is_the_program_with_any_c_library(name):
         assert promise.kept(rt32.VECTORISED, pair.routine, held)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("routine", rt32.ROUTINES, ids=lambda routine: routine.name)
 @pytest.mark.usefixtures("same_library")
 def test_port_equals_the_whole_stored_table(routine):

@@ -63,6 +63,7 @@ def test_a_plain_model_goes_there_and_back(plain, tmp_path, suffix):
     np.testing.assert_allclose((x, y), mine, rtol=0, atol=1e-3 * ARCSEC)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", PLAIN)
 def test_what_a_format_cannot_name_is_refused_and_goes_beside_it(jumping, tmp_path, suffix):
     """By name; as a grid with its rms; the file and the grid together are the model."""

@@ -48,6 +48,7 @@ def searched(old):
     return diagnose(recordings(500, 4, antenna=antenna), load(str(old)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scope", ["all", "antenna", "session", "antenna and session"])
 @pytest.mark.parametrize(
     "effect", ["epoch_offset", "epoch_tilt", "tilt", "drift", "elevation_scale"]

@@ -41,6 +41,7 @@ def test_a_fit_says_one_number_everywhere(name, tmp_path):
             assert float(in_text[key]) == pytest.approx(value, abs=0.005)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_a_diagnosis_refits_what_a_fit_fits(name, tmp_path):
     """Before anything is found both have the same coefficients; after, all answers agree.

@@ -210,6 +210,7 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
     assert np.isfinite(grid.sigma_y).all()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not there")
 def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     """The Auxiliary Telescope's 44 points: as many terms picked anew do far worse than held."""

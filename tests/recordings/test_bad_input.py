@@ -111,6 +111,7 @@ def test_folder(tmp_path):
         read(tmp_path)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_any_damage_is_one_clear_line(tmp_path_factory, data):

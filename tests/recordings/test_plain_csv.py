@@ -79,6 +79,7 @@ def test_numbers_to_the_last_bit(values):
     np.testing.assert_array_equal(found, values)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(
     lines=st.lists(LINE, max_size=6),

@@ -53,6 +53,7 @@ def recordings(draw):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".csv", ".ecsv", ".parquet"])
 def test_round_trip(tmp_path_factory, suffix):
     """Every number comes back within rounding, every label and reason as it was."""

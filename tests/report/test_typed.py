@@ -62,6 +62,7 @@ def report() -> dict[str, Any]:
     return pyport.diagnose(table, "altaz").report
 
 
+@pytest.mark.slow
 def test_a_report_is_of_its_types(report: dict[str, Any]) -> None:
     """Every key of a real report stands in the typed one, with its type, and none is missing."""
     assert report["findings"]

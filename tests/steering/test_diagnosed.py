@@ -20,6 +20,7 @@ def recordings(tmp_path_factory):
     return read(path)
 
 
+@pytest.mark.slow
 def test_diagnosis_names_the_missing_term(recordings):
     """Beside the routines the table holds refraction, 58 arcsec at 45 deg, and nothing else."""
     found = diagnose(recordings, models.load("rt32-3model"), refit=[])

@@ -32,6 +32,7 @@ def gaussian(start, monkeypatch):
     start.scale = np.ones(2)
 
 
+@pytest.mark.slow
 def test_a_change_taken_over_is_what_a_filter_with_it_from_the_start_finds(known, monkeypatch):
     """The biases that are followed give the joint state exactly, whatever else is filtered."""
     baseline, past_nulls, rows = known

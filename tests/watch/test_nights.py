@@ -76,6 +76,7 @@ def real(name):
     return sets.read(next(one for one in sets.catalogue() if one["name"] == name), DATA)
 
 
+@pytest.mark.slow
 def test_known_events_of_public_recordings_are_raised():
     """Within as many pointings as the manual says, and some to spare."""
     found = replays._replayed(real("MMT together"), 10_000.0)
@@ -127,6 +128,7 @@ def test_a_wilder_night_is_no_change(monkeypatch):
     assert len(nights.examine(case, 10_000.0)["raised"]) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["IRAM 2013-10"])
 def test_what_a_model_leaves_out_is_no_change(name):
     """The collimation follows the focus: in 437 pointings not one alarm of a change."""

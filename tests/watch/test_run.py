@@ -55,6 +55,7 @@ def state(out):
         return told, {name: kept[name].tobytes() for name in kept.files if name != "told"}
 
 
+@pytest.mark.slow
 def test_it_prints_what_happened_and_leaves_its_files(night):
     """An observer reads a sentence; programs read events, status and metrics."""
     folder, _, done = night
@@ -78,6 +79,7 @@ def test_once_more_tells_nothing_new(night):
     assert (folder / "undisturbed" / EVENTS).read_text() == before
 
 
+@pytest.mark.slow
 def test_taken_up_again_it_is_as_if_it_had_not_stopped(night, tmp_path):
     """Before the alarm, while it is named, and after: the same state to the last bit."""
     folder, drawn, _ = night
@@ -157,6 +159,7 @@ def test_a_line_of_events_that_was_cut_short_is_written_again(night, tmp_path):
     assert noted.read_text().splitlines() == [f"{one} 1" for one in events[1:]]
 
 
+@pytest.mark.slow
 def test_the_first_pointings_stand_for_the_past(night, tmp_path):
     """Without a past the watch begins when there are enough, and keeps them."""
     folder, _, _ = night
@@ -172,6 +175,7 @@ def test_the_first_pointings_stand_for_the_past(night, tmp_path):
     assert "fewer than 999 recordings" in few.output
 
 
+@pytest.mark.slow
 def test_it_stops_at_an_alarm_with_a_status_of_its_own(night, tmp_path):
     """For those who start it from a script."""
     folder, _, _ = night
@@ -192,6 +196,7 @@ def test_two_watches_with_one_folder_are_refused(night, tmp_path):
     assert "another process watches with this folder" in str(done.exception)
 
 
+@pytest.mark.slow
 def test_a_command_that_fails_is_reported(night, tmp_path):
     """The watch goes on without it."""
     folder, _, _ = night

@@ -25,6 +25,7 @@ def seen(drawn):
     return watch, list(watch.replay(drawn.watched))
 
 
+@pytest.mark.slow
 def test_a_tilt_is_raised_named_dated_and_measured(drawn, seen):
     """Three sigmas are seen within five pointings, and called by their name."""
     watch, rows = seen
@@ -60,6 +61,7 @@ def test_rows_one_by_one_are_the_same_as_together(drawn, seen):
         assert [e.event for e in one.events] == [e.event for e in seen[1][n].events]
 
 
+@pytest.mark.slow
 def test_a_step_back_is_the_same_alarm_over(drawn):
     """What comes back ends both: the telescope is as it was."""
     watch = pyport.Watch(drawn.past, header=drawn.header)
@@ -77,6 +79,7 @@ def test_a_step_back_is_the_same_alarm_over(drawn):
     assert watch.standing == []
 
 
+@pytest.mark.slow
 def test_an_alarm_that_the_data_withdraw_is_withdrawn():
     """Four outlying pointings alike raise an alarm; thirty good ones take it back."""
     drawn = world(step=False)
@@ -93,6 +96,7 @@ def test_an_alarm_that_the_data_withdraw_is_withdrawn():
     assert watch.standing == []
 
 
+@pytest.mark.slow
 def test_a_night_without_change_raises_nothing():
     """Ten nights of white noise pass in silence."""
     drawn = world(step=False)
@@ -102,6 +106,7 @@ def test_a_night_without_change_raises_nothing():
     assert watch.raised == 0
 
 
+@pytest.mark.slow
 def test_what_the_past_did_not_show_is_no_change():
     """Elevation follows a temperature that hardly moved in the past: said as if it always had."""
     quiet = world(step=False)
@@ -124,6 +129,7 @@ def test_what_the_past_did_not_show_is_no_change():
     assert alarm.as_json(timed=True)["stood"] is True
 
 
+@pytest.mark.slow
 def test_more_scatter_is_an_alarm_of_scatter():
     """Readings that scatter three times as far are called that."""
     quiet = world(step=False)

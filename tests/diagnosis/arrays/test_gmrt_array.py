@@ -22,6 +22,7 @@ def june():
     return report(*case(read(gmrt_array.TOGETHER), gmrt_array.MODEL))
 
 
+@pytest.mark.slow
 def test_scans_have_a_tag_that_changes_and_play_that_repeats(june):
     """Each day's play is what the other days' say, while the day's tag is its own."""
     tags = {one.name: one.tag for one in june.sessions}
@@ -44,6 +45,7 @@ def test_antenna_days_are_predicted_twice_as_well(june):
     assert medians(june.unseen.of("2003-06-01")).factor > 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gmrt_array.PLACED)
 def test_antennas_stand_where_they_were_surveyed(name):
     """Recordings alone place the antennas, all 12 km of an arm, to a kilometre or two."""

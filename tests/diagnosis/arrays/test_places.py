@@ -32,6 +32,7 @@ def test_displacements_come_back_in_metres(both_axes, sessions, decs_deg):
     assert np.all(places.sigma_m < 1500)
 
 
+@pytest.mark.slow
 def test_a_survey_names_the_site():
     """Leans that grow with distance are the wrong site, and each mount's own lean is told."""
     made = array(EAST_M, lean=0.5, seed=1)[0]
@@ -54,6 +55,7 @@ def test_leaning_mounts_are_no_site():
         assert not report(*case(made), SURVEY).comparison.is_the_site
 
 
+@pytest.mark.slow
 def test_errors_cover_the_scatter_over_many_arrays():
     """The slope is off by its sigma, neither much more nor much less."""
     pulls = []

@@ -27,6 +27,7 @@ def found():
     return report(*case(made, "gmrt-paper"))
 
 
+@pytest.mark.slow
 def test_days_are_predicted_to_their_noise(found):
     """Own parts of other days and the day's common part say all but the noise."""
     for session in found.unseen.sessions:

@@ -104,6 +104,7 @@ def test_a_table_has_a_cell_for_rows_and_loudness():
     assert lines[4].split()[:3] == ["refraction", "3", "1.7"]
 
 
+@pytest.mark.slow
 def test_a_case_is_examined_from_its_seed():
     """What was said stands beside what could have been."""
     (drawn_,) = efficiency.cases(["refraction"], [1.0], [60], 1, 5)

@@ -49,6 +49,7 @@ def results(root, *answers):
     }
 
 
+@pytest.mark.slow
 def test_the_same_seed_is_the_same_challenge(posed, tmp_path, monkeypatch):
     """To the last byte of recordings and key; another seed is another one."""
     monkeypatch.setitem(SETS, "full", lambda: SPECS)
@@ -73,6 +74,7 @@ def test_the_folder_says_what_is_asked_and_no_answer(posed):
     assert "sag_sine" not in "".join(path.read_text() for path in given)
 
 
+@pytest.mark.slow
 def test_right_answers_get_full_marks_in_either_format(posed, tmp_path):
     """Classes, a moment, a region, and in JSON a curve."""
     lines, told = [], {}
@@ -146,6 +148,7 @@ def test_an_answer_to_another_challenge_is_refused(posed, tmp_path):
         challenges.scores(posed, [str(path)])
 
 
+@pytest.mark.slow
 def test_the_command_shows_all_who_answered_beside_each_other(posed, tmp_path):
     """A file and a baseline, a column each."""
     path = tmp_path / "mine.csv"

@@ -88,6 +88,7 @@ def test_a_change_of_code_is_another_program(package, name, text, change):
     assert code.changes(before, now) == change
 
 
+@pytest.mark.slow
 def test_the_program_is_what_decides_and_not_what_shows():
     """Noise, fits, effects and the diagnosis are in it; pages, commands and this test are not."""
     rooms = {path.split("/")[0] for path in code.parts(code.SOLVER)}
@@ -96,6 +97,7 @@ def test_the_program_is_what_decides_and_not_what_shows():
     assert not rooms & {"page", "plots", "cli", "watch", "studies", "examiner", "__init__.py"}
 
 
+@pytest.mark.slow
 def test_the_examiner_draws_judges_and_scores():
     """Its pages are not in it."""
     found = code.parts(code.EXAMINER)

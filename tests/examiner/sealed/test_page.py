@@ -48,6 +48,7 @@ def record(answered, tmp_path):
     return docs, page.proof(page.published(docs / "proof" / "sets"), docs)
 
 
+@pytest.mark.slow
 def test_the_page_holds_the_table_and_its_pictures(record):
     """The baselines stand beside the program; every picture is there, and is a picture."""
     docs, text = record
@@ -61,6 +62,7 @@ def test_the_page_holds_the_table_and_its_pictures(record):
         assert (docs / picture).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_form_without_a_name_stands_beside_what_is_most_like_it(record):
     """How it was answered, and how much of it the program could take, as two cosines."""
     _, text = record
@@ -71,6 +73,7 @@ def test_a_form_without_a_name_stands_beside_what_is_most_like_it(record):
     assert all(0 < float(cosine) <= 1 for row in rows for cosine in row)
 
 
+@pytest.mark.slow
 def test_every_truth_can_be_checked_by_hand(record, tmp_path, monkeypatch):
     """The lines of Python on the page hold as they stand, and not after a truth was changed."""
     docs, text = record
@@ -85,6 +88,7 @@ def test_every_truth_can_be_checked_by_hand(record, tmp_path, monkeypatch):
         exec(code, {})  # noqa: S102 - the page's
 
 
+@pytest.mark.slow
 def test_wrong_answers_are_shown(answered, tmp_path):
     """A confident wrong name stands on the page with what was hidden, or that nothing was."""
     folder = seal.Folder(answered)
@@ -101,6 +105,7 @@ def test_wrong_answers_are_shown(answered, tmp_path):
     assert "(zero): nothing hidden, said drift" in text
 
 
+@pytest.mark.slow
 def test_the_ledger_has_every_set_and_how_far_it_came(record):
     """Sealed and opened; sealed alone."""
     docs, _ = record
@@ -118,6 +123,7 @@ def test_the_ledger_has_every_set_and_how_far_it_came(record):
     assert page.last(sets) is sets[0]
 
 
+@pytest.mark.slow
 def test_a_program_that_has_moved_on_is_said_to_have(record):
     """The words change with the program's hash, and what changed is printed."""
     docs, _ = record

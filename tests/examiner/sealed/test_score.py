@@ -210,6 +210,7 @@ def test_answers_dealt_out_at_random_score_chance():
     assert high < 0.5
 
 
+@pytest.mark.slow
 def test_metadata_that_tells_is_told(tmp_path):
     """The control would notice a column that gives the truth away, and notices none in ours."""
     paths, names = [], []
@@ -229,6 +230,7 @@ def test_metadata_that_tells_is_told(tmp_path):
     assert examining.metadata_only(paths, names)[0] > honest[0]
 
 
+@pytest.mark.slow
 def test_all_right_passes_every_row_and_is_written_down(answered):
     """A set whose every answer is right passes."""
     seal.reveal(answered)
@@ -242,6 +244,7 @@ def test_all_right_passes_every_row_and_is_written_down(answered):
     assert json.loads((answered / "score.json").read_text())["passed"]
 
 
+@pytest.mark.slow
 def test_silence_passes_where_nothing_is_hidden_and_nowhere_else(sealed):
     """A solver that says nothing claims nothing, finds nothing, and it is said so."""
     folder = seal.Folder(sealed)

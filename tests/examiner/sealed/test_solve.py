@@ -72,6 +72,7 @@ def test_a_solver_that_fails_is_recorded_as_failing(sealed, how, why):
     assert all(why in one["examined"]["failed"] for one in reports(sealed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["SIGINT", "SIGTERM", "SIGKILL"])
 def test_a_solver_that_is_stopped_from_outside_gave_no_answer(sealed, how):
     """A key, a shutdown or a machine out of memory is no failure of the solver: asked again."""
@@ -89,6 +90,7 @@ def test_a_solver_that_crashes_failed(sealed):
     assert {one["examined"]["failed"] for one in reports(sealed)} == {"exit status -11"}
 
 
+@pytest.mark.slow
 def test_killed_and_called_again_it_goes_on(sealed):
     """What was answered stays answered, by whom it was; only the rest is solved."""
     solve.run(sealed, 2, ("fake_solver", "parrot"))

@@ -39,6 +39,7 @@ def test_nothing_hidden_leaves_nothing(seed):
     assert np.hypot(*base.rho(*case.clean)) * np.sqrt(len(case.base[0])) < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["null", "rt32", "gmrt"])
 def test_no_telescope_looks_below_its_horizon_or_through_its_zenith(kind):
     """Sources are left when they leave the elevations that the telescope reaches."""
@@ -118,6 +119,7 @@ def test_the_array_shares_a_time_tag_and_nothing_else():
     assert max(map(abs, effects["site_longitude"]["antenna"].values())) > 8000
 
 
+@pytest.mark.slow
 def test_the_rt32_campaign_has_the_published_numbers_of_rows():
     """2758 altitude and 2857 azimuth offsets, one axis a row, azimuth within the cable's."""
     case = make_case("rt32", 1)

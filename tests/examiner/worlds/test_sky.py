@@ -64,6 +64,7 @@ def test_a_step_left_out_moves_sources_by_what_is_known_of_it(step, least, most)
     assert least < greatest < most
 
 
+@pytest.mark.slow
 def test_refraction_left_out_is_sixty_arcsec_at_45_deg():
     """Radio refraction is about 60 arcsec times cot E, in elevation alone."""
     x, y = shift("refraction")

@@ -129,6 +129,7 @@ def test_a_late_clock_flips_with_the_direction():
     assert (both[0] + both[1]) / 2 == pytest.approx(0, abs=0.25)
 
 
+@pytest.mark.slow
 def test_second_round_is_near_zero(tmp_path):
     """After loading the average a second round is told to be near zero, or not."""
     truths = [("W01", "el", 1, 9.0, 1.0), ("W01", "el", 2, 0.1, 1.0), ("W02", "el", 2, 5.0, 1.0)]

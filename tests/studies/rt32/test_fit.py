@@ -45,6 +45,7 @@ def test_without_noise_the_parameters_come_back(method):
     assert fit.inside.all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_recovers_model3(fits, method):
     """All parameters lie within three honest sigmas of those that were put in."""
