@@ -2,6 +2,7 @@
 
 import __future__
 
+import gzip
 import importlib
 import re
 import textwrap
@@ -92,15 +93,18 @@ def test_the_format_of_the_guide_refuses_units(fits_tables, tmp_path, column, un
 
 
 def test_the_format_of_the_guide_refuses_what_is_none(fits_tables, tmp_path):
-    """Text, half a file, and letters that FITS cannot hold."""
+    """Text, half a file, a packed one, and letters that FITS cannot hold."""
     reader, writer = fits_tables
     path = tmp_path / "x.fits"
     table = Table(meta={"note": "T\u00fcbingen"}, columns={"az_deg": np.arange(2000.0)})
-    with pytest.raises(BadInput, match="note has letters beyond ASCII"):
+    with pytest.raises(BadInput, match="note has letters that FITS"):
         writer(table, path)
+    with pytest.raises(BadInput, match="note has letters that FITS"):
+        writer(Table(meta={"note": "two\nlines"}, columns=table.columns), path)
     writer(Table(meta={}, columns=table.columns), path)
     half = path.read_bytes()[:9000]
-    for spoilt in (b"az,el\n1,2\n", half, b""):
+    packed = gzip.compress(path.read_bytes())
+    for spoilt in (b"az,el\n1,2\n", half, b"", packed):
         path.write_bytes(spoilt)
         with pytest.raises(BadInput) as refused:
             reader(path)
