@@ -164,7 +164,7 @@ mutants-diagnosis: $(VENV)/test
 BASE ?= HEAD
 
 same: $(BIN)/pyport
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/same/run.py $(BASE)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/reliability/same.py $(BASE)
 
 # False alarms against thresholds, and coverage, in every kind of noise; goes on where it was stopped.
 calibrate: $(BIN)/pyport

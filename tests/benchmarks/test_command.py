@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import io
 import os
 import resource
 import subprocess
 import sys
-import tarfile
 import time
 from pathlib import Path
 
 import pytest
+from same import checked_out
 
+from pyport.errors import BadInput
 from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.kinds import make_case
 
@@ -53,14 +53,10 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def old(folder):
     """Return the program of that commit, as this repository remembers it."""
-    archive = ["git", "-C", str(ROOT), "archive", BEFORE, "pyport", "golden_tables"]
-    done = subprocess.run([*archive, "legacy_fortran"], capture_output=True, check=False)
-    if done.returncode:
-        pytest.skip(f"no commit {BEFORE} here")
-    tree = folder / "old"
-    tree.mkdir()
-    with tarfile.open(fileobj=io.BytesIO(done.stdout)) as packed:
-        packed.extractall(tree, filter="data")
+    try:
+        tree = checked_out(BEFORE, folder / "old")
+    except BadInput as error:
+        pytest.skip(error.message)
     subprocess.run([sys.executable, "-m", "compileall", "-q", str(tree)], check=False)
     return tree
 

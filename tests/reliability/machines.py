@@ -17,7 +17,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from typing import Any
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.record.files import write_recordings
 
+ROOT = Path(__file__).parents[2]
 #: The greatest difference of a parameter, in its sigmas.
 PROMISED_SIGMAS = 1e-6
 ROWS = 120
@@ -47,12 +48,13 @@ OLDER_BLAS = ("Haswell", "Nehalem")
 
 @dataclass(frozen=True)
 class Machine:
-    """A way to run the program: another processor, other cores, another Python."""
+    """A way to run the program: another processor, other cores, another Python or checkout."""
 
     name: str
     python: str = sys.executable
     environment: dict[str, str] = field(default_factory=dict)
     cores: int = 1
+    program: Path = ROOT
 
 
 def machines(pythons: list[str]) -> list[Machine]:
@@ -74,6 +76,16 @@ def machines(pythons: list[str]) -> list[Machine]:
     return found + [Machine(f"by {one}", python=one) for one in pythons]
 
 
+def written(specs: Iterable[Spec], folder: Path) -> list[tuple[str, ...]]:
+    """Write a case of each kind, and return what `diagnosed` is given for it."""
+    given = []
+    for number, spec in enumerate(specs):
+        path = folder / f"{number}-{spec.group}.csv"
+        write_recordings(spec.make(number), path)
+        given.append((str(path),))
+    return given
+
+
 def diagnosed(machine: Machine, given: list[tuple[str, ...]], out: Path) -> dict[str, Any]:
     """Return what a machine reports of each input."""
     one_core = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
@@ -81,13 +93,14 @@ def diagnosed(machine: Machine, given: list[tuple[str, ...]], out: Path) -> dict
         done = subprocess.run(
             [machine.python, "-m", "pyport", "diagnose", *words, "--out", str(out), "--quiet"],
             env={**os.environ, **one_core, **machine.environment},
+            cwd=machine.program,
             preexec_fn=lambda: _to_cores(machine.cores),
             capture_output=True,
             text=True,
             check=False,
         )
         if done.returncode:
-            raise SystemExit(f"machines: {machine.name}: {words[0]}: {done.stderr.strip()}")
+            raise SystemExit(f"{machine.name}: {words[0]}: {done.stderr.strip()}")
     found = {path.parent.name: json.loads(path.read_text()) for path in out.glob("*/report.json")}
     return dict(sorted(found.items()))
 
@@ -161,11 +174,7 @@ def main() -> int:
     kept = True
     with tempfile.TemporaryDirectory(prefix="machines-") as name:
         folder = Path(name)
-        given: list[tuple[str, ...]] = [(SHIPPED[0], "--model", SHIPPED[1])]
-        for number, spec in enumerate(INPUTS):
-            case, path = spec.make(number), folder / f"{number}-{spec.group}.csv"
-            write_recordings(case, path)
-            given.append((str(path),))
+        given = [(SHIPPED[0], "--model", SHIPPED[1]), *written(INPUTS, folder)]
         first, *others = machines(told.python)
         ours = diagnosed(first, given, folder / "out-0")
         for number, machine in enumerate(others, start=1):

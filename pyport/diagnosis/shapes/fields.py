@@ -26,13 +26,7 @@ from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.least_squares.gram import inverted, spanned
 from pyport.runs.stages import stage
-from pyport.thresholds import (
-    CONVINCING,
-    FAMILY_ERROR,
-    FEWEST,
-    IMPERFECTION,
-    NAME_PRICE,
-)
+from pyport.thresholds import CONVINCING, FAMILY_ERROR, FEWEST, IMPERFECTION, NAME_PRICE
 
 #: A stretch that holds more of the readings than this is no place.
 WIDEST = 0.35
