@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from pyport.effects import Circumstances, Site
+from pyport.errors import BadInput
 from pyport.recordings import Recordings, SetAside, read, write
 
 
@@ -177,3 +178,24 @@ def test_an_ecsv_unit_that_the_name_cannot_have_is_refused(tmp_path, name, unit,
     """In one line that says both."""
     with pytest.raises(ValueError, match=wrong):
         read(with_unit(tmp_path / "night.ecsv", name, unit, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("of", "cell", "reason"),
+    [
+        ("unit: K, datatype: string", "warm", "holds text, expected numbers in K"),
+        ("datatype: string, subtype: 'float64[null]'", "[1.0]", r"temperature_c is '\[1.\]'"),
+        ("datatype: string, subtype: 'float64[2]'", "[1.0,2.0]", r"is '\[1.0, 2.0\]'"),
+    ],
+)
+def test_ecsv_cells_that_are_no_numbers_are_refused(tmp_path, of, cell, reason):
+    """Text in a column with a unit, and lists, in one line with the file's name."""
+    path = tmp_path / "night.ecsv"
+    names = ("az_deg", "el_deg", "d_el_deg")
+    plain = "".join(f"# - {{name: {name}, datatype: float64}}\n" for name in names)
+    head = f"# %ECSV 1.0\n# ---\n# datatype:\n{plain}# - {{name: temperature_c, {of}}}\n"
+    header = " ".join([*names, "temperature_c"])
+    path.write_text(f"{head}# schema: astropy-2.0\n{header}\n1 20 0.1 {cell}\n")
+
+    with pytest.raises(BadInput, match=reason):
+        read(path)

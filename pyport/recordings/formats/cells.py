@@ -57,7 +57,11 @@ def _converted(
     """Return the numbers of a column of astropy's in another unit."""
     from astropy import units
 
-    numbers = np.asarray(_cells(name, column), float)
+    cells = _cells(name, column)
+    try:
+        numbers = np.asarray(cells, float)
+    except ValueError:
+        raise BadInput(f"table: column {name!r} holds text, expected numbers in {unit}") from None
     if str(unit) == wanted:
         return numbers
     try:

@@ -80,6 +80,9 @@ def _with_unit(column: Any, path: Path) -> tuple[str, NDArray[Any]]:  # noqa: AN
 
 def _filled(column: Any) -> NDArray[Any]:  # noqa: ANN401 - astropy is not typed
     values = np.asarray(column)
+    if values.ndim > 1 or values.dtype.kind == "O":  # lists are kept as text, as in CSV
+        cells = column.tolist()
+        return np.array(["" if one is None else str(one) for one in cells], np.str_)
     mask = np.asarray(getattr(column, "mask", np.zeros(len(values), bool)))
     if values.dtype.kind in "fiu":
         return np.where(mask, np.nan, values) if mask.any() else values
