@@ -61,13 +61,11 @@ class Problem:
     ----------
     recordings, model, stack
         What was given.
-    residual
-        Data less what the model gives before any fit [rad], shape (m,).
     base, candidates, shapes, untestable
         Terms that are refitted, effects that may be named, shapes that may not,
         and effects that these recordings cannot show.
-    columns
-        All their columns, shape (m, K).
+    data
+        All their columns and, last, the residuals, shape (m, K + 1).
     blocks, block
         The blocks, and the one (antenna in a session) of each reading, shape (m,).
     session
@@ -89,12 +87,11 @@ class Problem:
     recordings: Recordings
     model: Model
     stack: Stack
-    residual: Array
     base: tuple[Chosen, ...]
     candidates: tuple[Candidate, ...]
     shapes: tuple[Candidate, ...]
     untestable: tuple[Untestable, ...]
-    columns: Array
+    data: Array
     blocks: Blocks
     block: Codes
     session: Codes
@@ -114,10 +111,20 @@ class Problem:
         """Return the series that noise is estimated for."""
         return self.frame.parts
 
+    @property
+    def columns(self) -> Array:
+        """Return the columns of everything that may be fitted, shape (m, K)."""
+        return self.data[:, :-1]
+
     @cached_property
-    def data(self) -> Array:
-        """Return the columns and, last, the residuals, shape (m, K + 1)."""
-        return np.concatenate([self.columns, self.residual[:, None]], axis=1)
+    def residual(self) -> Array:
+        """Return the data less what the model gives before any fit [rad], shape (m,)."""
+        return np.ascontiguousarray(self.data[:, -1])
+
+    def with_columns(self, more: Array) -> Problem:
+        """Return the case with further columns, shape (m, k), behind those that it has."""
+        whole = np.concatenate([self.columns, more, self.data[:, -1:]], axis=1)
+        return replace(self, data=whole)
 
     @cached_property
     def possible(self) -> tuple[Array, ...]:
@@ -207,12 +214,11 @@ def prepare(
         recordings=recordings,
         model=model,
         stack=data,
-        residual=residual,
         base=tuple(base),
         candidates=_shifted(candidates, first),
         shapes=_shifted(others, first + found.shape[1]),
         untestable=tuple(untestable),
-        columns=np.concatenate([base_columns, found, generic], axis=1),
+        data=np.concatenate([base_columns, found, generic, residual[:, None]], axis=1),
         blocks=Blocks(
             np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])
         ),

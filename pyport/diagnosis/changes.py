@@ -156,8 +156,7 @@ def refine(
     candidate = replace(
         plain.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
     )
-    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
-    return wider, Chosen(candidate, plain.scope), more, max(float(price), 0.0)
+    return setup.with_columns(columns), Chosen(candidate, plain.scope), more, max(float(price), 0.0)
 
 
 def _gains(

@@ -21,7 +21,7 @@ from pyport.diagnosis.naming.finding import Finding, HeldOut
 from pyport.diagnosis.search import Dropped, search, settled
 from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.turns import Outcome, Step, family_p_value, gain_needed, threshold
-from pyport.diagnosis.weighing import WhitenedData, weigh
+from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
 from pyport.diagnosis.winner import trials_of
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
@@ -143,7 +143,7 @@ def diagnose(
     else:
         outcome = _unsearched(setup, few)
     setup, weighed = outcome.setup, outcome.weighed
-    alone = weigh(setup, (), searching=False)
+    alone = weigh_model(setup, (), searching=False) if outcome.chosen else weighed
     if few is None and not outcome.chosen:
         # Nothing stands: what noise alone does is what the whole noise does.
         last = tuple(trials_of(setup, alone.evidence.beside([setup.part(b) for b in setup.base])))

@@ -253,15 +253,18 @@ class Unseen:
             rms(self.before[both]),
             rms(self.after[both]),
             rms(floor[both]),
-            self._fall_sigma(both),
+            self.fall_sigma(both),
             int((rows & ~self.counted).sum()),
         )
 
-    def _fall_sigma(self, rows: NDArray[np.bool_]) -> float | None:
-        """Return the error of the fall of the rms [rad], its stretches drawn independently."""
+    def fall_sigma(self, rows: NDArray[np.bool_], fewest: int = FEWEST_STRETCHES) -> float | None:
+        """Return the error of the fall of the rms [rad] over some rows (m,), by stretches.
+
+        They are drawn independently; None where there are fewer than `fewest`.
+        """
         stretch = np.unique(self.stretch[rows], return_inverse=True)[1]
         count = int(stretch.max(initial=-1)) + 1
-        if count < FEWEST_STRETCHES:
+        if count < fewest:
             return None
         before, after = self.before[rows], self.after[rows]
         share = before**2 / max(rms(before), 1e-300) - after**2 / max(rms(after), 1e-300)

@@ -18,11 +18,19 @@ from pyport.diagnosis.case import Chosen, Problem, temporal
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.shapes.fields import field_instead
 from pyport.diagnosis.turns import TIE, Outcome, Step, family_p_value
-from pyport.diagnosis.weighing import confirmed, likeliest, weigh
+from pyport.diagnosis.weighing import confirmed, likeliest, weigh, weigh_model
 from pyport.diagnosis.winner import alone, joined, trials_of, winner_of, without_idle
 from pyport.runs.stages import stage
 from pyport.runs.workers import side_by_side
-from pyport.thresholds import CONVINCING, FAMILY_ERROR, IMPERFECTION, MOST_FINDINGS, OUT_OF_REACH
+from pyport.thresholds import (
+    CONVINCING,
+    FAMILY_ERROR,
+    FEWEST,
+    IMPERFECTION,
+    MOST_FINDINGS,
+    OUT_OF_REACH,
+    PAYS,
+)
 
 
 def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:
@@ -280,18 +288,19 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     Of several that do harm the one with the least evidence: the others may do it through it.
     """
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
-    gains = []
+    idle: list[tuple[Chosen, str]] = []
     for one in chosen:
         partition = holdout.folds(setup, weighed, (one,))
         found = unseen(setup, (weighed, weighed), outcome.others(one), chosen, partition)
         before, after = found.rms()
-        gains.append((before - after) / max(before, 1e-300))
-    harm = [n for n, gain in enumerate(gains) if gain <= 0]
-    if harm:
-        worst = min(harm, key=lambda n: outcome.step_of(chosen[n]).winner.evidence)
-        return chosen[worst], (
-            f"data left out are predicted worse with it, by {-100 * gains[worst]:.2g} per cent"
-        )
+        if before - after <= PAYS * (found.fall_sigma(found.counted, FEWEST) or 0.0):
+            by = 100 * abs(before - after) / max(before, 1e-300)
+            how = f"worse with it, by {by:.2g} per cent"
+            if before > after:
+                how = f"better with it by {by:.2g} per cent, less than the error of that"
+            idle.append((one, f"data left out are predicted {how}"))
+    if idle:
+        return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
     if chosen and (weakest := _harm_to_all(outcome)) is not None:
         return weakest, "with everything found data left out are predicted worse than by the model"
     return None
@@ -300,7 +309,7 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
 def _harm_to_all(outcome: Outcome) -> Chosen | None:
     """Return the choice that all others do best without, where all do no better than the model."""
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
-    alone = weigh(setup, (), searching=False)
+    alone = weigh_model(setup, (), searching=False)
     partition = holdout.folds(setup, weighed, chosen)
 
     def rms_with(some: tuple[Chosen, ...]) -> tuple[float, float]:

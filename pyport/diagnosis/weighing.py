@@ -76,14 +76,16 @@ def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = Tr
 
 
 @stage("whitening")
-def weigh_model(setup: Problem, chosen: Sequence[Chosen] = ()) -> WhitenedData:
+def weigh_model(
+    setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True
+) -> WhitenedData:
     """Return what `weigh` does for what looks at the model and the data alone.
 
     No other column is whitened: they are zero. An array's common mode asks for all.
     """
     if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return weigh(setup, chosen)
-    covariance = noise(setup, chosen)
+        return weigh(setup, chosen, searching=searching)
+    covariance = noise(setup, chosen, searching=searching)
     white = whiten_model(setup, covariance, (*setup.base, *chosen))
     return _weighed(setup, chosen, covariance, white)
 

@@ -34,7 +34,8 @@ def test_what_is_left_out_chooses_nothing(outcome):
     setup, weighed = outcome.setup, outcome.weighed
     hidden = setup.session == 2
     covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
-    absurd = replace(setup, residual=np.where(hidden, 4000 * ARCSEC, setup.residual), anew={})
+    data = np.where(hidden, 4000 * ARCSEC, setup.residual)
+    absurd = replace(setup, data=np.column_stack([setup.columns, data]), anew={})
     as_it_is = columns_anew(setup, weighed, covariance, outcome.chosen)
     beside_absurd = columns_anew(absurd, weighed, covariance, outcome.chosen)
 

@@ -92,7 +92,8 @@ def test_what_is_left_out_chooses_no_period(swinging):
     setup, covariance = oscillations.widened(setup, one), weigh(setup).covariance
     hidden = np.arange(len(setup.residual)) % 10 == 3
     seen = replace(covariance, weights=np.where(hidden, 0.0, covariance.weights))
-    absurd = replace(setup, residual=np.where(hidden, 0.01, setup.residual))
+    data = np.where(hidden, 0.01, setup.residual)
+    absurd = replace(setup, data=np.column_stack([setup.columns, data]))
     effect = one.candidate.effect
     fresh, other = (oscillations.again(each, seen, (), effect) for each in (setup, absurd))
 

@@ -128,7 +128,7 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
         effect=jump_above(found.edge, found.soft),
         columns=np.array([setup.columns.shape[1]]),
     )
-    setup = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    setup = setup.with_columns(columns)
     new = Chosen(candidate, old.scope, found.spread)
     chosen = tuple(new if one is old else one for one in outcome.chosen)
     steps = tuple(replace(one, chosen=new) if one.chosen is old else one for one in outcome.steps)

@@ -26,7 +26,14 @@ from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.least_squares.gram import inverted, spanned
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, FAMILY_ERROR, FEWEST, IMPERFECTION, NAME_PRICE
+from pyport.thresholds import (
+    CONVINCING,
+    ENOUGH_ANTENNAS,
+    FAMILY_ERROR,
+    FEWEST,
+    IMPERFECTION,
+    NAME_PRICE,
+)
 
 #: A stretch that holds more of the readings than this is no place.
 WIDEST = 0.35
@@ -105,12 +112,14 @@ class Ground:
         """Return what a field is worth in the readings that it has columns for."""
         return worth(field, *self.products(field.columns))
 
-    def worths(self) -> Iterator[Worth]:
-        """Yield what every field is worth, in each axis and in both."""
+    def worths(self, *, lasting: bool = False) -> Iterator[Worth]:
+        """Yield what every field is worth, in each axis and in both; none of time if `lasting`."""
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
         for kind, field in families(self.setup):
+            if lasting and field.of_time:
+                continue
             block = np.concatenate([field.columns * one[:, None] for one in axes.values()], axis=1)
             of_axis = np.repeat(list(axes), field.columns.shape[1])
             felt = np.count_nonzero(np.abs(block) > 0.1, axis=0) >= FEWEST
@@ -200,19 +209,22 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     """Return the search with a field in place of all names from some turn on, if it is better.
 
     A field that no name points at shows by itself: a Bayes factor bounds the chance that noise
-    alone reaches it. None in time does, for that is what a drift is like.
+    alone reaches it. None in time does, for that is what a drift is like; and none in an array,
+    where what the antennas share in a scan is too little known to bear that bound.
     """
     setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
+    unnamed = not names and family_p_value(outcome.last) > FAMILY_ERROR
+    if unnamed and setup.blocks.antennas >= ENOUGH_ANTENNAS:
+        return None
     weighed = outcome.weighed if not names else weigh_model(setup, before)
     ground = Ground(setup, weighed, before)
-    worths = [*ground.worths(), *map(ground.worth_of, boxes(setup, weighed, before))]
+    worths = [*ground.worths(lasting=unnamed), *map(ground.worth_of, boxes(setup, weighed, before))]
     strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
     least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
-    elif family_p_value(outcome.last) > FAMILY_ERROR:
+    elif unnamed:
         least = max(least, -2 * float(np.log(FAMILY_ERROR)))
-        worths = [one for one in worths if not one.field.of_time]
     best = max(worths, key=lambda one: one.evidence)
     if best.evidence <= least or best.directions.shape[1] == 0:
         return None
@@ -234,7 +246,7 @@ def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     unit = np.sqrt(np.mean(columns**2, axis=0))
     columns = columns / unit
     places = np.arange(setup.columns.shape[1], setup.columns.shape[1] + columns.shape[1])
-    wider = replace(setup, columns=np.concatenate([setup.columns, columns], axis=1))
+    wider = setup.with_columns(columns)
     candidate = as_candidate(worth, places, unit)
     new = Chosen(candidate, "all")
     seen = weigh(wider, before)

@@ -266,4 +266,4 @@ def widened(setup: Problem, one: Chosen) -> Problem:
     """Return the case with the columns of an oscillation that was proposed in it."""
     effect, which = one.candidate.effect, list(one.candidate.coefficients)
     own = setup.stack.columns(effect, setup.recordings.at)[:, which]
-    return replace(setup, columns=np.concatenate([setup.columns, own], axis=1))
+    return setup.with_columns(own)

@@ -90,8 +90,9 @@ def raw_of(
     return Raw(path, meta, header, cells, np.array(lines, np.int64))
 
 
-#: From so many bytes on Arrow is worth its import, a tenth of a second.
-LEAST_BYTES = 2**20
+#: From so many bytes on Arrow is worth its import: a tenth of a second, and four where there is
+#: pandas, which it imports too.
+LEAST_BYTES = 2**22
 
 
 def plain_columns(

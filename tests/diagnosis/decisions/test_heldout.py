@@ -246,17 +246,21 @@ def test_what_one_fit_cannot_predict_is_not_counted(monkeypatch):
     assert found.compared(np.ones(20, bool), ones).gross == 1
 
 
-def settled(monkeypatch, rms, evidences):
+def settled(monkeypatch, rms, evidences, error=None, stretches=20):
     """Return what is to be dropped; rms by what is left of the choices, "" for the model alone."""
     names = ("refraction", "skew", "tilt")[: len(evidences)]
     steps = tuple(step(trial(n, e)) for n, e in zip(names, evidences, strict=True))
     key = lambda some: " ".join(one.candidate.effect.id for one in some)  # noqa: E731
 
+    def sigma(_rows, fewest):
+        return error if stretches >= fewest else None
+
     def of(_setup, _weighed, before, after, _partition):
-        return SimpleNamespace(rms=lambda: (rms[key(before)], rms[key(after)]))
+        told = rms[key(before)], rms[key(after)]
+        return SimpleNamespace(rms=lambda: told, counted=None, fall_sigma=sigma)
 
     monkeypatch.setattr(search, "unseen", of)
-    monkeypatch.setattr(search, "weigh", lambda *_, **__: None)
+    monkeypatch.setattr(search, "weigh_model", lambda *_, **__: None)
     monkeypatch.setattr(search.holdout, "folds", lambda *_: None)
     found = search._worst(
         Outcome(setup(), tuple(one.chosen for one in steps), steps, None, 0.001, ())
@@ -289,6 +293,24 @@ def test_each_finding_and_all_together_must_pay(
     }
 
     assert settled(monkeypatch, rms, (30.0, 20.0)) == dropped
+
+
+@pytest.mark.parametrize(
+    ("error", "stretches", "dropped"),
+    [
+        (0.19, 20, None),
+        (0.21, 20, "refraction"),
+        (0.12, 20, None),
+        (0.35, 20, "refraction"),
+        (0.35, 8, "refraction"),
+        (0.35, 7, None),
+    ],
+)
+def test_a_finding_must_pay_by_more_than_its_error(monkeypatch, error, stretches, dropped):
+    """The rms falls by 0.2; where few stretches tell its error any fall will do."""
+    rms = {"refraction": 1.0, "": 1.2}
+
+    assert settled(monkeypatch, rms, (30.0,), error, stretches) == dropped
 
 
 def test_without_findings_nothing_is_dropped(monkeypatch):

@@ -420,7 +420,11 @@ def field(evidence, directions=1, *, of_time=False):
 
 def instead(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
     """Tell whether a field takes the place of names from some turn on."""
-    ground = SimpleNamespace(worths=lambda: worths, worth_of=lambda one: one)
+
+    def every(*, lasting):
+        return [one for one in worths if not (lasting and one.field.of_time)]
+
+    ground = SimpleNamespace(worths=every, worth_of=lambda one: one)
     monkeypatch.setattr(fields, "Ground", lambda *_: ground)
     monkeypatch.setattr(fields, "boxes", lambda *_: [])
     monkeypatch.setattr(fields, "weigh_model", lambda *_: None)
@@ -465,6 +469,17 @@ def test_a_field_in_time_needs_a_mismatch(monkeypatch, p_value, wins):
     worths = [field(90.0, of_time=True), field(-3.0)]
 
     assert instead(monkeypatch, worths, outcome(), p_value=p_value) == wins
+
+
+@pytest.mark.parametrize(
+    ("antennas", "p_value", "wins"),
+    [(3, 0.0105, True), (4, 0.0105, False), (30, 0.5, False), (30, 0.0095, True)],
+)
+def test_a_field_in_an_array_needs_a_mismatch(monkeypatch, antennas, p_value, wins):
+    """What antennas share in a scan is too little known."""
+    now = outcome(blocks=SimpleNamespace(antennas=antennas))
+
+    assert instead(monkeypatch, [field(90.0)], now, p_value=p_value) == wins
 
 
 def test_a_field_that_nothing_determines_is_none(monkeypatch):
