@@ -124,6 +124,17 @@ def test_noise_alone_is_worth_no_field():
     assert max(one.evidence for one in worths) < 10
 
 
+def test_fields_of_time_are_left_out_where_only_lasting_ones_are_asked_for():
+    """All others are the same."""
+    setup = prepare(recordings(200, 9), load("altaz"))
+    ground = Ground(setup, weigh(setup), ())
+    every, lasting = list(ground.worths()), list(ground.worths(lasting=True))
+    kept = [one.evidence for one in every if not one.field.of_time]
+
+    assert 0 < len(lasting) < len(every)
+    assert [one.evidence for one in lasting] == kept
+
+
 def test_evidence_is_that_of_the_best_normal_prior():
     """For one coefficient it is gain - 1 - log(gain) where the prior may be any."""
     gain = 30.0
