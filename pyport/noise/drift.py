@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.least_squares import robust
 from pyport.noise.likelihood import Departing, Likelihood, likelihood_of
 from pyport.noise.series import Noise, Series
 from pyport.thresholds import ENOUGH
@@ -270,15 +269,11 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     return np.asarray(chance / chance.sum())
 
 
-#: A robust scatter of repeats below this share of their rms is that of copies.
-COPIES = 1e-3
-
-
 def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
     """Return the scatter of readings about their pointing's mean; zero where each stands alone.
 
-    Readings that were rounded before a model was added are often copies of one another: where the
-    robust scatter is that of copies the rms, of readings that are no outliers, stands for it.
+    The rms of readings that are no outliers: some repeats that were rounded before a model was
+    added are copies of one another, and a robust scatter would be that of the copies.
     """
     spare = (count - 1)[count > 1].sum()
     if spare < 3:
@@ -287,8 +282,6 @@ def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: f
     mean = np.bincount(part.pointing, weight * residual) / total
     deviation = residual - mean[part.pointing]
     several = count[part.pointing] > 1
-    share = np.sqrt(several.sum() / spare)
     usual = deviation[several & (weight > 0.5)]
-    scatter, rms = robust.scale(usual), float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
-    scatter = float(share) * (scatter if scatter > COPIES * rms else rms)
-    return max(scatter, floor / 2, 1e-12)
+    rms = float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
+    return max(float(np.sqrt(several.sum() / spare)) * rms, floor / 2, 1e-12)

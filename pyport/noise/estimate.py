@@ -356,9 +356,10 @@ def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
         own = [n for n, part in enumerate(parts) if part.is_y == is_y]
         if len(own) < ENOUGH_ANTENNAS:
             continue
-        usual = float(np.median([noises[n].floor for n in own]))
+        found = _repeating(found, parts, own)
+        usual = float(np.median([found[n].floor for n in own]))
         for n in own:
-            noise = noises[n]
+            noise = found[n]
             shrunk = (noise.dof * noise.floor**2 + PRIOR_DOF * usual**2) / (noise.dof + PRIOR_DOF)
             if noise.floor > usual or noise.floor == 0:
                 continue
@@ -370,6 +371,25 @@ def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
                 drifts=tuple((amplitude * more, time) for amplitude, time in noise.drifts),
                 dof=noise.dof + PRIOR_DOF,
             )
+    return found
+
+
+def _repeating(noises: Sequence[Noise], parts: Sequence[Series], own: Sequence[int]) -> list[Noise]:
+    """Draw the scatter of an antenna's repeats toward what is usual in the array, likewise.
+
+    Where repeats are copies of one another they tell nothing of it.
+    """
+    found = list(noises)
+    repeated = [n for n in own if noises[n].within > 0]
+    if len(repeated) < ENOUGH_ANTENNAS:
+        return found
+    usual = float(np.median([noises[n].within for n in repeated]))
+    for n in repeated:
+        within = noises[n].within
+        if within < usual:
+            spare = len(parts[n].rows) - len(parts[n].readings)
+            shrunk = (spare * within**2 + PRIOR_DOF * usual**2) / (spare + PRIOR_DOF)
+            found[n] = replace(noises[n], within=float(np.sqrt(shrunk)))
     return found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from diagnosis.test_verdict import finding
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming import findings
 from pyport.diagnosis.naming.finding import Parameter, beyond
 from pyport.diagnosis.naming.scene import centred
 from pyport.formats.models import load
@@ -50,6 +52,32 @@ def test_a_parameter_beyond_the_data_is_known():
     assert beyond(Parameter("a", 5.0, 100.0, "arcsec"), 40 * ARCSEC)
     assert not beyond(Parameter("a", 30.0, 1.0, "arcsec"), 40 * ARCSEC)
     assert not beyond(Parameter("a", 50.0, 1.0, "s"), 40 * ARCSEC)
+
+
+@pytest.mark.slow
+def test_a_field_tells_no_coefficient_beyond_the_data(monkeypatch):
+    """Its coefficients are told, but for those that are larger than any offset."""
+    made = recordings(600, 5, y=lambda at: 12 * (np.abs(np.sin(at.az - 2)) < 0.2))
+    field = diagnose(made, load("altaz")).findings[0]
+    monkeypatch.setattr(findings, "largest_offset", lambda _: 1e-12)
+    silent = diagnose(made, load("altaz")).findings[0]
+
+    assert field.effect == silent.effect == "unknown"
+    assert field.parameters
+    assert silent.parameters == ()
+
+
+def test_what_neither_an_antenna_nor_all_of_them_show_is_told_as_it_was_fitted(monkeypatch):
+    """No finding of the search is lost on the way to the reader."""
+    chosen = SimpleNamespace(scope="antenna")
+    outcome = SimpleNamespace(chosen=(chosen,), steps=(SimpleNamespace(chosen=chosen),))
+    scene = SimpleNamespace(setup=SimpleNamespace(base=()), outcome=outcome)
+    monkeypatch.setattr(findings, "taken_apart", lambda *_: SimpleNamespace())
+    monkeypatch.setattr(findings, "of_array", lambda *_: [])
+    monkeypatch.setattr(findings, "_single", lambda *_: finding())
+    monkeypatch.setattr(findings, "honest", lambda *found: found[-1])
+
+    assert [one.effect for one in findings.collect(scene)] == [finding().effect]
 
 
 def test_the_model_has_its_own_combinations():

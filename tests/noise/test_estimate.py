@@ -10,7 +10,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.noise import departures, drift
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import estimate, frame, reweighed
+from pyport.noise.estimate import _moderated, estimate, frame, reweighed
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Noise, series
 from pyport.recordings.schema import Recordings, stack
@@ -158,10 +158,11 @@ def test_a_variance_that_rounding_makes_impossible_is_no_candidate():
     assert given.lack(large, None) == np.inf
 
 
-def test_repeats_that_are_copies_do_not_shrink_the_scatter():
-    """Of twenty pairs seventeen are equal to the last digit: the scatter is the others'."""
+@pytest.mark.parametrize("copies", [0, 10, 17])
+def test_repeats_that_are_copies_do_not_shrink_the_scatter(copies):
+    """However many of twenty pairs are equal to the last digit: the scatter is their rms."""
     rng = np.random.default_rng(4)
-    apart = np.where(np.arange(20) < 17, 1e-13, 30 * ARCSEC) * rng.normal(size=20)
+    apart = np.where(np.arange(20) < copies, 1e-13, 30 * ARCSEC) * rng.normal(size=20)
     residual = (
         np.repeat(rng.normal(size=20) * 30 * ARCSEC, 2) + np.outer(apart, [0.5, -0.5]).ravel()
     )
@@ -171,3 +172,14 @@ def test_repeats_that_are_copies_do_not_shrink_the_scatter():
     within = drift._within(residual, np.ones(40), part, np.bincount(pointing), 0.0)
 
     assert within == pytest.approx(np.sqrt(np.mean(apart**2) / 2), rel=1e-3)
+
+
+def test_an_antenna_of_copies_borrows_the_scatter_of_repeats():
+    """Twenty pairs that are copies count beside six deviations of what is usual in the array."""
+    axis = SimpleNamespace(is_y=True, rows=np.arange(40), readings=np.full(20, 2))
+    noises = [Noise(within, 30 * ARCSEC, dof=100.0) for within in (1e-12, *[12 * ARCSEC] * 7)]
+
+    found = _moderated(noises, [axis] * 8)
+
+    assert found[0].within == pytest.approx(12 * ARCSEC * np.sqrt(6 / 26), rel=0.05)
+    assert found[1].within == pytest.approx(12 * ARCSEC)

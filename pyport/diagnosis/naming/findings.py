@@ -50,10 +50,9 @@ def collect(scene: Scene) -> list[Finding]:
         step = next(one for one in reversed(scene.outcome.steps) if one.chosen is chosen)
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n) if "antenna" in chosen.scope else None
-        if parts is None:
-            told = [_single(scene, first + n, step)]
-        else:
-            told = of_array(scene, first + n, step, earlier, parts)
+        told = of_array(scene, first + n, step, earlier, parts) if parts else []
+        # What no antenna shows by itself, nor all of them in common, is told as it was fitted.
+        told = told or [_single(scene, first + n, step)]
         told = honest(scene, first + n, step, told)
         found += [replace(one, choice=first + n) for one in told]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
@@ -80,7 +79,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     together = None if of_time else scene.combination(choice)
     mounts = declared(setup.recordings.meta)
     largest = largest_offset(setup)
-    if together is not None:
+    # Nobody reads the coefficients of a field: one that hides in the model is told as little.
+    if together is not None or not effect.physical:
         parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
