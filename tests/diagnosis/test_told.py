@@ -54,19 +54,6 @@ def test_a_parameter_beyond_the_data_is_known():
     assert not beyond(Parameter("a", 50.0, 1.0, "s"), 40 * ARCSEC)
 
 
-@pytest.mark.slow
-def test_a_field_tells_no_coefficient_beyond_the_data(monkeypatch):
-    """Its coefficients are told, but for those that are larger than any offset."""
-    made = recordings(600, 5, y=lambda at: 12 * (np.abs(np.sin(at.az - 2)) < 0.2))
-    field = diagnose(made, load("altaz")).findings[0]
-    monkeypatch.setattr(findings, "largest_offset", lambda _: 1e-12)
-    silent = diagnose(made, load("altaz")).findings[0]
-
-    assert field.effect == silent.effect == "unknown"
-    assert field.parameters
-    assert silent.parameters == ()
-
-
 def test_what_neither_an_antenna_nor_all_of_them_show_is_told_as_it_was_fitted(monkeypatch):
     """No finding of the search is lost on the way to the reader."""
     chosen = SimpleNamespace(scope="antenna")

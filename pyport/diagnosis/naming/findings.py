@@ -79,8 +79,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     together = None if of_time else scene.combination(choice)
     mounts = declared(setup.recordings.meta)
     largest = largest_offset(setup)
-    # Nobody reads the coefficients of a field: one that hides in the model is told as little.
-    if together is not None or not effect.physical:
+    if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= MOST_MEMBERS
     named = effect.physical and few and all(one.passed for one in checks)
@@ -135,7 +134,7 @@ def _own_period(scene: Scene, chosen: Chosen) -> Check:
         orders = [n for n in range(1, OVERTONES * times + 1) if n != times]
         angles = turns_of[:, None] * np.array(orders) / times
         waves = np.concatenate([np.sin(angles), np.cos(angles)], axis=1)
-        information, moments = ground.products(
+        information, _, moments = ground.products(
             np.concatenate([waves * upward, waves * ~upward], axis=1)
         )
         power, vectors = np.linalg.eigh(information)

@@ -24,6 +24,7 @@ from pyport.diagnosis.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
 from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.empirical.fields import field as as_effect
+from pyport.fitting.combinations import HIDDEN
 from pyport.least_squares.gram import inverted, spanned
 from pyport.runs.stages import stage
 from pyport.thresholds import (
@@ -80,32 +81,32 @@ class Ground:
     def _without(self, columns: Array) -> Array:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
 
-    def products(self, columns: Array) -> tuple[Array, Array]:
-        """Return the information on columns (m, K) beside the model, and their moments."""
-        weighed = self.weighed
-        seen = self._without(weighed.covariance.whiten(columns))
-        excess = weighed.evidence.common.factor
-        return seen.T @ seen / excess, seen.T @ self.left / excess
+    def products(self, columns: Array) -> tuple[Array, Array, Array]:
+        """Return the information on columns (m, K) beside the model, without it, and moments."""
+        white = self.weighed.covariance.whiten(columns)
+        seen = self._without(white)
+        excess = self.weighed.evidence.common.factor
+        return seen.T @ seen / excess, white.T @ white / excess, seen.T @ self.left / excess
 
     @stage("fields")
-    def axis_by_axis(self, columns: Array) -> tuple[Array, Array]:
+    def axis_by_axis(self, columns: Array) -> tuple[Array, Array, Array]:
         """Return the same for columns (m, K) that act on each axis apart: on x first, then on y."""
         from scipy.linalg import block_diag
 
         weighed = self.weighed
         white = weighed.covariance.whiten(columns)
         of_axis = [white[rows] for rows in self.rows]
-        own = [one.T @ one for one in of_axis]
+        own = block_diag(*(one.T @ one for one in of_axis))
         shared = [self.basis[rows].T @ one for rows, one in zip(self.rows, of_axis, strict=True)]
         seen = [self.left[rows] @ one for rows, one in zip(self.rows, of_axis, strict=True)]
         modelled = np.concatenate(shared, axis=1)
-        information = block_diag(*own) - modelled.T @ modelled
+        information = own - modelled.T @ modelled
         excess = weighed.evidence.common.factor
-        return information / excess, np.concatenate(seen) / excess
+        return information / excess, own / excess, np.concatenate(seen) / excess
 
     def gain(self, columns: Array) -> float:
         """Return what columns (m, K) gain beside the model."""
-        information, moments = self.products(columns)
+        information, _, moments = self.products(columns)
         return float(moments @ inverted(information)[0] @ moments)
 
     def worth_of(self, field: Field) -> Worth:
@@ -123,12 +124,10 @@ class Ground:
             block = np.concatenate([field.columns * one[:, None] for one in axes.values()], axis=1)
             of_axis = np.repeat(list(axes), field.columns.shape[1])
             felt = np.count_nonzero(np.abs(block) > 0.1, axis=0) >= FEWEST
-            block, of_axis = block[:, felt], of_axis[felt]
-            information, moments = self.axis_by_axis(field.columns)
-            information, moments = information[np.ix_(felt, felt)], moments[felt]
+            information, alone, moments = self.axis_by_axis(field.columns)
             several = ["both axes"] if len(measured) > 1 else []
             for name in [*measured, *several]:
-                own = np.flatnonzero((of_axis == name) | (name == "both axes"))
+                own = np.flatnonzero(felt & ((of_axis == name) | (name == "both axes")))
                 if len(own) == 0:
                     continue
                 one = replace(
@@ -136,10 +135,11 @@ class Ground:
                     variant=f"{name}: {field.variant}",
                     columns=block[:, own],
                     axes=tuple(int(axis == "el") for axis in of_axis[own]),
-                    which=tuple((np.flatnonzero(felt) % field.columns.shape[1])[own].tolist()),
+                    which=tuple((own % field.columns.shape[1]).tolist()),
                     choices=kind * (len(measured) + len(several)),
                 )
-                yield worth(one, information[np.ix_(own, own)], moments[own])
+                some = np.ix_(own, own)
+                yield worth(one, information[some], alone[some], moments[own])
 
 
 def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
@@ -161,10 +161,15 @@ def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
 
 
 @stage("fields")
-def worth(field: Field, information: Array, moments: Array) -> Worth:
-    """Return what a field is worth, at the strength that suits it best."""
+def worth(field: Field, information: Array, alone: Array, moments: Array) -> Worth:
+    """Return what a field is worth, at the strength that suits it best.
+
+    `information` (K, K) on its bumps is beside the model, `alone` without it. Directions that
+    hide in the model count for nothing: they would be told as large as they need to be.
+    """
     power, vectors = np.linalg.eigh(information)
-    power = np.maximum(power, 0.0)
+    seen = power > HIDDEN**2 * np.einsum("ki,kl,li->i", vectors, alone, vectors, optimize=True)
+    power, vectors = power[seen], vectors[:, seen]
     along = vectors.T @ moments
     evidence, variance = at_best(power, along)
     kept = variance * power > 1

@@ -119,7 +119,7 @@ def bumps(monkeypatch, felt):
     monkeypatch.setattr(fields, "worth", lambda field, *_: seen.append(field.columns.shape[1]))
     ground = SimpleNamespace(
         setup=setup(stack=SimpleNamespace(is_y=np.ones(n, bool))),
-        axis_by_axis=lambda _: (np.eye(4), np.zeros(4)),
+        axis_by_axis=lambda _: (np.eye(4), np.eye(4), np.zeros(4)),
     )
     list(fields.Ground.worths(ground))
     return seen
@@ -129,6 +129,18 @@ def bumps(monkeypatch, felt):
 def test_a_bump_is_felt_by_eight_readings(monkeypatch, felt, kept):
     """Its height would be that of fewer."""
     assert bumps(monkeypatch, felt) == [kept]
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.2, 2), (0.11, 2), (0.09, 1), (0.01, 1)])
+def test_a_direction_that_hides_in_the_model_counts_for_nothing(share, kept):
+    """Of which less than a tenth is left beside it, however well the data determine that."""
+    one = Field("a field", "somewhere", np.ones((60, 2)))
+    alone = np.diag([1e6, 1e6])
+    information = alone * np.diag([0.25, share**2])
+
+    found = fields.worth(one, information, alone, np.array([5e3, 5e3]))
+
+    assert found.dof == kept
 
 
 @pytest.mark.parametrize(
