@@ -375,9 +375,9 @@ def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
 
 
 def _repeating(noises: Sequence[Noise], parts: Sequence[Series], own: Sequence[int]) -> list[Noise]:
-    """Draw the scatter of an antenna's repeats toward what is usual in the array, likewise.
+    """Shrink the scatter of an antenna's repeated readings toward the array's median, likewise.
 
-    Where repeats are copies of one another they tell nothing of it.
+    Repeated readings that are copies of one another do not determine it.
     """
     found = list(noises)
     repeated = [n for n in own if noises[n].within > 0]

@@ -54,7 +54,7 @@ def test_a_parameter_beyond_the_data_is_known():
     assert not beyond(Parameter("a", 50.0, 1.0, "s"), 40 * ARCSEC)
 
 
-def test_what_neither_an_antenna_nor_all_of_them_show_is_told_as_it_was_fitted(monkeypatch):
+def test_a_finding_of_an_array_without_a_significant_part_is_reported_as_it_was_fitted(monkeypatch):
     """No finding of the search is lost on the way to the reader."""
     chosen = SimpleNamespace(scope="antenna")
     outcome = SimpleNamespace(chosen=(chosen,), steps=(SimpleNamespace(chosen=chosen),))

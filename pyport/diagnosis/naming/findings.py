@@ -51,7 +51,7 @@ def collect(scene: Scene) -> list[Finding]:
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n) if "antenna" in chosen.scope else None
         told = of_array(scene, first + n, step, earlier, parts) if parts else []
-        # What no antenna shows by itself, nor all of them in common, is told as it was fitted.
+        # Where neither an antenna's own part nor the common one is significant: as it was fitted.
         told = told or [_single(scene, first + n, step)]
         told = honest(scene, first + n, step, told)
         found += [replace(one, choice=first + n) for one in told]

@@ -164,8 +164,8 @@ def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
 def worth(field: Field, information: Array, alone: Array, moments: Array) -> Worth:
     """Return what a field is worth, at the strength that suits it best.
 
-    `information` (K, K) on its bumps is beside the model, `alone` without it. Directions that
-    hide in the model count for nothing: they would be told as large as they need to be.
+    `information` (K, K) on its bumps is beside the model, `alone` without it. Directions
+    that are nearly degenerate with the model are left out: their size is not determined.
     """
     power, vectors = np.linalg.eigh(information)
     seen = power > HIDDEN**2 * np.einsum("ki,kl,li->i", vectors, alone, vectors, optimize=True)

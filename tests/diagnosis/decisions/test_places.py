@@ -132,7 +132,7 @@ def test_a_bump_is_felt_by_eight_readings(monkeypatch, felt, kept):
 
 
 @pytest.mark.parametrize(("share", "kept"), [(0.2, 2), (0.11, 2), (0.09, 1), (0.01, 1)])
-def test_a_direction_that_hides_in_the_model_counts_for_nothing(share, kept):
+def test_a_direction_nearly_degenerate_with_the_model_is_left_out(share, kept):
     """Of which less than a tenth is left beside it, however well the data determine that."""
     one = Field("a field", "somewhere", np.ones((60, 2)))
     alone = np.diag([1e6, 1e6])
