@@ -360,10 +360,9 @@ def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
         usual = float(np.median([found[n].floor for n in own]))
         for n in own:
             noise = found[n]
-            shrunk = (noise.dof * noise.floor**2 + PRIOR_DOF * usual**2) / (noise.dof + PRIOR_DOF)
             if noise.floor > usual or noise.floor == 0:
                 continue
-            more = float(np.sqrt(shrunk)) / noise.floor
+            more = _shrunk(noise.floor, noise.dof, usual) / noise.floor
             found[n] = replace(
                 noise,
                 within=noise.within * more,
@@ -388,9 +387,13 @@ def _repeating(noises: Sequence[Noise], parts: Sequence[Series], own: Sequence[i
         within = noises[n].within
         if within < usual:
             spare = len(parts[n].rows) - len(parts[n].readings)
-            shrunk = (spare * within**2 + PRIOR_DOF * usual**2) / (spare + PRIOR_DOF)
-            found[n] = replace(noises[n], within=float(np.sqrt(shrunk)))
+            found[n] = replace(noises[n], within=_shrunk(within, spare, usual))
     return found
+
+
+def _shrunk(scatter: float, dof: float, usual: float) -> float:
+    """Return a scatter from so many deviations, shrunk toward the array's median."""
+    return float(np.sqrt((dof * scatter**2 + PRIOR_DOF * usual**2) / (dof + PRIOR_DOF)))
 
 
 def _rich(base: Array, shapes: Array, pointings: int) -> Array:

@@ -147,7 +147,8 @@ def test_evidence_is_that_of_the_best_normal_prior():
 def test_a_curve_that_swings_everywhere_has_no_place():
     """Only a narrow stretch beyond half the peak is a region."""
     values = np.linspace(0, 100, 1000)
-    field = Field("a smooth curve", "follows x", values[:, None], along=("x", values))
+    is_y = np.zeros(1000, bool)
+    field = Field("a smooth curve", "follows x", values[:, None], is_y, along=("x", values))
 
     assert region(field, np.tanh((values - 50) / 5)) == ()
     (narrow,) = region(field, np.exp(-0.5 * ((values - 40) / 4) ** 2))

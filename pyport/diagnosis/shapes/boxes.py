@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.candidates import numbers
@@ -40,8 +41,10 @@ class Field:
     ----------
     family, variant
         What kind of field it is, and which of its kind.
-    columns
-        Its bumps, shape (m, K).
+    values
+        Its bumps at the readings, shape (m, B).
+    is_y
+        Which readings are of elevation, shape (m,).
     choices
         How many of its kind are tried.
     along
@@ -57,7 +60,8 @@ class Field:
 
     family: str
     variant: str
-    columns: Array
+    values: Array
+    is_y: NDArray[np.bool_]
     choices: int = 1
     along: tuple[str, Array] | None = None
     region: tuple[Interval, ...] = ()
@@ -65,6 +69,13 @@ class Field:
     bumps: Bumps = field(default_factory=dict)
     axes: tuple[int, ...] = ()
     which: tuple[int, ...] = ()
+
+    @property
+    def columns(self) -> Array:
+        """Return what its bumps do to the readings, one column for each of its axes, (m, K)."""
+        if not self.axes:
+            return self.values
+        return self.values[:, list(self.which)] * (self.is_y[:, None] == np.array(self.axes, bool))
 
 
 def families(setup: Problem) -> Iterator[tuple[int, Field]]:
@@ -98,8 +109,10 @@ def _field(
 ) -> Field:
     """Return a field with its bumps at the readings."""
     bumps = {"kind": kind, **numbers_of}
-    columns = fields.values(bumps, setup.recordings.at)[setup.stack.row]
-    return Field(family, variant, columns, along=along, of_time=of_time, bumps=bumps)
+    values = fields.values(bumps, setup.recordings.at)[setup.stack.row]
+    return Field(
+        family, variant, values, setup.stack.is_y, along=along, of_time=of_time, bumps=bumps
+    )
 
 
 def _wave_name(m: int, n: int) -> str:
@@ -180,7 +193,7 @@ def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> 
         pull = seen.root[of_axis] * seen.left[of_axis]
         start, tried = _scanned(az[rows], el[rows], weight, pull)
         edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
-        there = inside(az[row], el[row], edges) & (setup.stack.is_y == is_y)
+        there = inside(az[row], el[row], edges)
         left, right, low, high = (float(edge / DEG) for edge in edges)
         region = Interval("az_deg", left % 360, right % 360), Interval("el_deg", low, high)
         words = (
@@ -189,12 +202,12 @@ def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> 
         )
         exact = [float(edge) for edge in edges]
         bumps = {"kind": "box", "az_rad": exact[:2], "el_rad": exact[2:]}
-        column = there[:, None].astype(float)
         found.append(
             Field(
                 "an offset",
                 words,
-                column,
+                there[:, None].astype(float),
+                setup.stack.is_y,
                 tried,
                 region=region,
                 bumps=bumps,

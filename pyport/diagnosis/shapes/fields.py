@@ -81,27 +81,23 @@ class Ground:
     def _without(self, columns: Array) -> Array:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
 
-    def products(self, columns: Array) -> tuple[Array, Array, Array]:
-        """Return the information on columns (m, K) beside the model, without it, and moments."""
-        white = self.weighed.covariance.whiten(columns)
-        seen = self._without(white)
-        excess = self.weighed.evidence.common.factor
-        return seen.T @ seen / excess, white.T @ white / excess, seen.T @ self.left / excess
-
     @stage("fields")
-    def axis_by_axis(self, columns: Array) -> tuple[Array, Array, Array]:
-        """Return the same for columns (m, K) that act on each axis apart: on x first, then on y."""
+    def products(self, columns: Array, *, apart: bool = False) -> tuple[Array, Array, Array]:
+        """Return the information on columns (m, K) beside the model, without it, and moments.
+
+        `apart` stands for columns that act on each axis by itself: on x first, then on y, (2 K).
+        """
         from scipy.linalg import block_diag
 
-        weighed = self.weighed
-        white = weighed.covariance.whiten(columns)
-        of_axis = [white[rows] for rows in self.rows]
-        own = block_diag(*(one.T @ one for one in of_axis))
-        shared = [self.basis[rows].T @ one for rows, one in zip(self.rows, of_axis, strict=True)]
-        seen = [self.left[rows] @ one for rows, one in zip(self.rows, of_axis, strict=True)]
+        white = self.weighed.covariance.whiten(columns)
+        parts: Sequence[Codes | slice] = self.rows if apart else [slice(None)]
+        of_part = [white[rows] for rows in parts]
+        own = block_diag(*(one.T @ one for one in of_part))
+        shared = [self.basis[rows].T @ one for rows, one in zip(parts, of_part, strict=True)]
+        seen = [self.left[rows] @ one for rows, one in zip(parts, of_part, strict=True)]
         modelled = np.concatenate(shared, axis=1)
         information = own - modelled.T @ modelled
-        excess = weighed.evidence.common.factor
+        excess = self.weighed.evidence.common.factor
         return information / excess, own / excess, np.concatenate(seen) / excess
 
     def gain(self, columns: Array) -> float:
@@ -118,24 +114,29 @@ class Ground:
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
+        several = ["both axes"] if len(measured) > 1 else []
         for kind, field in families(self.setup):
             if lasting and field.of_time:
                 continue
-            block = np.concatenate([field.columns * one[:, None] for one in axes.values()], axis=1)
-            of_axis = np.repeat(list(axes), field.columns.shape[1])
-            felt = np.count_nonzero(np.abs(block) > 0.1, axis=0) >= FEWEST
-            information, alone, moments = self.axis_by_axis(field.columns)
-            several = ["both axes"] if len(measured) > 1 else []
+            large = np.abs(field.values) > 0.1
+            felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]
+            information, alone, moments = self.products(field.values, apart=True)
             for name in [*measured, *several]:
-                own = np.flatnonzero(felt & ((of_axis == name) | (name == "both axes")))
+                own = np.flatnonzero(
+                    np.concatenate(
+                        [
+                            one & (name in (axis, "both axes"))
+                            for axis, one in zip(axes, felt, strict=True)
+                        ]
+                    )
+                )
                 if len(own) == 0:
                     continue
                 one = replace(
                     field,
                     variant=f"{name}: {field.variant}",
-                    columns=block[:, own],
-                    axes=tuple(int(axis == "el") for axis in of_axis[own]),
-                    which=tuple((own % field.columns.shape[1]).tolist()),
+                    axes=tuple((own // large.shape[1]).tolist()),
+                    which=tuple((own % large.shape[1]).tolist()),
                     choices=kind * (len(measured) + len(several)),
                 )
                 some = np.ix_(own, own)

@@ -217,17 +217,15 @@ def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
 
 def _sums(pull: Array, group: Codes, time: Array, frequency: Array, groups: int) -> Array:
     """Return sums of a pull times waves of evenly spaced frequencies (F,), (F, groups), complex."""
-    out = np.empty((len(frequency), groups), complex)
-    turn = np.exp(-2j * np.pi * (frequency[1] - frequency[0]) * time)
-    wave = pull * np.exp(-2j * np.pi * frequency[0] * time)
+    order = np.argsort(group, kind="stable")
+    there, starts = np.unique(group[order], return_index=True)
+    out = np.zeros((len(frequency), groups), complex)
+    turn = np.exp(-2j * np.pi * (frequency[1] - frequency[0]) * time[order])
+    wave = pull[order] * np.exp(-2j * np.pi * frequency[0] * time[order])
     for n in range(len(frequency)):
-        out[n] = _summed(wave, group, groups)
+        out[n, there] = np.add.reduceat(wave, starts)
         wave *= turn
     return out
-
-
-def _summed(wave: Array, group: Codes, groups: int) -> Array:
-    return np.bincount(group, wave.real, groups) + 1j * np.bincount(group, wave.imag, groups)
 
 
 def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
@@ -243,7 +241,10 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
         group = 2 * stretch + scan.is_y
         wave = np.exp(-2j * np.pi * scan.time / period)
         for k, view in enumerate(views):
-            sums = _summed(view.pull * wave, group, 2 * count)
+            pulled = view.pull * wave
+            sums = np.bincount(group, pulled.real, 2 * count) + 1j * np.bincount(
+                group, pulled.imag, 2 * count
+            )
             information = np.bincount(group, each[k][own, n], 2 * count)
             size = _SIZES / max(float(information.max()), 1e-300)
             power = size * information

@@ -113,13 +113,14 @@ def bumps(monkeypatch, felt):
     columns = np.zeros((n, 2))
     columns[:, 0] = 1.0
     columns[:felt, 1] = 0.5
-    one = Field("a field", "somewhere", columns)
+    is_y = np.ones(n, bool)
+    one = Field("a field", "somewhere", columns, is_y)
     seen = []
     monkeypatch.setattr(fields, "families", lambda _: [(1, one)])
     monkeypatch.setattr(fields, "worth", lambda field, *_: seen.append(field.columns.shape[1]))
     ground = SimpleNamespace(
-        setup=setup(stack=SimpleNamespace(is_y=np.ones(n, bool))),
-        axis_by_axis=lambda _: (np.eye(4), np.eye(4), np.zeros(4)),
+        setup=setup(stack=SimpleNamespace(is_y=is_y)),
+        products=lambda _, **__: (np.eye(4), np.eye(4), np.zeros(4)),
     )
     list(fields.Ground.worths(ground))
     return seen
@@ -134,7 +135,7 @@ def test_a_bump_is_felt_by_eight_readings(monkeypatch, felt, kept):
 @pytest.mark.parametrize(("share", "kept"), [(0.2, 2), (0.11, 2), (0.09, 1), (0.01, 1)])
 def test_a_direction_nearly_degenerate_with_the_model_is_left_out(share, kept):
     """Of which less than a tenth is left beside it, however well the data determine that."""
-    one = Field("a field", "somewhere", np.ones((60, 2)))
+    one = Field("a field", "somewhere", np.ones((60, 2)), np.ones(60, bool))
     alone = np.diag([1e6, 1e6])
     information = alone * np.diag([0.25, share**2])
 
@@ -155,7 +156,8 @@ def test_a_field_has_a_place_where_it_stands_out(wide, placed):
     curve[np.abs(values - 50) < wide / 2 + 2] = np.maximum(
         curve[np.abs(values - 50) < wide / 2 + 2], 1.0
     )
-    found = fields.region(Field("", "", np.ones((100, 1)), along=("x", values)), curve)
+    there = Field("", "", np.ones((100, 1)), np.ones(100, bool), along=("x", values))
+    found = fields.region(there, curve)
 
     assert bool(found) == placed
     if placed:
