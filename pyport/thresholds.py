@@ -219,8 +219,9 @@ PRIOR_DOF = 6.0
 #: [findings] At most; a warning says when the search stopped there. Few things are left out at
 #: once. Smaller: searches end early. Larger: time, where a misfit is no sum of effects.
 MOST_FINDINGS = 8
-#: [candidates] Of a turn that may fail on data left out, or are confirmed beside a change. The
-#: fifth best is no candidate. Smaller: the right one is not reached. Larger: time.
+#: [candidates] Of a turn that may fail on data left out, or are confirmed beside a change, each a
+#: curve of its own. The fifth best is no candidate. Smaller: the right one is not reached. Larger:
+#: time.
 MOST_TRIED = 4
 #: [kinds of change] Confirmed in a turn. Each confirmation estimates the noise twice; later turns
 #: try the others. Smaller: a drift hides a step. Larger: time.

@@ -123,7 +123,14 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
             least = IMPERFECTION * strongest
             mismatch = p_value <= FAMILY_ERROR
             winner = winner_of(
-                setup, weighed, chosen, trials, least, banned=banned, mismatch=mismatch
+                setup,
+                weighed,
+                chosen,
+                trials,
+                least,
+                beside=beside,
+                banned=banned,
+                mismatch=mismatch,
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
@@ -171,6 +178,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
             others,
             trials,
             own.evidence + CONVINCING,
+            beside=beside,
             banned=banned,
             changes=False,
         )
@@ -265,11 +273,12 @@ def _of_families(outcome: Outcome) -> Outcome:
             for each in step.trials
             if each.candidate.effect.id == one.candidate.effect.id
             and each.scope == one.scope
+            and each.candidate is not one.candidate
             and each.evidence > step.winner.evidence - OUT_OF_REACH
         ]
         same.sort(key=lambda each: -round(each.evidence, TIE))
-        members = [Chosen(each.candidate, each.scope) for each in same[:MOST_NOISES]]
-        members = [one, *(each for each in members if each.candidate is not one.candidate)]
+        others = turns.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]
+        members = [one, *(Chosen(each.candidate, each.scope) for each in others)]
         best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:
             winner = next(each for each in same if each.candidate is best.candidate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -236,6 +236,21 @@ def _only_adds_to(beside: Projection, one: CandidateFit, rival: CandidateFit) ->
 def _same(beside: Projection, winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether two effects draw one and the same curve."""
     return rival.scope == winner.scope and beside.share(winner, rival) >= IDENTICAL
+
+
+def distinct(beside: Projection, trials: Iterable[CandidateFit], most: int) -> list[CandidateFit]:
+    """Return the first few trials of those that draw curves of their own.
+
+    Where data left out, or noise estimated anew, are against a curve they are against the same
+    curve by another formula.
+    """
+    found: list[CandidateFit] = []
+    for one in trials:
+        if len(found) == most:
+            break
+        if not any(_same(beside, each, one) and _same(beside, one, each) for each in found):
+            found.append(one)
+    return found
 
 
 def fits_physics(trial: CandidateFit) -> bool:

@@ -71,6 +71,7 @@ def winner_of(
     trials: Sequence[CandidateFit],
     least: float,
     *,
+    beside: Projection,
     banned: Collection[str] = (),
     mismatch: bool = True,
     changes: bool = True,
@@ -84,11 +85,11 @@ def winner_of(
     change that promises less than a lasting effect gains waits until that effect has failed.
     """
     turn = (setup, weighed, chosen, trials, banned)
-    lasting = _lasting(*turn, least) if mismatch else []
+    lasting = _lasting(*turn, least, beside) if mismatch else []
     lead = lasting[0].trial.evidence if lasting else -np.inf
     moved = _changes(*turn, lead) if changes else []
     if moved and not mismatch:
-        lasting = _lasting(*turn, least)
+        lasting = _lasting(*turn, least, beside)
     found = _first(weighed, chosen, moved, lasting)
     if found is None and changes and lead > -np.inf:
         moved = _changes(*turn, -np.inf)
@@ -193,8 +194,12 @@ def _lasting(
     trials: Sequence[CandidateFit],
     banned: Collection[str],
     least: float,
+    beside: Projection,
 ) -> list[Winner]:
-    """Return the best lasting effects above the least evidence, edges where they fit best."""
+    """Return the best lasting effects above the least evidence, edges where they fit best.
+
+    Of those that draw the same curve the first stands for all.
+    """
     found = []
     refined: set[str] = set()
     for trial in _worth(setup, trials, least, banned):
@@ -204,7 +209,9 @@ def _lasting(
             one = _refined(setup, weighed, chosen, trial)
         if one.trial.evidence > least:
             found.append(one)
-    return sorted(found, key=_rank)[:MOST_TRIED]
+    found.sort(key=_rank)
+    tried = turns.distinct(beside, (one.trial for one in found), MOST_TRIED)
+    return [one for one in found if any(one.trial is each for each in tried)]
 
 
 def _refined(

@@ -1,10 +1,11 @@
 """Data left out: what is left out together, what counts, and which findings stay."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import Columns, candidate, setup, step, trial
+from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
 from pyport.diagnosis import holdout, search
 from pyport.diagnosis.case import Chosen
@@ -334,6 +335,18 @@ def test_members_of_a_family_are_tried_beside_noise_of_their_own(monkeypatch, be
 
     assert bool(asked) == tried
     assert (end.chosen[0].candidate is other.candidate) == tried
+
+
+@pytest.mark.parametrize(("share", "tried"), [(0.985, True), (0.995, False)])
+def test_a_member_that_draws_the_same_curve_is_not_tried(monkeypatch, share, tried):
+    """It leaves the same noise."""
+    asked = []
+    some = [trial("refraction", 100.0 - n, of=candidate("refraction", choices=6)) for n in (0, 1)]
+    monkeypatch.setattr(search, "likeliest", lambda *given: asked.append(given) or given[-1][0])
+    one = replace(step(some[0], trials=some[1:]), beside=beside(refraction=share))
+    search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+
+    assert bool(asked) == tried
 
 
 def test_three_members_at_most_are_tried(monkeypatch):

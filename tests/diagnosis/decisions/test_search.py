@@ -8,7 +8,7 @@ import pytest
 from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
 from scipy.stats import chi2
 
-from pyport.diagnosis import case, changes, diagnose, search, weighing, winner
+from pyport.diagnosis import case, changes, diagnose, search, turns, weighing, winner
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.shapes import fields
@@ -261,7 +261,7 @@ def turn(monkeypatch, lasting=(), moved=(), sure=99.0, unseen=lambda _: True, **
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
-    found = winner.winner_of(setup(), None, (), (), 0.0, **options)
+    found = winner.winner_of(setup(), None, (), (), 0.0, beside=None, **options)
     return found and found.trial.candidate.effect.id
 
 
@@ -276,6 +276,38 @@ def test_the_next_best_takes_its_turn_on_unseen_data(monkeypatch, failing, wins)
     found = turn(monkeypatch, RANKED, unseen=lambda one: one not in bad)
 
     assert found == (None if wins is None else NAMES[wins])
+
+
+@pytest.mark.parametrize(
+    ("forth", "back", "scope", "kept"),
+    [
+        (0.995, 0.995, "all", 1),
+        (0.985, 0.995, "all", 2),
+        (0.995, 0.985, "all", 2),
+        (0.995, 0.995, "antenna", 2),
+    ],
+)
+def test_of_one_curve_the_first_stands_for_all(forth, back, scope, kept):
+    """Where each draws what the other does to a squared cosine of 0.99, in one scope."""
+    first, second = trial("refraction", 20.0), trial("wet_refraction", 19.0, scope=scope)
+    shared = SimpleNamespace(share=lambda one, _: forth if one is first else back)
+
+    assert turns.distinct(shared, [first, second], 4) == [first, second][:kept]
+
+
+def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
+    """Three formulas of one curve leave room for three others."""
+    monkeypatch.setattr(
+        winner, "_refined", lambda of, _w, _c, one: Winner(one, of, Chosen(one.candidate, "all"), 0)
+    )
+    alike = {NAMES[0], NAMES[1], NAMES[2]}
+    same = SimpleNamespace(
+        share=lambda *some: float({one.candidate.effect.id for one in some} <= alike)
+    )
+    trials = [one.trial for one in RANKED]
+    found = winner._lasting(setup(), None, (), trials, (), 0.0, same)
+
+    assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 3, 4, 5)]
 
 
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
