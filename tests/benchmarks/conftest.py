@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import compileall
 import ctypes
 import shutil
 import subprocess
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 import rt32
 
+import pyport
 from pyport.parity.compiled.build import sources
 from pyport.pointing import kernel
 
@@ -22,6 +24,12 @@ FLAGS = ("-O3", "-march=native", "-std=legacy", "-fPIC")
 def pytest_ignore_collect(config):
     """Leave the default suite alone."""
     return None if config.getoption("benchmark_enable") else True
+
+
+@pytest.fixture(scope="session", autouse=True)
+def bytecode():
+    """Compile this program to bytecode, as an installer does and Python may be told not to."""
+    compileall.compile_dir(Path(pyport.__file__).parent, quiet=2)
 
 
 @pytest.fixture(scope="session")
