@@ -88,8 +88,8 @@ def _inside(
     return across & (np.abs(elevations - el) <= _height(lowest_deg) / 2 * DEG + 1e-9)
 
 
-def separation(az: float, el: float, azimuths: Array, elevations: Array) -> Array:
-    """Return the angles between a direction and others [rad]."""
+def separation(az: float | Array, el: float | Array, azimuths: Array, elevations: Array) -> Array:
+    """Return the angles between a direction, or one for each, and others [rad]."""
     cosine = np.sin(el) * np.sin(elevations) + np.cos(el) * np.cos(elevations) * np.cos(
         azimuths - az
     )

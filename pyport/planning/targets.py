@@ -151,7 +151,8 @@ def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets
     """Return directions that could be observed in the time left."""
     if not catalogue:
         sky = directions(limits.lowest_deg, limits.highest_deg)
-        away = _from_sun(site, limits.start_s, sky.az, sky.el) >= limits.sun_deg * DEG
+        now = np.array([limits.start_s])
+        away = _from_sun(site, now, sky.az, sky.el) >= limits.sun_deg * DEG
         some = Targets(sky.az[away], sky.el[away], tuple("" for _ in range(int(away.sum()))))
     else:
         moments = np.arange(limits.start_s, limits.end_s, STEP_S)
@@ -161,7 +162,7 @@ def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets
         az, el = seen_from(site, ra[which], dec[which], time)
         up = (el >= limits.lowest_deg * DEG) & (el <= limits.highest_deg * DEG)
         if limits.sun_deg:
-            up &= _from_sun(site, limits.start_s, az, el) >= limits.sun_deg * DEG
+            up &= _from_sun(site, time, az, el) >= limits.sun_deg * DEG
         some = Targets(az[up], el[up], tuple(catalogue[n].name for n in which[up]))
     if not len(some.az):
         raise BadInput("nothing is within the limits in the time left")
@@ -175,12 +176,11 @@ def _sun(site: Site, time_s: Array) -> tuple[Array, Array]:
     return sun(Circumstances(none, none, site, {"time": time_s}))
 
 
-def _from_sun(site: Site, time_s: float, az: Array, el: Array) -> Array:
-    """Return how far directions are from the Sun [rad]."""
+def _from_sun(site: Site, time_s: Array, az: Array, el: Array) -> Array:
+    """Return how far directions (n,) are from the Sun [rad], each at its time, or all at one."""
     from pyport.planning.design import separation
 
-    sun_az, sun_el = _sun(site, np.array([time_s]))
-    return separation(float(sun_az[0]), float(sun_el[0]), az, el)
+    return separation(*_sun(site, time_s), az, el)
 
 
 def _slew_s(
@@ -202,17 +202,20 @@ def _at(
     az_deg: float,
     el_deg: float,
 ) -> tuple[float, float, float, float] | None:
-    """Return azimuth, elevation, RA and Dec [deg] at a time, None where it has set by then."""
+    """Return azimuth, elevation, RA and Dec [deg] at a time, None where it is out of bounds then.
+
+    By then a source may have set, and the Sun may have come near.
+    """
     when = np.array([time_s])
-    if not name:
-        place = to_icrs(site, np.array([az_deg * DEG]), np.array([el_deg * DEG]), when)
-        ra, dec = (float(one[0] / DEG) for one in place)
-        return az_deg, el_deg, ra, dec
-    one = by_name[name]
-    az, el = (
-        float(each[0] / DEG)
-        for each in seen_from(site, np.array([one.ra]), np.array([one.dec]), when)
-    )
-    if not limits.lowest_deg <= el <= limits.highest_deg:
+    if name:
+        ra, dec = np.array([by_name[name].ra]), np.array([by_name[name].dec])
+        az, el = seen_from(site, ra, dec, when)
+    else:
+        az, el = np.array([az_deg * DEG]), np.array([el_deg * DEG])
+        ra, dec = to_icrs(site, az, el, when)
+    if limits.sun_deg and _from_sun(site, when, az, el)[0] < limits.sun_deg * DEG:
         return None
-    return az % 360, el, one.ra / DEG, one.dec / DEG
+    place = [float(one[0] / DEG) for one in (az, el, ra, dec)]
+    if name and not limits.lowest_deg <= place[1] <= limits.highest_deg:
+        return None
+    return place[0] % 360, place[1], place[2], place[3]

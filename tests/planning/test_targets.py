@@ -9,7 +9,8 @@ from drawn_nights import world, write
 
 from pyport.angles import ARCSEC
 from pyport.cli import pyport as program
-from pyport.effects.base import Site
+from pyport.effects.base import Circumstances, Site
+from pyport.effects.sky.site import sun
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.planning.target_lists import FORMATS, read_catalogue
@@ -95,6 +96,24 @@ def test_sources_are_where_they_stand_at_their_time(past):
         assert one.el_deg == pytest.approx(float(el[0] / DEG))
     with pytest.raises(BadInput, match="nothing is within the limits"):
         targets(past, load("altaz"), limits, 3, some[3:4])
+
+
+@pytest.mark.parametrize("catalogue", [None, "radio"])
+def test_no_target_is_near_the_sun_when_it_is_observed(past, catalogue):
+    """Nine hours of a June day: the Sun goes halfway around the sky."""
+    start = float(np.datetime64("2024-06-20T06:00:00", "s").astype(float))
+    limits = Limits(15, 85, start, start + 9 * 3600, sun_deg=30)
+    some = read_catalogue(catalogue) if catalogue else ()
+    found = targets(past, load("altaz"), limits, 60, some)
+    place, when = SITE, np.array([one.time_s for one in found])
+    az, el = (
+        np.array([getattr(one, name) for one in found]) * DEG for name in ("az_deg", "el_deg")
+    )
+    sun_az, sun_el = sun(Circumstances(az, el, place, {"time": when}))
+    cosine = np.sin(el) * np.sin(sun_el) + np.cos(el) * np.cos(sun_el) * np.cos(az - sun_az)
+
+    assert len(found) > 20
+    assert np.arccos(cosine).min() > 29.9 * DEG
 
 
 def test_lists_are_what_telescopes_read(past):
