@@ -11,7 +11,7 @@ from pyport.fitting import soundness
 from pyport.fitting.combinations import of_fit as combined
 from pyport.fitting.fit import Fit, completed
 from pyport.fitting.table import MOST_COMBINATIONS
-from pyport.models.model import Model
+from pyport.models.model import Model, Term
 from pyport.page.markup import as_file, linear
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
@@ -36,19 +36,24 @@ def of_fit(fit: Fit) -> tuple[Picture, Story]:
 
 
 def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
-    """Return the name of each term and what it takes off the numbers (m,)."""
-    found: dict[str, Array] = {}
-    basis: dict[str, Array] = {}
+    """Return the name of each term and what it takes off the numbers (m,).
+
+    Several terms may be of one effect, each with another number in it: sines of 2A and 3A.
+    """
+    terms: list[Term] = []
+    bases: list[Array] = []
+    curves: list[Array] = []
     for one in fit.coefficients:
-        effect = one.term.effect
-        if effect.id not in basis:
-            basis[effect.id] = fit.stack.columns(effect, fit.recordings.at)
-            found[effect.id] = np.zeros(len(fit.stack))
+        place = next((n for n, term in enumerate(terms) if term is one.term), len(terms))
+        if place == len(terms):
+            terms.append(one.term)
+            bases.append(fit.stack.columns(one.term.effect, fit.recordings.at))
+            curves.append(np.zeros(len(fit.stack)))
         rows = np.ones(len(fit.recordings), bool)
         for label, value in zip(one.term.per, one.labels, strict=True):
             rows &= fit.recordings.label(label).astype(str) == value
-        found[effect.id] += rows[fit.stack.row] * (basis[effect.id] @ np.nan_to_num(one.value))
-    return list(found), list(found.values())
+        curves[place] += rows[fit.stack.row] * (bases[place] @ np.nan_to_num(one.value))
+    return [term.effect.id for term in terms], curves
 
 
 def _story(fit: Fit, picture: Picture, whole: Model) -> Story:

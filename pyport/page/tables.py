@@ -96,10 +96,12 @@ def _by_group(rows: Sequence[Row]) -> Markup:
 def _value(row: Row | None) -> Markup:
     if row is None:
         return tag("td", "", class_="n")
-    if row.value is None or row.sigma is None:
+    if row.value is None:
         return tag("td", "not determined", class_="n")
-    digits = _digits(row.sigma)
-    text = f"{_signed(row.value, digits)} ± {row.sigma:.{digits}f}"
+    digits = 3 if row.sigma is None else _digits(row.sigma)
+    text = _signed(row.value, digits)
+    if row.sigma is not None:
+        text += f" ± {row.sigma:.{digits}f}"
     return tag("td", tag("b", text) if row.found else text, class_="n")
 
 

@@ -8,6 +8,7 @@ import re
 from html.parser import HTMLParser
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -16,10 +17,13 @@ from pages import HOSTILE, recordings
 from pyport import page
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
+from pyport.models.terms.editing import edited
 from pyport.page import payload as pack
+from pyport.page import tables
 from pyport.page.markup import tag
 from pyport.page.payload import MOST_DRAWN, MOST_STRETCHES, stretches
 from pyport.page.picture import _azimuth, columns
+from pyport.page.story import Row
 from pyport.studies.rt32 import fit_rt32
 from pyport.studies.rt32.sky import of_rt32
 
@@ -97,9 +101,10 @@ def test_layers_lead_exactly_from_before_to_after(diagnosis):
     np.testing.assert_allclose(picture.y.after, left[is_y], atol=1e-12)
 
 
-def test_a_fit_has_a_page_with_its_terms_as_layers():
-    """Recorded offsets less every term are the residuals of the fit."""
-    done = fit(recordings(), load("altaz"))
+@pytest.mark.parametrize("add", [(), ("HESA2", "HESA3")])
+def test_a_fit_has_a_page_with_its_terms_as_layers(add):
+    """Recorded offsets less every term are the residuals of the fit; two may be of one effect."""
+    done = fit(recordings(), edited(load("altaz"), add=add))
     picture, story = page.of_fit(done)
 
     assert [one.name for one in picture.layers] == [
@@ -210,3 +215,12 @@ def test_the_data_of_the_page_are_json(written):
 
     assert [one["name"] for one in data["columns"][:2]] == ["az", "el"]
     assert data["total"] == 240
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "told"),
+    [(1.5, 0.25, "1.50 ± 0.25"), (-1.5, None, "−1.500"), (None, None, "not determined")],
+)
+def test_a_coefficient_that_was_held_has_its_value(value, sigma, told):
+    """Of an antenna among others; one without sigma was held."""
+    assert told in str(tables._value(Row("tilt", "A", value, sigma, "arcsec")))
