@@ -9,12 +9,14 @@ from typing import IO, TYPE_CHECKING
 import click
 
 from pyport.cli.manners import PATH, about_file, flag, in_json, option, plain, say
+from pyport.cli.table import conditions_of, under_conditions
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
     from pyport.recordings.raw import FileOptions, Raw
     from pyport.recordings.scans import Average
     from pyport.steering import Table
+    from pyport.steering.tabulate import Conditions
 
 
 @click.command(
@@ -150,6 +152,7 @@ def _of_average(one: Average) -> dict[str, object]:
     type=click.File("r"),
 )
 @flag("--errors", "State the errors of interpolation against the model, all over the sky.")
+@under_conditions
 @flag("--json as_json", "Print each answer as a line of JSON.")
 def lookup(
     table: str,
@@ -157,6 +160,8 @@ def lookup(
     zd: float | None,
     batch: IO[str] | None,
     errors: bool,  # noqa: FBT001 - click's
+    azimuth_zero: str | None,
+    conditions: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 - click's
 ) -> None:
     """Print azimuth, zenith distance and their offsets [deg], interpolated in TABLE."""
@@ -167,7 +172,8 @@ def lookup(
         raise click.UsageError("give --az and --zd, or --batch FILE, or --errors")
     read = steering.read_table(table)
     if errors:
-        _print_errors(read, table, as_json=as_json)
+        beside = conditions_of(azimuth_zero, conditions)
+        _print_errors(read, table, beside, as_json=as_json)
     if az is not None:
         for answer in answers(read, [f"{az!r} {zd!r}"], table):
             click.echo(_as_json(answer) if as_json else answer)
@@ -182,14 +188,14 @@ def _as_json(answer: str) -> str:
     return json.dumps(dict(zip(names, map(float, answer.split()), strict=True)))
 
 
-def _print_errors(table: Table, file: str, *, as_json: bool) -> None:
+def _print_errors(table: Table, file: str, beside: Conditions, *, as_json: bool) -> None:
     """Print how far interpolated offsets stray from the model in each band of zenith distance."""
     from pyport.steering.lookup import interpolation_errors
     from pyport.steering.tabulate import offsets_of
 
     if not table.model:
         raise BadInput("does not say what model it was made from: a binary table does", file)
-    truth = offsets_of(table.model, table.refraction, table.reading)
+    truth = offsets_of(table.model, table.refraction, table.reading, beside)
     if as_json:
         for one in interpolation_errors(table, truth):
             click.echo(json.dumps(plain(one)))

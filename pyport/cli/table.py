@@ -2,15 +2,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from pyport.cli.manners import flag, in_json, option, say
 
 if TYPE_CHECKING:
-    from pyport.steering import Table
+    from pyport.steering import Grid, Table
+    from pyport.steering.tabulate import Conditions
+
+
+def under_conditions(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options `azimuth_zero` and `conditions` to a command."""
+    for one in (
+        option(
+            "--set conditions",
+            "A condition of the whole table, where the model depends on it: temperature_c=8.",
+            multiple=True,
+            metavar="COLUMN=VALUE",
+        ),
+        option(
+            "--azimuth-zero",
+            "Zero of the table's azimuth.  [default: south for the RT32's models]",
+            of="north south",
+        ),
+    ):
+        command = one(command)
+    return command
+
+
+def conditions_of(azimuth_zero: str | None, conditions: tuple[str, ...]) -> Conditions:
+    """Return what both options say, COLUMN=VALUE as columns inside the program."""
+    from pyport.models.conditions import columns_of
+    from pyport.steering.tabulate import Conditions
+
+    told: dict[str, object] = {}
+    for one in conditions:
+        name, equals, value = one.partition("=")
+        if not equals:
+            raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
+        told[name.strip()] = value.strip()
+    return Conditions(azimuth_zero, dict(columns_of(told)) if told else {})
 
 
 @click.command(
@@ -29,17 +64,7 @@ if TYPE_CHECKING:
     "as-written",
     of="as-written routine float64",
 )
-@option(
-    "--azimuth-zero",
-    "Zero of the table's azimuth.  [default: south for the RT32's models]",
-    of="north south",
-)
-@option(
-    "--set conditions",
-    "A condition of the whole table, where the model depends on it: temperature_c=8.",
-    multiple=True,
-    metavar="COLUMN=VALUE",
-)
+@under_conditions
 @option("--az", "Azimuths, FIRST:LAST:STEP [deg].  [default: -270:270:1]")
 @option("--zd", "Zenith distances, FIRST:LAST:STEP [deg].  [default: -5:89:1]")
 @flag("--check", "Compare with every published number of 3model.")
@@ -73,7 +98,6 @@ def command(
     from pyport import steering
     from pyport.runs.stages import working
     from pyport.steering.grid import span
-    from pyport.steering.tabulate import Conditions
 
     if not (output or check or against or recordings or refractions):
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
@@ -96,7 +120,7 @@ def command(
             span(az) if az else steering.RT32_GRID.az_deg,
             span(zd) if zd else steering.RT32_GRID.zd_deg,
         )
-        beside = Conditions(azimuth_zero, _columns(conditions))
+        beside = conditions_of(azimuth_zero, conditions)
         with working("tabulating"):
             table = steering.tabulate(model, refraction, grid, reading, beside)
         lines += _twice(model, table.refraction)
@@ -113,23 +137,9 @@ def command(
                 f"{output}: {len(grid)} rows, model {model}, refraction {table.refraction}"
             )
         if against:
-            lines += _difference(table, against, refraction, reading, picture, told)
+            old = _old(against, grid, refraction, reading, beside)
+            lines += _difference(table, old, against, picture, told)
     say("\n".join(lines), told, as_json=as_json)
-
-
-def _columns(conditions: tuple[str, ...]) -> dict[str, object]:
-    """Return COLUMN=VALUE arguments as columns inside the program."""
-    if not conditions:
-        return {}
-    from pyport.models.conditions import columns_of
-
-    told: dict[str, object] = {}
-    for one in conditions:
-        name, equals, value = one.partition("=")
-        if not equals:
-            raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
-        told[name.strip()] = value.strip()
-    return dict(columns_of(told))
 
 
 def _twice(model: str, refraction: str) -> list[str]:
@@ -205,23 +215,25 @@ def _refractions(told: dict[str, object]) -> list[str]:
     return lines
 
 
+def _old(
+    against: str, grid: Grid, refraction: str | None, reading: str, beside: Conditions
+) -> Table:
+    """Return the table of a file, or that of a model under the same conditions."""
+    from pyport import steering
+
+    if Path(against).is_file() and not against.endswith(".toml"):
+        return steering.read_table(against)
+    return steering.tabulate(against, refraction, grid, reading, beside)
+
+
 def _difference(
-    table: Table,
-    against: str,
-    refraction: str | None,
-    reading: str,
-    picture: str | None,
-    told: dict[str, object],
+    table: Table, old: Table, against: str, picture: str | None, told: dict[str, object]
 ) -> list[str]:
-    """Return where `table` differs from another, a file or a model, and draw it."""
+    """Return where `table` differs from another, called `against`, and draw it."""
     from pyport import steering
     from pyport.steering.grid import describe
     from pyport.steering.grid import picture as draw
 
-    if Path(against).is_file() and not against.endswith(".toml"):
-        old = steering.read_table(against)
-    else:
-        old = steering.tabulate(against, refraction, table.grid, reading)
     difference = steering.compare(table, old)
     lines = describe(difference)
     told["against"] = {

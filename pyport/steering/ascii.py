@@ -118,6 +118,7 @@ def read_ascii(path: str | Path) -> Table:
         raise BadInput(
             f"expected the row of azimuth {az:g} and zenith distance {zd:g}", path, wrong[0] + 1
         )
+    grid.check(path)
     shape = az_deg.shape
     d_az_deg, d_zd_deg = numbers[:, 2].reshape(shape), numbers[:, 3].reshape(shape)
     return Table(grid, d_az_deg, d_zd_deg)

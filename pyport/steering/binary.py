@@ -51,10 +51,8 @@ def write_binary(table: Table, path: str | Path) -> None:
     BadInput
         The grid's steps are not equal, or an offset does not fit.
     """
+    table.grid.check(path)
     steps_deg = table.grid.steps_deg()
-    for values, step in zip((table.grid.az_deg, table.grid.zd_deg), steps_deg, strict=True):
-        if not np.allclose(np.diff(values), step, rtol=0, atol=1e-9):
-            raise BadInput("the binary table needs a grid of equal steps", path)
     header = HEADER.pack(
         MAGIC,
         VERSION,

@@ -45,6 +45,14 @@ class Grid:
         """Return the steps in azimuth and in zenith distance [deg]."""
         return _step(self.az_deg), _step(self.zd_deg)
 
+    def check(self, file: str | Path) -> None:
+        """Refuse steps that differ: look-ups count on them. Raises `BadInput` about a file."""
+        for what, values in (("azimuths", self.az_deg), ("zenith distances", self.zd_deg)):
+            if not np.allclose(np.diff(values), _step(values), rtol=0, atol=1e-9):
+                raise BadInput(
+                    f"its {what} do not ascend by equal steps, expected a grid that does", file
+                )
+
 
 def _step(values: Array) -> float:
     return float(values[-1] - values[0]) / (len(values) - 1) if len(values) > 1 else 1.0

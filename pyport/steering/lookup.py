@@ -132,7 +132,8 @@ def answers(table: Table, lines: Iterable[str], file: str) -> Iterator[str]:
             d_az_deg, d_zd_deg = offsets_at(table, az_deg, zd_deg)
         except BadInput as outside:
             raise BadInput(outside.message, file, number) from None
-        yield f"{az_deg:12.7f}{zd_deg:12.7f}{d_az_deg:12.7f}{d_zd_deg:12.7f}"
+        # A blank stands before each, however wide: near the zenith azimuth is off by 100 deg.
+        yield f"{az_deg:12.7f} {zd_deg:11.7f} {d_az_deg:11.7f} {d_zd_deg:11.7f}"
 
 
 @dataclass(frozen=True)
@@ -176,12 +177,14 @@ def interpolation_errors(table: Table, truth: OffsetsDeg) -> list[BandError]:
     for low, high in itertools.pairwise(BANDS_DEG):
         band = (zd_deg > low) & (zd_deg < high)
         plain, steps = band & ~crossed, band & crossed
+        if not plain.any():
+            continue
         bands.append(
             BandError(
                 low,
                 high,
-                float(np.sqrt(np.mean(error_az[band] ** 2))),
-                float(np.max(error_az[band])),
+                float(np.sqrt(np.mean(error_az[plain] ** 2))),
+                float(np.max(error_az[plain])),
                 float(np.sqrt(np.mean(error_zd[plain] ** 2))),
                 float(np.max(error_zd[plain])),
                 int(np.sum(steps)),

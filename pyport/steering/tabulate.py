@@ -90,6 +90,10 @@ def tabulate(
         There is no such model, refraction or reading, or the model lacks coefficients.
     """
     base = base_of(model)
+    if base in _RT32 and beside.azimuth_zero == "north":
+        raise BadInput(
+            f"{base} counts azimuth from south, expected no azimuth zero at north", model
+        )
     if base not in _RT32:
         reading = "float64"
     name = refraction_name or (DEFAULT_REFRACTION if base in _RT32 else STANDARD_REFRACTION)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -189,3 +191,29 @@ def test_what_the_quick_table_cannot_do_is_left_to_the_command(tmp_path):
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert done.stderr.startswith("pyport: error: ")
+
+
+@pytest.mark.parametrize(
+    ("term", "more"),
+    [("tilt", ["--azimuth-zero", "south"]), ("temperature", ["--set", "temperature_c=8"])],
+)
+def test_a_model_against_itself_does_not_differ(tmp_path, monkeypatch, term, more):
+    """Whatever the azimuth starts at, and whatever the conditions are; nor does a look-up."""
+    monkeypatch.chdir(tmp_path)
+    model, path = Path("mine.toml"), Path("table.bin")
+    model.write_text(f'name = "mine"\n[[term]]\neffect = "{term}"\nvalue_arcsec = [100, 0]\n')
+    words = ["--model", str(model), *more, "--az", "0:40:1"]
+    run(table, *words, "--format", "binary", "-o", str(path))
+    same = run(table, *words, "--against", str(model)).output
+    errors = run(lookup, str(path), "--errors", "--json", *more).output
+
+    assert same.count("equal everywhere") == 3
+    assert json.loads(errors.splitlines()[3])["zd_max_deg"] < 1e-5
+
+
+def test_bands_without_a_cell_are_left_out(tmp_path):
+    """A table from 5 to 85 deg has none at the horizon."""
+    path = tmp_path / "table.bin"
+    run(table, "--az", "0:20:5", "--zd", "5:85:5", "--format", "binary", "-o", str(path))
+
+    assert "85 to  90" not in run(lookup, str(path), "--errors").output

@@ -101,3 +101,12 @@ def test_binary_file_is_no_table(tmp_path):
     path.write_bytes(bytes(range(256)))
     with pytest.raises(BadInput, match="is no text"):
         read_ascii(path)
+
+
+def test_steps_that_differ_are_refused(tmp_path):
+    """A look-up counts on equal ones: at a node it would give another node's number."""
+    path = tmp_path / "table.txt"
+    path.write_text("".join(f"{az} {zd} 0.1 0.2\n" for az in (0, 1, 10) for zd in (0, 5)))
+
+    with pytest.raises(BadInput, match="azimuths do not ascend by equal steps"):
+        read_ascii(path)

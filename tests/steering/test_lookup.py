@@ -98,3 +98,11 @@ def test_errors_are_large_at_the_zenith_and_across_the_jump_only():
     assert sum(one.steps for one in bands) > 100
     assert max(one.step_deg for one in bands) == pytest.approx(0.0102, abs=1e-4)
     assert by_band[80, 89].zd_max_deg == pytest.approx(3.24e-3, abs=1e-4)
+
+
+def test_numbers_stay_apart_where_azimuth_is_far_off():
+    """Near the zenith by more than a hundred degrees."""
+    far = Table(GRID, np.full(AZ_DEG.shape, -100.3402176), np.full(AZ_DEG.shape, 0.1))
+    (answer,) = answers(far, ["-260 0"], "targets")
+
+    assert [float(one) for one in answer.split()] == [-260, 0, -100.3402176, 0.1]

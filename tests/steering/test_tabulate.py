@@ -8,6 +8,7 @@ import pytest
 from pyport.errors import BadInput
 from pyport.steering import Grid, tabulate
 from pyport.steering.grid import span
+from pyport.steering.tabulate import Conditions
 
 MODEL = """
 name = "mine"
@@ -109,3 +110,10 @@ def test_span_includes_both_ends():
     for wrong in ("0:1:0.3", "1:0:0.5", "0:1", "a:b:c", "0:1:0", "0:inf:1", "2:2:1"):
         with pytest.raises(BadInput, match=wrong.replace(":", ".")):
             span(wrong)
+
+
+@pytest.mark.parametrize("model", ["rt32-3model", "rt32-exact", "rt32-approximate"])
+def test_the_rt32_s_azimuth_starts_at_south(model):
+    """Its form has no other zero."""
+    with pytest.raises(BadInput, match="counts azimuth from south"):
+        tabulate(model, "none", GRID, beside=Conditions("north"))
