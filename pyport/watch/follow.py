@@ -71,18 +71,22 @@ def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> It
         yield from _file(path, given, cursor, size)
         return
     some = (one for one in path.iterdir() if one.is_file() and not one.name.startswith("."))
-    for one in sorted(one for one in some if one.name >= cursor.file):
+    left = sorted(one for one in some if one.name >= cursor.file)
+    for one in left:
         if one.name != cursor.file:
             cursor = Cursor(one.name)
-        for batch in _file(one, given, cursor, size):
+        for batch in _file(one, given, cursor, size, ended=one != left[-1]):
             cursor = batch.cursor
             yield batch
 
 
-def _file(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _file(
+    path: Path, given: FileOptions, cursor: Cursor, size: int, *, ended: bool = False
+) -> Iterator[Batch]:
+    """Read what a file has beyond the cursor; one that has `ended` grows no more."""
     cursor = replace(cursor, file=path.name)
     if _by_line(path, given):
-        yield from _lines(path, given, cursor, size)
+        yield from _lines(path, given, cursor, size, ended=ended)
     else:
         yield from _whole(path, given, cursor, size)
 
@@ -113,6 +117,8 @@ def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
         raise
     total = len(recordings)
     done = cursor.lines if total >= cursor.lines else 0
+    if done == total:
+        yield Batch(None, (), replace(cursor, changed=changed))
     for first in range(done, total, size):
         last = min(first + size, total)
         at = changed if last == total else cursor.changed
@@ -121,7 +127,9 @@ def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
         yield Batch(part, aside, replace(cursor, lines=last, changed=at))
 
 
-def _lines(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterator[Batch]:
+def _lines(
+    path: Path, given: FileOptions, cursor: Cursor, size: int, *, ended: bool
+) -> Iterator[Batch]:
     """Read the whole lines that a file has beyond where it was read."""
     if cursor.inode:
         try:
@@ -131,7 +139,7 @@ def _lines(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
         if there is None or there.st_ino != cursor.inode:
             former = _renamed(path, cursor.inode)
             if former is not None:
-                for batch in _beyond(former, path, given, cursor, size):
+                for batch in _beyond(former, path, given, cursor, size, ended=True):
                     cursor = batch.cursor
                     yield batch
             if there is None:
@@ -140,7 +148,7 @@ def _lines(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
         elif not _same(path, cursor):
             cursor = Cursor(path.name)
     if path.is_file():
-        yield from _beyond(path, path, given, cursor, size)
+        yield from _beyond(path, path, given, cursor, size, ended=ended)
 
 
 def _renamed(path: Path, inode: int) -> Path | None:
@@ -167,15 +175,20 @@ def _fingerprint(file: Any, offset: int) -> str:  # noqa: ANN401 - a file of byt
 
 
 def _beyond(
-    path: Path, log: Path, given: FileOptions, cursor: Cursor, size: int
+    path: Path, log: Path, given: FileOptions, cursor: Cursor, size: int, *, ended: bool
 ) -> Iterator[Batch]:
-    """Yield the whole lines of a file from the cursor on; `log` is what it was called first."""
+    """Yield the whole lines of a file from the cursor on; `log` is what it was called first.
+
+    A line that nothing ends may be half of one, but not in a file that has `ended`.
+    """
     with path.open("rb") as file:
         inode = os.fstat(file.fileno()).st_ino
         while True:
             file.seek(cursor.offset)
             block = file.read(BLOCK)
             whole = block[: block.rfind(b"\n") + 1]
+            if ended and not whole and len(block) < BLOCK:
+                whole = block
             if not whole:
                 if len(block) == BLOCK:
                     wrong = f"a line of more than {BLOCK // 2**20} MB, expected one a recording"
@@ -203,7 +216,7 @@ def _beyond(
 def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
     """Return the header, completed by lines that belong to it, and the lines of rows."""
     header, rows = cursor.header, list(text)
-    complete = any(not one.startswith("#") for one in header.splitlines())
+    complete = any(one.strip() and not one.startswith("#") for one in header.splitlines())
     while rows and not complete:
         line = rows[0]
         if line.startswith("#") or not line.strip():

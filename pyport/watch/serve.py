@@ -13,6 +13,7 @@ import secrets
 import threading
 from collections.abc import AsyncIterator, Collection
 from dataclasses import dataclass, field
+from http.client import HTTP_PORT
 from typing import Any
 
 from pyport.errors import BadInput
@@ -75,6 +76,8 @@ def app(live: Live, host: str, port: int, token: str) -> Any:  # noqa: ANN401 - 
 
     named = {host, "localhost", "127.0.0.1", "[::1]"} if host in LOOPBACK else set()
     hosts = frozenset(f"{one}:{port}" for one in named)
+    if port == HTTP_PORT:  # browsers leave it out
+        hosts |= named
 
     def guarded(answer: Any) -> Any:  # noqa: ANN401 - an endpoint
         async def endpoint(request: Request) -> Response:
@@ -200,4 +203,5 @@ def serve(live: Live, host: str = HOST, port: int = PORT) -> Served:
     if not server.started:
         raise BadInput(f"{host}:{port} cannot be served from, expected a free port: --port")
     query = f"?token={token}" if token else ""
-    return Served(f"http://{host}:{port}/{query}", server, thread)
+    place = f"[{host}]" if ":" in host else host
+    return Served(f"http://{place}:{port}/{query}", server, thread)

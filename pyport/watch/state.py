@@ -162,6 +162,8 @@ class Outputs:
         """Tell what happened since the last time; return what went wrong with the command."""
         new = [one for one in watch.events if one.number > self.told]
         if new:
+            if self.command and not (self.folder / ACTED).exists():
+                self._has_acted(self.acted)
             with (self.folder / EVENTS).open("a", encoding="utf-8") as file:
                 for one in new:
                     file.write(line(one) + "\n")
@@ -192,9 +194,13 @@ class Outputs:
                     yield f"{name}: exit status {done.returncode} at event {one.number}"
             except (OSError, subprocess.TimeoutExpired) as error:
                 yield f"{name}: {error}"
-            self.acted = one.number
-            with write_whole(self.folder / ACTED) as file:
-                file.write(str(one.number))
+            self._has_acted(one.number)
+
+    def _has_acted(self, number: int) -> None:
+        """Keep up to which event the command was run."""
+        self.acted = number
+        with write_whole(self.folder / ACTED) as file:
+            file.write(str(number))
 
 
 def line(one: Event) -> str:

@@ -178,7 +178,7 @@ class Watch:
         BadInput
             None is of an antenna with a past, or one has no time where the past has.
         """
-        recordings = self._ordered(from_table(table, self.history.meta))
+        recordings = from_table(table, self.history.meta)
         who = recordings.label("antenna").astype(str)
         watched = np.isin(who, list(self.antennas))
         if len(who) and not watched.any() and not np.isin(who, list(self.unwatched)).any():
@@ -187,15 +187,29 @@ class Watch:
             raise BadInput(wrong, recordings.file, int(recordings.line[0]))
         for name in dict.fromkeys(who[~watched].tolist()):
             self.unwatched.setdefault(name, "no past recordings")
-        recordings, who = recordings.take(watched), who[watched]
-        places = {name: np.flatnonzero(who == name) for name in dict.fromkeys(who)}
+        before = self.last, self.session
+        try:
+            order, turns = self._turns(self._ordered(recordings.take(watched)))
+        except BadInput:
+            self.last, self.session = before
+            raise
+        for name in order:
+            yield self._taken(*next(turns[name]))
+
+    def _turns(
+        self, recordings: Recordings
+    ) -> tuple[list[str], dict[str, Iterator[tuple[Antenna, Any, int]]]]:
+        """Return the antenna of each recording, and of each antenna the prepared rows in turn."""
+        who = recordings.label("antenna").astype(str).tolist()
+        places = {
+            name: [n for n, one in enumerate(who) if one == name] for name in dict.fromkeys(who)
+        }
         turns = {}
         for name, own in places.items():
             one = self.antennas[name]
-            rows = prepare(one.baseline, recordings.take(own), one.home)
+            rows = prepare(one.baseline, recordings.take(np.array(own)), one.home)
             turns[name] = iter([(one, rows, n) for n in range(len(rows))])
-        for name in who:
-            yield self._taken(*next(turns[name]))
+        return who, turns
 
     def _taken(self, own: Antenna, rows: Any, n: int) -> Seen:  # noqa: ANN401 - prepared rows
         self.row += 1

@@ -1,5 +1,6 @@
 """A log that grows is read once, whole, whatever is done to it."""
 
+import os
 from dataclasses import asdict
 
 import numpy as np
@@ -142,3 +143,47 @@ def test_a_log_of_another_kind_is_refused(tmp_path):
 
     with pytest.raises(BadInput, match="a line of more than 1 MB"):
         list(follow.new(tmp_path / "log.csv", NOTHING, Cursor()))
+
+
+def test_a_blank_line_above_the_names_is_passed_over(tmp_path, lines):
+    """Line by line as together."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    for one in (*above[:-1], "\n", above[-1], *rows[:5]):
+        append(log.path, [one])
+        log.read()
+
+    assert len(log.times) == 5
+    assert log.skipped == []
+
+
+def test_the_last_line_of_a_file_that_ended_is_read(tmp_path, lines):
+    """Without a newline: of a night of a folder, and of a log that was rotated."""
+    above, rows = lines
+    log = Log(tmp_path / "folder")
+    log.path.mkdir()
+    append(log.path / "night-1.csv", [*above, *rows[:9], rows[9].rstrip("\n")])
+    assert log.read() == 9
+    append(log.path / "night-2.csv", above + rows[10:12])
+    assert log.read() == 3
+    one = Log(tmp_path / "log.csv")
+    append(one.path, [*above, *rows[:9], rows[9].rstrip("\n")])
+    assert one.read() == 9
+    one.path.rename(tmp_path / "log.csv.1")
+    append(one.path, above + rows[10:12])
+    assert one.read() == 3
+
+
+def test_a_file_that_was_touched_is_read_once(tmp_path, lines, monkeypatch):
+    """One that is read as a whole."""
+    above, rows = lines
+    (tmp_path / "log.csv").write_text("".join(above + rows[:10]))
+    log = Log(tmp_path / "log.parquet")
+    write(read(tmp_path / "log.csv"), log.path)
+    log.read()
+    times = []
+    whole = follow.read_raw
+    monkeypatch.setattr(follow, "read_raw", lambda *some: times.append(1) or whole(*some))
+    os.utime(log.path, (1e9, 1e9))
+    assert [log.read() for _ in range(3)] == [0, 0, 0]
+    assert len(times) == 1

@@ -159,6 +159,23 @@ def test_a_line_of_events_that_was_cut_short_is_written_again(night, tmp_path):
     assert noted.read_text().splitlines() == [f"{one} 1" for one in events[1:]]
 
 
+def test_a_command_that_was_killed_at_the_first_event_is_run_again(night, tmp_path):
+    """Up to which event it was run is kept before it is run for the first."""
+    folder, _, _ = night
+    noted, hook = tmp_path / "noted", tmp_path / "hook"
+    hook.write_text(f"#!/bin/sh\ncat > /dev/null\necho $PYPORT_EVENT >> {noted}\n")
+    hook.chmod(0o755)
+    killing = tmp_path / "killing"
+    killing.write_text("#!/bin/sh\nkill -9 $PPID\n")
+    killing.chmod(0o755)
+    words = [sys.executable, "-m", "pyport", *arguments(folder, tmp_path / "out", "--on-alarm")]
+    assert subprocess.run([*words, str(killing)], check=False).returncode == -signal.SIGKILL
+    done = CliRunner().invoke(program, arguments(folder, tmp_path / "out", "--on-alarm", str(hook)))
+
+    assert done.exit_code == 0, done.output
+    assert noted.read_text().splitlines()[0] == "raised"
+
+
 @pytest.mark.slow
 def test_the_first_pointings_stand_for_the_past(night, tmp_path):
     """Without a past the watch begins when there are enough, and keeps them."""

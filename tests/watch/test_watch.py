@@ -185,3 +185,14 @@ def test_a_row_without_offset_leaves_the_watch_as_it_was(drawn):
         watch.update({"time_utc": "2024-03-28T12:00:00", "az_deg": 10.0, "el_deg": 50.0})
 
     assert watch.row == 0
+
+
+def test_a_row_of_an_unknown_antenna_leaves_the_night_as_it_was(drawn):
+    """Dated years ahead, it would end the detection of nights."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    before = watch.last, watch.session
+    row = {name: cells[0] for name, cells in drawn.watched.items()}
+    with pytest.raises(BadInput, match="no past recordings"):
+        watch.update(row | {"antenna": "other", "time_utc": "2030-01-01T00:00:00"})
+
+    assert (watch.last, watch.session) == before
