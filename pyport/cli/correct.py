@@ -148,7 +148,10 @@ def compare(
     from pyport.models.conditions import columns_of
     from pyport.models.conditions import known as is_condition
     from pyport.recordings import read
+    from pyport.report.pictures import FORMATS
 
+    if picture is not None and picture.suffix[1:] not in FORMATS:
+        raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)
     measured = None if recordings is None else read(recordings, given)
     told = columns_of({key: one for key, one in given.keys.items() if is_condition(key)})
     found = compare(load_model(old), load_model(new), measured, told)

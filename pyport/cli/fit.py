@@ -77,9 +77,9 @@ def command(
     Terms go by TPOINT's names, the Field System's, or the ids of `pyport effects`.
     """
     if method is not None:
-        if fix or add or drop or save:
+        if fix or add or drop or save or per or weights != "robust":
             raise click.UsageError(
-                "--method fits all twelve: leave --fix, --add, --drop, --save out"
+                "--method fits all twelve: leave --fix, --add, --drop, --per, --weights, --save out"
             )
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(

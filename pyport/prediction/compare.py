@@ -213,6 +213,12 @@ def compare(
     `tell`: called with a line whenever there is news.
     Raises `BadInput`: there are several antennas, or too few readings for a model.
     """
+    stems = [one.file.stem for one in others]
+    for one in others:
+        if stems.count(one.file.stem) > 1:
+            raise BadInput(
+                f"two nights are called {one.file.stem}, expected different names", one.file
+            )
     night, nights = Night.of(recordings), [Night.of(one) for one in others]
     mount = recordings.at.mount
     first = Refitted(night, model.on(mount))

@@ -25,6 +25,7 @@ from pyport.effects.telescope.geometry import NIGHTLY
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.models.model import Model
+from pyport.mounts import ALTAZ
 from pyport.prediction import shrunk
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, Rows, solved
 from pyport.recordings.schema import Recordings
@@ -41,8 +42,12 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
     The file is one of recordings as any other. An axis that was not measured is left blank.
     Errors are those of the prediction; the scatter of a single pointing comes on top.
 
-    Raises `BadInput`: there are several antennas, or a term asks for more than a direction.
+    Raises `BadInput`: there are several antennas, the mount is no alt-azimuth one, or a term asks
+    for more than a direction.
     """
+    if recordings.at.mount is not ALTAZ:
+        wrong = f"a mount of {recordings.at.mount.id}, expected an alt-azimuth one for a grid"
+        raise BadInput(wrong, recordings.file)
     night = Night.of(recordings)
     row = night.stack.row
     known = shrunk.Known(

@@ -146,8 +146,8 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
         recordings = read_file(path)
     unknown = np.random.default_rng(1).random((more, len(recordings)))
     recordings.at.columns.update({f"unknown_{n}": one for n, one in enumerate(unknown)})
-    for module in (candidates, candidates):
-        module.design = cut(module.design, every)  # type: ignore[attr-defined]
+    for name in ("design", "shapes_of"):
+        setattr(candidates, name, cut(getattr(candidates, name), every))
     begin, worked = time.perf_counter(), time.process_time()
     done = run(recordings, load("altaz"))
     tried = sum(len(one.columns) for one in (*done.setup.candidates, *done.setup.shapes))

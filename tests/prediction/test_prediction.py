@@ -16,6 +16,7 @@ from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Term
+from pyport.mounts import KINDS
 from pyport.prediction import compare, contenders, rehearsal, shrunk
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
@@ -221,3 +222,19 @@ def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]
     assert all(done.own.unseen[way] < anew.unseen[way] for way in done.own.unseen)
     assert "are an overfit here" in compare.text(done)
+
+
+def test_two_nights_of_one_name_are_refused():
+    """The table has a column for each."""
+    nights = [replace(_night(40, seed), file=Path(f"{seed}/night.csv")) for seed in (5, 6)]
+    with pytest.raises(BadInput, match="two nights are called night"):
+        compare.compare(_night(40, 4), ALTAZ, others=nights)
+
+
+def test_a_grid_of_another_mount_is_refused(tmp_path):
+    """Its columns are those of an alt-azimuth one."""
+    night = _night(40, 4)
+    night = replace(night, at=replace(night.at, mount=KINDS["fork"]))
+    with pytest.raises(BadInput, match="expected an alt-azimuth one"):
+        rehearsal.write_grid(night, ALTAZ, tmp_path / "grid.csv")
+    assert not (tmp_path / "grid.csv").exists()
