@@ -13,13 +13,14 @@ import secrets
 import threading
 from collections.abc import AsyncIterator, Collection
 from dataclasses import dataclass, field
-from http.client import HTTP_PORT
 from typing import Any
 
 from pyport.errors import BadInput
 
 #: Where the page is served unless asked otherwise.
 HOST, PORT = "127.0.0.1", 8765
+#: The port that browsers leave out of a host's name.
+LEFT_OUT = 80
 LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 #: How often a viewer's connection looks for news, and says that it is alive [s].
 LOOK_S, ALIVE_S = 0.5, 15.0
@@ -76,7 +77,7 @@ def app(live: Live, host: str, port: int, token: str) -> Any:  # noqa: ANN401 - 
 
     named = {host, "localhost", "127.0.0.1", "[::1]"} if host in LOOPBACK else set()
     hosts = frozenset(f"{one}:{port}" for one in named)
-    if port == HTTP_PORT:  # browsers leave it out
+    if port == LEFT_OUT:
         hosts |= named
 
     def guarded(answer: Any) -> Any:  # noqa: ANN401 - an endpoint

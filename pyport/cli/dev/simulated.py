@@ -69,7 +69,7 @@ def _run(
     metavar="[NAME]...",
 )
 @option("--into", "The page to rewrite.", type=click.Path(exists=True, dir_okay=False))
-@_drawn("out/calibrate", 20, "each kind of noise", 7)
+@_drawn("out/calibrate", 200, "each kind of noise", 7)
 def calibrate(
     names: tuple[str, ...],
     into: str | None,
