@@ -246,15 +246,19 @@ def _departing(covariance: Covariance, possible: Possible, n: int) -> Departing:
 def _scattered(
     covariance: Covariance, value: Array, design: Array, given: Frame, floors: dict[bool, float]
 ) -> Covariance:
-    """Estimate tails, the variance function and the axes' coupling from whitened residuals."""
+    """Estimate tails, the variance function and the axes' coupling from whitened residuals.
+
+    Of the pointings that have one reading: means of several have other tails.
+    """
     alone = replace(covariance, coupling={})
     white = alone.whiten(np.concatenate([design, value[:, None]], axis=1))
     left = _residual(white)[alone.means]
     weights, precision = covariance.weights.copy(), covariance.precision.copy()
     noises = []
     for part, noise in zip(covariance.parts, covariance.noises, strict=True):
-        rows = part.first
-        if part.readings.max() > 1 or len(rows) < FEWEST:
+        lone = part.lone
+        rows = part.rows[lone]
+        if len(rows) < FEWEST:
             noises.append(noise)
             continue
         # Deviations as they would be with full weight.
@@ -266,9 +270,10 @@ def _scattered(
         log_variance, _ = scatter.variance_function(
             deviation / size,
             shape.weights(deviation / size),
-            [one.columns[rows] for one in given.drivers],
+            [one.columns[part.rows] for one in given.drivers],
+            lone,
         )
-        deviation = deviation * np.exp(-log_variance / 2)
+        deviation = deviation * np.exp(-log_variance[lone] / 2)
         shape, size = scatter.tails(deviation)
         unit = deviation / size
         weight = shape.weights(unit)
@@ -276,9 +281,10 @@ def _scattered(
         more = float(np.sqrt(size**2 * scatter.spread(shape, unit) / max(was, 1e-300)))
         usual = size**2 * float((weight * unit**2).mean())
         tail = float(np.sqrt(scatter.spread(shape, unit) * size**2 / max(usual, 1e-300)))
-        between = max(noise.between * more, floors[part.is_y])
+        between = float(np.hypot(noise.between, noise.within)) * more
+        between = float(np.sqrt(max(between**2 - noise.within**2, floors[part.is_y] ** 2)))
         weights[rows] = np.maximum(weight, LEAST)
-        precision[rows] *= np.exp(-log_variance)
+        precision[part.rows] *= np.exp(-log_variance)
         noises.append(replace(noise, between=between, tail=tail))
     new = replace(alone, noises=tuple(noises), weights=weights, precision=precision)
     return replace(new, coupling=_coupling(new.parts, left))

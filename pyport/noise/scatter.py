@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from pyport.angles import Array
@@ -191,29 +192,31 @@ def _standardised(columns: Array) -> Array:
 
 
 def variance_function(
-    deviation: Array, weight: Array, some: Sequence[Array]
+    deviation: Array, weight: Array, some: Sequence[Array], of: NDArray[np.bool_]
 ) -> tuple[Array, tuple[float, ...]]:
-    """Return the log-variance of each deviation about its mean, and how much each driver sways it.
+    """Return the log-variance of each reading, and how much each driver sways it.
 
     Parameters
     ----------
     deviation, weight
-        Standardised deviations (n,) and their robust weights.
+        Standardised deviations (n,) of some readings and their robust weights.
     some
-        Columns of each driver, (n, k).
+        Columns of each driver at all readings, (m, k).
+    of
+        Which readings the deviations are of, shape (m,).
 
     Returns
     -------
     log_variance
-        Shape (n,), zero on average.
+        Shape (m,), zero on average over the deviations.
     sway
         Rms share of each driver in it.
     """
-    nothing = np.zeros(len(deviation)), tuple(0.0 for _ in some)
     if len(deviation) < ENOUGH_SQUARES or not some:
-        return nothing
+        return np.zeros(len(of)), tuple(0.0 for _ in some)
     square = weight * deviation**2
-    columns = np.concatenate([np.ones((len(square), 1)), *some], axis=1)
+    every = np.concatenate([np.ones((len(of), 1)), *some], axis=1)
+    columns = every[of]
     kind = np.repeat(np.arange(len(some)), [one.shape[1] for one in some])
     # A square about its mean scatters by 2 for normal deviations, more where tails are left.
     spread = max(2.0, float(np.var(square / max(square.mean(), 1e-300))) / 2)
@@ -230,15 +233,15 @@ def variance_function(
         own = values[1:]
         known = 1 - np.diag(covariance)[1:] * penalty[1:]
         for n in range(len(some)):
-            of = kind == n
-            prior[n] = float(own[of] @ own[of]) / max(float(known[of].sum()), 1e-6)
+            one = kind == n
+            prior[n] = float(own[one] @ own[one]) / max(float(known[one].sum()), 1e-6)
         prior = np.clip(prior, 1e-10, 10.0)
     sway = tuple(
         float(np.std(columns[:, 1:][:, kind == n] @ own[kind == n])) for n in range(len(some))
     )
     kept = np.concatenate([[False], np.array([sway[n] > FLAT for n in kind])])
-    log_variance = np.clip(columns[:, kept] @ values[kept], -MOST, MOST)
-    return log_variance - log_variance.mean(), tuple(one if one > FLAT else 0.0 for one in sway)
+    log_variance = np.clip(every[:, kept] @ values[kept], -MOST, MOST)
+    return log_variance - log_variance[of].mean(), tuple(one if one > FLAT else 0.0 for one in sway)
 
 
 def recorded(recordings: Recordings, data: Stack) -> Array | None:

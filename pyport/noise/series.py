@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
@@ -56,6 +57,11 @@ class Series:
     def first(self) -> Codes:
         """Return the index in the stack of the first reading of each pointing."""
         return self.rows[np.unique(self.pointing, return_index=True)[1]]
+
+    @cached_property
+    def lone(self) -> NDArray[np.bool_]:
+        """Tell which readings are the only ones of their pointings, shape (m,)."""
+        return np.asarray(self.readings[self.pointing] == 1)
 
     @cached_property
     def order(self) -> Codes | None:

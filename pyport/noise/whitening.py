@@ -75,8 +75,8 @@ def by_pointing(
 ) -> tuple[Array, Array, Array | None]:
     """Return each pointing's mean, the variance of that mean, and whitened deviations from it.
 
-    A lone reading has no deviation; its scatter is `within` and `between` together.
-    Where all stand alone there are no deviations.
+    A lone reading has no deviation; its scatter is `within` and `between` together, and its
+    weight is that of both. Where all stand alone there are no deviations.
     """
     count = part.readings
     if count.max() == 1:
@@ -91,12 +91,13 @@ def by_pointing(
     means = np.empty((len(count), columns.shape[1]))
     for k, column in enumerate(columns.T):
         means[:, k] = np.bincount(part.pointing, own * column) / total
-    deviations = np.zeros_like(columns)
-    if noise.within > 0 and count.max() > 1:
+    deviations, best = np.zeros_like(columns), np.zeros(len(count))
+    if noise.within > 0:
         deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]
-        variance = noise.between**2 + 1 / total
+        of_pointing = np.where(count[part.pointing] == 1, weights, 1.0) * precision
+        np.maximum.at(best, part.pointing, of_pointing)
+        variance = noise.between**2 / np.maximum(best, 1e-12) + 1 / total
     else:
-        best = np.zeros(len(count))
         np.maximum.at(best, part.pointing, weights * precision)
         variance = (noise.between**2 + noise.within**2) / np.maximum(best, 1e-12)
     # An outlier says nothing, whatever the noise: its variance must not move with it.

@@ -87,7 +87,7 @@ def test_known_events_of_public_recordings_are_raised():
 
 
 @pytest.mark.parametrize(
-    ("name", "delays"), [("IRAM 2015-03", [None]), ("MMT together", [4, 2, 3])]
+    ("name", "delays"), [("IRAM 2015-03", [None]), ("MMT together", [4, 2, 2])]
 )
 def test_what_the_best_rule_makes_of_known_events(name, delays):
     """Knowing shape, size, moment and noise: the dampers do not show in the drift of the nights."""

@@ -112,12 +112,64 @@ def test_readings_of_one_pointing_show_no_tails():
     assert found.noises[0].between == 1.0
 
 
+def pair_at_the_end(n):
+    """Return a series of n readings, the last two of one pointing."""
+    lone = series(n - 1)
+    pointing = np.append(lone.pointing, n - 2)
+    return replace(lone, rows=np.arange(n), pointing=pointing)
+
+
+def test_a_pair_among_lone_readings_hides_nothing():
+    """Tails and growth are those of the others; the pair's scatter grows with them."""
+    n = 400
+    driver, part = np.linspace(-1.7, 1.7, n), pair_at_the_end(n)
+    value = np.exp(0.5 * driver) * normal(n)
+    value[7] = 30.0
+    frame = frame_of(part, drivers=[scatter.Driver("made", driver[:, None])])
+    found = estimate._scattered(plain(part), value, np.zeros((n, 0)), frame, {True: 0.0})
+
+    assert np.polyfit(driver, np.log(found.precision), 1)[0] < -0.4
+    assert found.precision[-1] < 0.5
+    assert found.weights[7] < 0.05
+
+
+def test_the_scatter_of_lone_readings_is_both_together():
+    """What they share with repeats and what these differ by: tails widen the sum."""
+    n = 400
+    part, value = pair_at_the_end(n), normal(n) / np.abs(normal(n, seed=5)) ** 0.5
+    found = [
+        estimate._scattered(
+            replace(plain(part), noises=(noise,)),
+            value,
+            np.zeros((n, 0)),
+            frame_of(part),
+            {True: 0.0},
+        ).noises[0]
+        for noise in (Noise(0.0, 1.0), Noise(0.6, 0.8))
+    ]
+
+    assert abs(found[0].between - 1) > 0.1
+    assert np.hypot(found[1].within, found[1].between) == pytest.approx(found[0].between, rel=0.01)
+    assert found[1].within == 0.6
+
+
+def test_a_lone_reading_counts_by_its_weight_beside_repeats():
+    """All of its variance, where of repeats the weight tells what they differ by."""
+    part = replace(series(6), pointing=np.array([0, 1, 2, 2, 3, 3]), time=60.0 * np.arange(4))
+    weights, precision = np.array([0.1, 1, 1, 1, 1, 0.5]), np.array([1.0, 4, 4, 4, 1, 1])
+    found = variance_of_means(weights, precision, part, Noise(0.5, 1.0))
+
+    assert found == pytest.approx([12.5, 1.25 / 4, (1 + 0.125) / 4, 1 + 0.25 / 1.5])
+
+
 @pytest.mark.parametrize(("n", "follows"), [(41, True), (40, True), (39, False), (21, False)])
 def test_forty_deviations_show_what_the_scatter_follows(n, follows):
     """Fewer, and the variance is constant."""
     driver = np.linspace(-1.7, 1.7, n)[:, None]
     deviation = np.exp(driver[:, 0]) * np.where(np.arange(n) % 2, 1.0, -1.0)
-    log_variance, sway = scatter.variance_function(deviation, np.ones(n), [driver])
+    log_variance, sway = scatter.variance_function(
+        deviation, np.ones(n), [driver], np.ones(n, bool)
+    )
 
     assert (sway[0] > 0) == follows
     assert np.ptp(log_variance) > 3 if follows else np.ptp(log_variance) == 0
@@ -128,7 +180,9 @@ def test_the_variance_function_is_that_of_the_scatter():
     rng = np.random.default_rng(1)
     driver, idle = rng.normal(size=(2, 1500, 1))
     deviation = np.exp(0.4 * driver[:, 0]) * rng.normal(size=1500)
-    log_variance, sway = scatter.variance_function(deviation, np.ones(1500), [driver, idle])
+    log_variance, sway = scatter.variance_function(
+        deviation, np.ones(1500), [driver, idle], np.ones(1500, bool)
+    )
     slope = np.polyfit(driver[:, 0], log_variance, 1)[0]
 
     assert slope == pytest.approx(0.8, abs=0.1)
@@ -141,7 +195,9 @@ def test_a_scatter_that_follows_nothing_is_constant():
     """Whatever ten idle drivers could do by chance."""
     rng = np.random.default_rng(2)
     idle = [rng.normal(size=(400, 2)) for _ in range(5)]
-    log_variance, _ = scatter.variance_function(rng.normal(size=400), np.ones(400), idle)
+    log_variance, _ = scatter.variance_function(
+        rng.normal(size=400), np.ones(400), idle, np.ones(400, bool)
+    )
 
     assert np.std(log_variance) < 0.2
 
