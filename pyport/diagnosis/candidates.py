@@ -211,7 +211,8 @@ def numbers(recordings: Recordings) -> dict[str, Array]:
         if name in (*passed_over, "order") or column.dtype.kind not in "fiu":
             continue
         values = np.asarray(column, float)
-        if np.isfinite(values).all() and len(np.unique(values)) > CURVE_ORDER + 1:
+        known = np.isfinite(values)
+        if 2 * known.sum() > len(values) and len(np.unique(values[known])) > CURVE_ORDER + 1:
             found[name] = values
     return found
 
@@ -245,7 +246,7 @@ def shapes_of(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candida
 def _shapes(recordings: Recordings) -> Iterator[Shape]:
     known = numbers(recordings)
     for name, values in known.items():
-        low, high = float(values.min()), float(values.max())
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
         curve = {"kind": "curve", "name": name, "low": low, "high": high, "order": CURVE_ORDER}
         yield Shape("a smooth curve", f"follows {name}", curve, len(known))
     yield from _waves()

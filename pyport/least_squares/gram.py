@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 
-#: A row whose length is below this share of its block's longest holds rounding and no more.
+#: A row whose length is below this share of its block's longest holds rounding and no more, each
+#: column measured by its own length.
 EMPTY = 1e-9
 
 
@@ -39,7 +40,7 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
     `blocks`, `kinds`: the block of each row and, within it, the kind: rows of one kind (one axis,
       say) have much the same columns empty, shape (m,) each.
     """
-    power = np.einsum("nk,nk->n", whole, whole)
+    power = whole**2 @ _per_length(np.einsum("nk,nk->k", whole, whole))
     most = np.zeros(int(blocks.max(initial=-1)) + 1)
     np.maximum.at(most, blocks, power)
     there = power > EMPTY**2 * most[blocks]
@@ -66,7 +67,11 @@ def without(some: Sequence[Slab], last: int) -> list[Slab]:
         kept = slab.columns != last
         values = slab.values if kept.all() else slab.values[:, : kept.sum()]
         found.append(Slab(slab.block, slab.rows, slab.columns[kept], values))
-    power = [np.einsum("nk,nk->n", slab.values, slab.values) for slab in found]
+    length = np.zeros(last)
+    for slab in found:
+        length[slab.columns] += np.einsum("nk,nk->k", slab.values, slab.values)
+    unit = _per_length(length)
+    power = [slab.values**2 @ unit[slab.columns] for slab in found]
     least = EMPTY**2 * max((float(one.max(initial=0.0)) for one in power), default=0.0)
     return [
         slab
@@ -74,6 +79,11 @@ def without(some: Sequence[Slab], last: int) -> list[Slab]:
         else Slab(slab.block, slab.rows[own > least], slab.columns, slab.values[own > least])
         for slab, own in zip(found, power, strict=True)
     ]
+
+
+def _per_length(power: Array) -> Array:
+    """Return one over the squared lengths of columns, zero for empty ones."""
+    return np.divide(1.0, power, out=np.zeros_like(power), where=power > 0)
 
 
 #: Directions with less than this share of a column's length count as fitted already.

@@ -178,8 +178,9 @@ def drivers(recordings: Recordings) -> tuple[Driver, ...]:
             found.append(Driver("time", bumps))
     if "wind_speed_m_s" in at:
         wind = np.asarray(at.column("wind_speed_m_s"), float)
-        if np.isfinite(wind).all():
-            found.append(Driver("wind", wind[:, None]))
+        known = np.isfinite(wind)
+        if 2 * known.sum() > len(wind):
+            found.append(Driver("wind", np.where(known, wind, wind[known].mean())[:, None]))
     return tuple(
         Driver(one.name, _standardised(one.columns)) for one in found if np.ptp(one.columns) > 0
     )

@@ -17,7 +17,7 @@ from pyport.noise.series import Noise, Series
 from pyport.pointing import kernel
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
-OUTLIER = 1e-3
+OUTLIER = 1e-9
 FAR = 1e4
 
 

@@ -42,6 +42,16 @@ LARGEST_OFFSET_DEG = 180
 #: or a record of another format, is. A file whose encoders have no zero says so by the key.
 LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
+#: What weather there is on Earth. A number outside, such as -999, says that nothing was measured.
+WEATHER = {
+    "temperature_c": (-90.0, 60.0),
+    "pressure_hpa": (300.0, 1100.0),
+    "humidity_pct": (0.0, 110.0),
+    "wind_speed_m_s": (0.0, 120.0),
+}
+#: Header key under which it is said which cells were taken for blank.
+BLANK = "taken_for_blank"
+
 
 def interpret(raw: Raw) -> Recordings:
     """Return the recordings that the cells of a file describe.
@@ -62,9 +72,24 @@ def interpret(raw: Raw) -> Recordings:
         sigma_y=sigma_y,
         line=raw.line,
         file=raw.file,
-        meta=_declaring(raw, at),
+        meta=_declaring(raw, at) | _blanks(raw),
     )
     return _quarantine(everything, raw)
+
+
+def _blanks(raw: Raw) -> dict[str, str]:
+    """Return in how many rows a number of the weather is none, as a header key."""
+    there = {name: raw.numbers(name) for name in WEATHER if name in raw.columns}
+    none = {name: int(_impossible(name, values).sum()) for name, values in there.items()}
+    told = [
+        f"{name} outside {WEATHER[name]} in {n} row{'s' * (n > 1)}" for name, n in none.items() if n
+    ]
+    return {BLANK: ", ".join(told)} if told else {}
+
+
+def _impossible(name: str, values: Array) -> NDArray[np.bool_]:
+    low, high = WEATHER.get(name, (-np.inf, np.inf))
+    return (values < low) | (values > high)
 
 
 def _refuse_far_off(raw: Raw, x: Array, y: Array) -> None:
@@ -186,7 +211,8 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
         if name in LABELS:
             columns[name] = raw.words(name)
         elif name in NUMBERS:
-            columns[name] = raw.numbers(name)
+            values = raw.numbers(name)
+            columns[name] = np.where(_impossible(name, values), np.nan, values)
         elif name == SCAN_RATE:
             columns["scan_rate"] = raw.numbers(name) * SCAN_RATE_UNIT
         elif name not in {TIME, SET_ASIDE} and angle_of(name) is None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pyport.angles import Array, wrap
+from pyport.angles import Array, Codes, wrap
 from pyport.effects import Circumstances
 from pyport.recordings.schema import Recordings
 
@@ -111,28 +112,48 @@ NIGHT_GAP_S = 6 * 3600.0
 #: a source that is followed none.
 RASTER = 0.5
 #: Header keys under which it is said what stands for what.
-SESSIONS, ORDER = "sessions_from", "order_from"
+SESSIONS, ORDER, TIMES = "sessions_from", "order_from", "times_from"
 
 
 def with_nights(recordings: Recordings) -> Recordings:
     """Return recordings with sessions and an order, where they have times or rows to tell them by.
 
-    Without a session the nights between gaps in time are sessions. Without times the order of
-    the rows, in the column `order`, stands for them. What was derived stands in `meta`.
+    Without a session the nights between gaps in time are sessions. A row without a time has that
+    of the nearest row of the file. Where most have none, the order of the rows, in the column
+    `order`, stands for it. What was derived stands in `meta`.
     """
     at = recordings.at
     columns, meta = dict(at.columns), dict(recordings.meta)
-    if "time" not in at and not _sorted(recordings):
-        columns["order"] = np.argsort(np.argsort(recordings.line, kind="stable")).astype(float)
-        meta[ORDER] = "the order of the rows, no time being recorded"
-    elif "time" in at and "session" not in at:
+    why = "no time being recorded"
+    if "time" in at:
         time = np.asarray(at.column("time"), float)
-        if np.isfinite(time).all() and len(time):
-            nights = _nights(time)
-            if len(np.unique(nights)) > 1:
-                columns["session"] = nights
-                meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
+        known = np.isfinite(time)
+        if 2 * known.sum() > len(time):
+            columns["time"] = _nearest(time, known, recordings.line)
+            if not known.all():
+                meta[TIMES] = f"the nearest rows of the file for {len(time) - known.sum()} of them"
+        else:
+            del columns["time"]
+            why = "most having no time"
+    if "time" not in columns and not _sorted(recordings):
+        columns["order"] = np.argsort(np.argsort(recordings.line, kind="stable")).astype(float)
+        meta[ORDER] = f"the order of the rows, {why}"
+    elif "time" in columns and "session" not in at:
+        nights = _nights(columns["time"])
+        if len(np.unique(nights)) > 1:
+            columns["session"] = nights
+            meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
+
+
+def _nearest(time: Array, known: NDArray[np.bool_], line: Codes) -> Array:
+    """Return times (n,), those not known from the nearest of the lines that have one."""
+    if known.all():
+        return time
+    lines = np.sort(line[known])
+    of_line = dict(zip(line[known].tolist(), time[known].tolist(), strict=True))
+    nearest = lines[np.rint(np.interp(line, lines, np.arange(len(lines)))).astype(int)]
+    return np.array([of_line[one] for one in nearest.tolist()])
 
 
 def clock(at: Circumstances) -> Array:

@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.diagnosis.candidates import numbers, shapes_of
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.shapes.boxes import Field, boxes
+from pyport.diagnosis.shapes.boxes import Field, boxes, families
 from pyport.diagnosis.shapes.fields import Ground, region
 from pyport.diagnosis.weighing import weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import last_slew
 from pyport.formats.models import load
+from pyport.recordings.schema import stack
 
 
 def dent(at):
@@ -153,3 +155,22 @@ def test_a_curve_that_swings_everywhere_has_no_place():
     assert region(field, np.tanh((values - 50) / 5)) == ()
     (narrow,) = region(field, np.exp(-0.5 * ((values - 40) / 4) ** 2))
     assert (narrow.low, narrow.high) == pytest.approx((35.3, 44.7), abs=0.5)
+
+
+@pytest.mark.parametrize(("blank", "known"), [(0, True), (1, True), (149, True), (151, False)])
+def test_a_blank_cell_hides_no_column(blank, known):
+    """What most rows have a misfit may follow; the other rows have none of its curves."""
+    column = np.linspace(-5.0, 25.0, 300)
+    column[:blank] = np.nan
+    made = recordings(300, 3, grease_c=column)
+    columns, found = shapes_of(made, stack(made))
+    own = [one for one in found if "grease_c" in one.effect.variant]
+
+    assert ("grease_c" in numbers(made)) == known
+    assert bool(own) == known
+    assert np.isfinite(columns).all()
+    bumps = [
+        each for _, each in families(prepare(made, load("altaz"))) if "grease_c" in each.variant
+    ]
+    assert len(bumps) == known
+    assert all(np.isfinite(one.values).all() for one in bumps)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.gram import Gram, slabs
+from pyport.least_squares.gram import Gram, slabs, without
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -34,3 +34,16 @@ def test_rows_of_rounding_are_left_out():
     (one,) = slabs(whole, np.zeros(4, np.intp), np.zeros(4, np.intp))
 
     np.testing.assert_array_equal(one.rows, [0, 2, 3])
+
+
+def test_a_row_is_held_against_its_own_columns():
+    """One cell of a column in another unit, or -9999 in it, makes no other row an empty one."""
+    whole = np.ones((4, 4))
+    whole[:, 2] *= 1e-3
+    whole[1, 2] = 1e12
+
+    (one,) = slabs(whole, np.zeros(4, np.intp), np.zeros(4, np.intp))
+    (rest,) = without([one], 3)
+
+    np.testing.assert_array_equal(one.rows, range(4))
+    np.testing.assert_array_equal(rest.rows, range(4))

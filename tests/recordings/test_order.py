@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from pyport.angles import Array
+from pyport.effects import Circumstances
 from pyport.recordings import read
+from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import clock, horizon, with_nights
 
 
@@ -64,3 +66,40 @@ def test_order_stands_for_time_unless_the_rows_run_along_a_grid(
     recordings = with_nights(read(path))
     assert np.isfinite(clock(recordings.at)).any() == in_order
     assert ("order_from" in recordings.meta) == in_order
+
+
+def timed(time: Array) -> Recordings:
+    """Return recordings at some times, one a line, in places of no order."""
+    n = len(time)
+    az, el = np.radians(stars())[:, :n]
+    nothing = np.full(n, np.nan)
+    at = Circumstances(az, el, None, {"time": time})
+    return Recordings(
+        at, np.zeros(n), np.zeros(n), nothing, nothing, np.arange(n) + 2, Path("made")
+    )
+
+
+def test_a_row_without_a_time_has_that_of_the_nearest_row() -> None:
+    """So that one blank cell hides neither nights nor drifts; the report says it."""
+    time = 1e9 + 60.0 * np.arange(40.0) + 86400.0 * (np.arange(40) >= 20)
+    blank = time.copy()
+    blank[[7, 19, 20, 39]] = np.nan
+    found = with_nights(timed(blank))
+
+    assert clock(found.at)[[7, 39]].tolist() in ([time[6], time[38]], [time[8], time[38]])
+    assert clock(found.at)[[19, 20]].tolist() == [time[18], time[21]]
+    assert len(np.unique(found.label("session"))) == 2
+    assert found.meta["times_from"] == "the nearest rows of the file for 4 of them"
+    assert "times_from" not in with_nights(timed(time)).meta
+
+
+@pytest.mark.parametrize(("blank", "counts"), [(19, True), (20, False), (40, False)])
+def test_times_count_where_most_rows_have_one(blank: int, *, counts: bool) -> None:
+    """Else the order of the rows stands for them."""
+    time = 1e9 + 60.0 * np.arange(40.0)
+    time[:blank] = np.nan
+    found = with_nights(timed(time))
+
+    assert ("time" in found.at) == counts
+    assert ("order" in found.at) != counts
+    assert ("order_from" in found.meta) != counts

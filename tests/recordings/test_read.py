@@ -165,3 +165,25 @@ def test_quotes_and_comments(tmp_path):
 
     assert night.at.column("source").tolist() == ["Cyg A, core", "3C84"]
     assert night.line.tolist() == [2, 4]
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "none"),
+    [
+        ("temperature_c", "-20", "-999"),
+        ("temperature_c", "45", "99.9"),
+        ("pressure_hpa", "780.5", "0"),
+        ("humidity_pct", "100.3", "-1"),
+        ("wind_speed_m_s", "31", "9999"),
+    ],
+)
+def test_weather_that_is_none_counts_as_blank(tmp_path, name, good, none):
+    """A number that stands for a missing one is no weather; the header says where it was so."""
+    path = tmp_path / "night.csv"
+    lines = [f"{10 * n},50,1,2,{none if n == 3 else good}" for n in range(6)]
+    path.write_text("\n".join([f"az_deg,el_deg,d_xel_arcsec,d_el_arcsec,{name}", *lines]) + "\n")
+    night = read(path)
+
+    assert np.flatnonzero(~np.isfinite(night.at.column(name))).tolist() == [3]
+    assert night.meta["taken_for_blank"].startswith(f"{name} outside (")
+    assert night.meta["taken_for_blank"].endswith("in 1 row")

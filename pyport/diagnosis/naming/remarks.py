@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
-from pyport.recordings.sky import ORDER, SESSIONS
+from pyport.recordings.interpret import BLANK
+from pyport.recordings.sky import ORDER, SESSIONS, TIMES
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
@@ -150,7 +151,11 @@ def sentences(
     if SESSIONS in meta:
         said.append(f"Sessions are not recorded: they are taken from {meta[SESSIONS]}")
     if ORDER in meta:
-        said.append(f"Time is not recorded: the order is {meta[ORDER].partition(',')[0]}")
+        said.append(f"Time is taken from {meta[ORDER]}")
+    if BLANK in meta:
+        said.append(f"Taken for blank, since no weather is so: {meta[BLANK]}")
+    if TIMES in meta:
+        said.append(f"Times that are not recorded are taken from {meta[TIMES]}")
     return said
 
 

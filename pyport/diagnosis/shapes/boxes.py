@@ -132,7 +132,7 @@ def _curves(setup: Problem) -> Iterator[Field]:
         yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres)
     for name, values in numbers(setup.recordings).items():
         if name not in ("az_deg", "el_deg", "time", "order"):
-            ordered = np.sort(values).tolist()
+            ordered = np.sort(values[np.isfinite(values)]).tolist()
             along = name, values[row]
             yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
 

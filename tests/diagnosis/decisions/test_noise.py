@@ -70,6 +70,18 @@ def test_a_reading_of_little_weight_is_an_outlier(weight, used):
     assert found.used.tolist() == [True, used]
 
 
+@pytest.mark.parametrize("sigmas", [30.0, 2000.0, 1e5])
+def test_a_gross_error_counts_for_no_more_than_the_tails_allow(sigmas):
+    """However gross it is: scatter, and what it weighs in, are those of the others."""
+    part, value = series(400), normal(400)
+    value[7] = sigmas
+    given = frame_of(part)
+    found = estimate.estimate(value, np.ones((400, 1)), given)
+
+    assert found.noises[0].floor == pytest.approx(1.0, abs=0.1)
+    assert found.weights[7] * sigmas**2 < 60.0
+
+
 @pytest.mark.parametrize(
     ("sigmas", "kept"), [(2.9, 1.0), (5.5, None), (6.6, 0.0), (10.0, 0.0), (4.0, None)]
 )
@@ -173,6 +185,19 @@ def test_forty_deviations_show_what_the_scatter_follows(n, follows):
 
     assert (sway[0] > 0) == follows
     assert np.ptp(log_variance) > 3 if follows else np.ptp(log_variance) == 0
+
+
+@pytest.mark.parametrize(("blank", "follows"), [(0, True), (1, True), (49, True), (50, False)])
+def test_the_scatter_may_follow_a_wind_that_most_rows_have(blank, follows):
+    """The others count as usual."""
+    wind = np.linspace(0.0, 20.0, 100)
+    wind[:blank] = np.nan
+    found = {one.name: one.columns for one in scatter.drivers(recordings(100, wind_speed_m_s=wind))}
+
+    assert ("wind" in found) == follows
+    if follows:
+        assert np.isfinite(found["wind"]).all()
+        assert found["wind"][:blank] == pytest.approx(0.0)
 
 
 def test_the_variance_function_is_that_of_the_scatter():
@@ -495,7 +520,7 @@ def test_a_variance_that_earns_nothing_is_left_out(monkeypatch):
 def test_an_outlier_says_nothing_whatever_the_noise(readings):
     """Its variance does not move with that of the others."""
     part = replace(series(6), pointing=np.arange(6) // readings)
-    weights = np.array([1.0, 1, 1, 1, 1e-4, 1e-4])
+    weights = np.array([1.0, 1, 1, 1, 1e-10, 1e-10])
     one, other = (
         variance_of_means(weights, np.ones(6), part, Noise(0.1, size)) for size in (1.0, 3.0)
     )
