@@ -67,7 +67,7 @@ ALARMED = 3
 @flag("--exit-on-alarm", "Stop at the first alarm, with exit status 3.")
 @flag("--serve served", "Serve a live page.")
 @option("--host", "Serve it there.", "127.0.0.1")
-@option("--port", "On this port.", 8765)
+@option("--port", "On this port.", 8765, type=click.IntRange(0, 65535))
 @about_file
 @in_json
 def command(

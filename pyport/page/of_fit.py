@@ -11,7 +11,7 @@ from pyport.fitting import soundness
 from pyport.fitting.combinations import of_fit as combined
 from pyport.fitting.fit import Fit, completed
 from pyport.fitting.table import MOST_COMBINATIONS
-from pyport.models.model import Model, Term
+from pyport.models.model import Model
 from pyport.page.markup import as_file, linear
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
@@ -40,20 +40,17 @@ def _terms(fit: Fit) -> tuple[list[str], list[Array]]:
 
     Several terms may be of one effect, each with another number in it: sines of 2A and 3A.
     """
-    terms: list[Term] = []
-    bases: list[Array] = []
-    curves: list[Array] = []
+    curves: dict[int, Array] = {}
+    names: dict[int, str] = {}
     for one in fit.coefficients:
-        place = next((n for n, term in enumerate(terms) if term is one.term), len(terms))
-        if place == len(terms):
-            terms.append(one.term)
-            bases.append(fit.stack.columns(one.term.effect, fit.recordings.at))
-            curves.append(np.zeros(len(fit.stack)))
         rows = np.ones(len(fit.recordings), bool)
         for label, value in zip(one.term.per, one.labels, strict=True):
             rows &= fit.recordings.label(label).astype(str) == value
-        curves[place] += rows[fit.stack.row] * (bases[place] @ np.nan_to_num(one.value))
-    return [term.effect.id for term in terms], curves
+        columns = fit.stack.columns(one.term.effect, fit.recordings.at)
+        curve = rows[fit.stack.row] * (columns @ np.nan_to_num(one.value))
+        curves[id(one.term)] = curves.get(id(one.term), 0.0) + curve
+        names[id(one.term)] = one.term.effect.id
+    return list(names.values()), list(curves.values())
 
 
 def _story(fit: Fit, picture: Picture, whole: Model) -> Story:

@@ -137,7 +137,10 @@ def _plain(text: bytes) -> str:
 
 
 def _text(text: str, length: int) -> bytes:
-    return text.encode("ascii", "replace")[:length].ljust(length)
+    """Return text filled with blanks; of a longer one the beginning, with dots that say so."""
+    if len(text) > length:
+        text = text[: length - 3] + "..."
+    return text.encode("ascii", "replace").ljust(length)
 
 
 def _now() -> dt.datetime:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,14 @@ def test_file_is_small_and_the_same_every_time(table, written, tmp_path):
 
     assert written.stat().st_size <= 450_000
     assert (tmp_path / "again.bin").read_bytes() == written.read_bytes()
+
+
+def test_a_long_name_ends_in_dots(table, tmp_path):
+    """The header has 64 characters for a model's name, and says where that is not all of it."""
+    long = replace(table, model="of the sub-reflector " * 4)
+    write_binary(long, tmp_path / "long.bin")
+
+    assert read_binary(tmp_path / "long.bin").model == long.model[:61] + "..."
 
 
 def test_offsets_are_mapped_not_copied(written):
