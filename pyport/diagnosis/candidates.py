@@ -19,6 +19,7 @@ from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.naming.finding import Interval
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.effects import catalogue as effects_of
+from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
 from pyport.recordings.schema import Recordings, Stack
@@ -211,8 +212,8 @@ def numbers(recordings: Recordings) -> dict[str, Array]:
         if name in (*passed_over, "order") or column.dtype.kind not in "fiu":
             continue
         values = np.asarray(column, float)
-        known = np.isfinite(values)
-        if 2 * known.sum() > len(values) and len(np.unique(values[known])) > CURVE_ORDER + 1:
+        several = len(np.unique(values[np.isfinite(values)])) > CURVE_ORDER + 1
+        if mostly_known(values) and several:
             found[name] = values
     return found
 

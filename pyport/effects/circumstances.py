@@ -24,6 +24,12 @@ Index = NDArray[np.intp] | NDArray[np.bool_] | slice
 PIER_SIDE, OVER = "pier_side", "west"
 
 
+def mostly_known(values: Array) -> bool:
+    """Tell whether at least half of some numbers are known: of what fewer tell nothing is said."""
+    known = np.isfinite(values)
+    return bool(known.any()) and 2 * int(known.sum()) >= len(values)
+
+
 class MissingColumn(LookupError):  # noqa: N818 - reported, not raised to the user
     """An effect needs something that these recordings do not tell."""
 
@@ -86,11 +92,9 @@ class Circumstances:
         were that most of them, a verdict on the effect would mean nothing.
         """
         values = np.asarray(self.column(name), float)
-        known = np.isfinite(values)
-        if not known.any():
-            raise MissingColumn(SPELLED.get(name, name))
-        if 2 * known.sum() < len(values):
-            raise MissingColumn(f"{SPELLED.get(name, name)} in half of the rows")
+        if not mostly_known(values):
+            where = " in half of the rows" if np.isfinite(values).any() else ""
+            raise MissingColumn(SPELLED.get(name, name) + where)
         return values
 
     def latitude(self) -> float:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from pyport.angles import Array
+from pyport.effects.circumstances import mostly_known
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import ENOUGH_SQUARES, LEAST_GROSS
 
@@ -178,9 +179,9 @@ def drivers(recordings: Recordings) -> tuple[Driver, ...]:
             found.append(Driver("time", bumps))
     if "wind_speed_m_s" in at:
         wind = np.asarray(at.column("wind_speed_m_s"), float)
-        known = np.isfinite(wind)
-        if 2 * known.sum() > len(wind):
-            found.append(Driver("wind", np.where(known, wind, wind[known].mean())[:, None]))
+        if mostly_known(wind):
+            usual = np.nanmean(wind)
+            found.append(Driver("wind", np.where(np.isfinite(wind), wind, usual)[:, None]))
     return tuple(
         Driver(one.name, _standardised(one.columns)) for one in found if np.ptp(one.columns) > 0
     )

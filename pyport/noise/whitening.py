@@ -92,14 +92,13 @@ def by_pointing(
     for k, column in enumerate(columns.T):
         means[:, k] = np.bincount(part.pointing, own * column) / total
     deviations, best = np.zeros_like(columns), np.zeros(len(count))
+    # Where repeats scatter their weights stand in `own`; a lone reading's is that of both scatters.
+    apart = (count[part.pointing] > 1) & (noise.within > 0)
+    np.maximum.at(best, part.pointing, np.where(apart, 1.0, weights) * precision)
+    variance = noise.between**2 / np.maximum(best, 1e-12)
     if noise.within > 0:
         deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]
-        of_pointing = np.where(count[part.pointing] == 1, weights, 1.0) * precision
-        np.maximum.at(best, part.pointing, of_pointing)
-        variance = noise.between**2 / np.maximum(best, 1e-12) + 1 / total
-    else:
-        np.maximum.at(best, part.pointing, weights * precision)
-        variance = (noise.between**2 + noise.within**2) / np.maximum(best, 1e-12)
+        variance = variance + 1 / total
     # An outlier says nothing, whatever the noise: its variance must not move with it.
     heaviest = np.zeros(len(count))
     np.maximum.at(heaviest, part.pointing, weights)

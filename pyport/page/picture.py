@@ -12,6 +12,7 @@ from pyport.angles import DEG, HOUR, Array, handy
 from pyport.columns import SPELLED, shown
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import Interval
+from pyport.effects.circumstances import mostly_known
 from pyport.mounts import ALTAZ
 from pyport.page.markup import Linear
 from pyport.recordings.schema import Recordings, Stack
@@ -239,7 +240,7 @@ def _varies(column: Column) -> bool:
     if column.values.dtype.kind == "U":
         return 1 < len(np.unique(column.values)) <= MOST_LABELS
     known = column.values[np.isfinite(column.values.astype(float))]
-    return 2 * len(known) >= len(column.values) and len(np.unique(known)) > 1
+    return mostly_known(column.values.astype(float)) and len(np.unique(known)) > 1
 
 
 def _structure(column: Column, residuals: Sequence[Array]) -> float:

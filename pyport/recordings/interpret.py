@@ -28,7 +28,7 @@ from pyport.effects.mounts import MOUNT, declared
 from pyport.mounts import ALTAZ, Mount
 from pyport.recordings import mounted, sky
 from pyport.recordings.masks import repeated
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import BLANK, Raw, without_blanks
 from pyport.recordings.schema import Recordings, SetAside
 
 #: No cable reaches further [deg].
@@ -42,16 +42,6 @@ LARGEST_OFFSET_DEG = 180
 #: or a record of another format, is. A file whose encoders have no zero says so by the key.
 LARGEST_ON_SKY_DEG, FAR_OFF = 10.0, "largest_offset_deg"
 
-#: What weather there is on Earth. A number outside, such as -999, says that nothing was measured.
-WEATHER = {
-    "temperature_c": (-90.0, 60.0),
-    "pressure_hpa": (300.0, 1100.0),
-    "humidity_pct": (0.0, 110.0),
-    "wind_speed_m_s": (0.0, 120.0),
-}
-#: Header key under which it is said which cells were taken for blank.
-BLANK = "taken_for_blank"
-
 
 def interpret(raw: Raw) -> Recordings:
     """Return the recordings that the cells of a file describe.
@@ -60,7 +50,7 @@ def interpret(raw: Raw) -> Recordings:
       range, a header key is no number.
     """
     angles = angles_of(raw)
-    at = _circumstances(raw, angles)
+    at, blank = _circumstances(raw, angles)
     x, y = mounted.offsets_of(raw, angles, at)
     _refuse_far_off(raw, x, y)
     sigma_x, sigma_y = mounted.sigmas_of(angles, at)
@@ -72,24 +62,9 @@ def interpret(raw: Raw) -> Recordings:
         sigma_y=sigma_y,
         line=raw.line,
         file=raw.file,
-        meta=_declaring(raw, at) | _blanks(raw),
+        meta=_declaring(raw, at) | ({BLANK: ", ".join(blank)} if blank else {}),
     )
     return _quarantine(everything, raw)
-
-
-def _blanks(raw: Raw) -> dict[str, str]:
-    """Return in how many rows a number of the weather is none, as a header key."""
-    there = {name: raw.numbers(name) for name in WEATHER if name in raw.columns}
-    none = {name: int(_impossible(name, values).sum()) for name, values in there.items()}
-    told = [
-        f"{name} outside {WEATHER[name]} in {n} row{'s' * (n > 1)}" for name, n in none.items() if n
-    ]
-    return {BLANK: ", ".join(told)} if told else {}
-
-
-def _impossible(name: str, values: Array) -> NDArray[np.bool_]:
-    low, high = WEATHER.get(name, (-np.inf, np.inf))
-    return (values < low) | (values > high)
 
 
 def _refuse_far_off(raw: Raw, x: Array, y: Array) -> None:
@@ -109,15 +84,18 @@ def targets(raw: Raw) -> Circumstances:
 
     Raises `BadInput`: as `interpret`, but for columns of offsets.
     """
-    return _circumstances(raw, angles_of(raw, measured=False))
+    return _circumstances(raw, angles_of(raw, measured=False))[0]
 
 
-def _circumstances(raw: Raw, angles: dict[str, Array]) -> Circumstances:
-    """Return where, when and in which conditions; azimuths become those from north."""
+def _circumstances(raw: Raw, angles: dict[str, Array]) -> tuple[Circumstances, list[str]]:
+    """Return where, when and in which conditions, and which cells were taken for blank.
+
+    Azimuths become those from north.
+    """
     site, mount = _site(raw), mounted.mount_of(raw, angles)
     if mount.needs_latitude and site is None:
         raise raw.error(f"{mount.sentence} needs a line '# latitude_deg: ...', expected one")
-    columns = _columns(raw)
+    columns, blank = _columns(raw)
     south = azimuth_from_south(raw)
     check_ranges(raw, angles)
     if south:
@@ -131,7 +109,7 @@ def _circumstances(raw: Raw, angles: dict[str, Array]) -> Circumstances:
     if mount is not ALTAZ:
         for axis, angle in zip((mount.first, mount.second), mounted.axes_of(at), strict=True):
             columns.setdefault(axis.column, angle)
-    return at
+    return at, blank
 
 
 def _declaring(raw: Raw, at: Circumstances) -> dict[str, str]:
@@ -204,19 +182,21 @@ def angles_of(raw: Raw, *, measured: bool = True) -> dict[str, Array]:
     return {quantity: raw.numbers(name) * radians for quantity, (name, radians) in found.items()}
 
 
-def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
-    """Return everything that is no angle, under the names that effects know."""
+def _columns(raw: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
+    """Return everything that is no angle, under the names that effects know; and what was blank."""
     columns: dict[str, NDArray[Any]] = {}
+    blank: list[str] = []
     for name in raw.columns:
         if name in LABELS:
             columns[name] = raw.words(name)
         elif name in NUMBERS:
-            values = raw.numbers(name)
-            columns[name] = np.where(_impossible(name, values), np.nan, values)
+            columns[name] = without_blanks(name, raw.numbers(name), blank)
         elif name == SCAN_RATE:
             columns["scan_rate"] = raw.numbers(name) * SCAN_RATE_UNIT
         elif name not in {TIME, SET_ASIDE} and angle_of(name) is None:
-            columns[name] = raw.numbers_or_words(name)
+            values = raw.numbers_or_words(name)
+            of_numbers = values.dtype.kind == "f"
+            columns[name] = without_blanks(name, values, blank) if of_numbers else values
     columns |= _time(raw)
     if "scan_direction" in columns:
         direction = columns["scan_direction"] = np.nan_to_num(columns["scan_direction"])
@@ -230,7 +210,7 @@ def _columns(raw: Raw) -> dict[str, NDArray[Any]]:
         raw.refuse(~np.isin(side, (*mounted.SIDES, "")), "pier_side is not east, west or blank")
     if "scan_rate" in columns:
         raw.refuse(columns["scan_rate"] < 0, f"{SCAN_RATE} is negative, expected a positive number")
-    return columns
+    return columns, blank
 
 
 def _time(raw: Raw) -> dict[str, Array]:

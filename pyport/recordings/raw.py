@@ -42,6 +42,18 @@ class FileOptions:
 
 NOTHING = FileOptions()
 
+#: What weather there is on Earth. A number outside says that nothing was measured.
+WEATHER = {
+    "temperature_c": (-90.0, 60.0),
+    "pressure_hpa": (300.0, 1100.0),
+    "humidity_pct": (0.0, 110.0),
+    "wind_speed_m_s": (0.0, 120.0),
+}
+#: Numbers of nines alone, such as -999 or 9999.9, stand for nothing in many logs.
+NINES = (999, 9999, 99999, 999999, 999.9, 999.99, 9999.9, 9999.99)
+#: Header key under which it is said which cells were taken for blank.
+BLANK = "taken_for_blank"
+
 
 #: Microseconds that a double holds exactly reach this far from 1970.
 _EXACT_US = 2**53
@@ -241,3 +253,27 @@ class Raw:
         """Raise `BadInput` at the first row where `wrong` holds."""
         if wrong.any():
             raise self.error(message, int(np.argmax(wrong)))
+
+
+def without_blanks(name: str, values: Array, blank: list[str]) -> Array:
+    """Return a column's numbers, NaN where one says that nothing was measured.
+
+    What is outside the Earth's weather, and nines alone that are further from all other numbers
+    than these are apart. In how many rows is added to `blank`.
+    """
+    if name in WEATHER:
+        low, high = WEATHER[name]
+        none, why = (values < low) | (values > high), f"{name} outside {WEATHER[name]}"
+    else:
+        none = np.isin(np.abs(values), NINES)
+        others = values[~none & np.isfinite(values)]
+        if not none.any() or not len(others):
+            return values
+        low, high, apart = others.min(), others.max(), np.ptp(others)
+        none &= (values < low - apart) | (values > high + apart)
+        why = f"{name} of {', '.join(f'{one:g}' for one in np.unique(values[none]))}"
+    if not none.any():
+        return values
+    count = int(none.sum())
+    blank.append(f"{why} in {count} row{'s' * (count > 1)}")
+    return np.where(none, np.nan, values)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes, wrap
 from pyport.effects import Circumstances
+from pyport.effects.circumstances import mostly_known
 from pyport.recordings.schema import Recordings
 
 
@@ -127,11 +127,10 @@ def with_nights(recordings: Recordings) -> Recordings:
     why = "no time being recorded"
     if "time" in at:
         time = np.asarray(at.column("time"), float)
-        known = np.isfinite(time)
-        if 2 * known.sum() > len(time):
-            columns["time"] = _nearest(time, known, recordings.line)
-            if not known.all():
-                meta[TIMES] = f"the nearest rows of the file for {len(time) - known.sum()} of them"
+        if mostly_known(time):
+            columns["time"] = _nearest(time, recordings.line)
+            if blank := int(np.isnan(time).sum()):
+                meta[TIMES] = f"the nearest rows of the file for {blank} of them"
         else:
             del columns["time"]
             why = "most having no time"
@@ -146,14 +145,12 @@ def with_nights(recordings: Recordings) -> Recordings:
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
 
 
-def _nearest(time: Array, known: NDArray[np.bool_], line: Codes) -> Array:
+def _nearest(time: Array, line: Codes) -> Array:
     """Return times (n,), those not known from the nearest of the lines that have one."""
-    if known.all():
-        return time
-    lines = np.sort(line[known])
-    of_line = dict(zip(line[known].tolist(), time[known].tolist(), strict=True))
-    nearest = lines[np.rint(np.interp(line, lines, np.arange(len(lines)))).astype(int)]
-    return np.array([of_line[one] for one in nearest.tolist()])
+    known = np.flatnonzero(np.isfinite(time))
+    known = known[np.argsort(line[known], kind="stable")]
+    nearest = np.rint(np.interp(line, line[known], np.arange(len(known)))).astype(int)
+    return np.where(np.isfinite(time), time, time[known[nearest]])
 
 
 def clock(at: Circumstances) -> Array:

@@ -187,3 +187,26 @@ def test_weather_that_is_none_counts_as_blank(tmp_path, name, good, none):
     assert np.flatnonzero(~np.isfinite(night.at.column(name))).tolist() == [3]
     assert night.meta["taken_for_blank"].startswith(f"{name} outside (")
     assert night.meta["taken_for_blank"].endswith("in 1 row")
+
+
+@pytest.mark.parametrize(
+    ("cells", "blank"),
+    [
+        ("-2.0 -1.5 -999 -0.8 -9999.0 -1.6", [2, 4]),  # what a focus cannot be
+        ("1 1 999 1 1 1", [2]),
+        ("700 640 999 520 810 745", []),  # a signal-to-noise ratio that is one
+        ("997 998 999 1000 1001 1002", []),  # a counter
+        ("999 999 999 999 999 999", []),  # nothing to be far from
+        ("-2.0 -1.5 -998 -0.8 -1.2 -1.6", []),  # odd, and no nines
+    ],
+)
+def test_nines_far_from_all_other_numbers_count_as_blank(tmp_path, cells, blank):
+    """In any column that is no angle, as logs write what was not measured."""
+    path = tmp_path / "night.csv"
+    lines = [f"{10 * n},50,1,2,{cell}" for n, cell in enumerate(cells.split())]
+    path.write_text("\n".join(["az_deg,el_deg,d_xel_arcsec,d_el_arcsec,focus_mm", *lines]) + "\n")
+    night = read(path)
+
+    assert np.flatnonzero(~np.isfinite(night.at.column("focus_mm"))).tolist() == blank
+    told = night.meta.get("taken_for_blank", "")
+    assert told.endswith(f"in {len(blank)} row{'s' * (len(blank) > 1)}") if blank else not told

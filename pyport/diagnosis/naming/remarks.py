@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG
-from pyport.recordings.interpret import BLANK
+from pyport.recordings.raw import BLANK
 from pyport.recordings.sky import ORDER, SESSIONS, TIMES
 
 if TYPE_CHECKING:
@@ -90,7 +90,8 @@ def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         if noise.time_s is None or np.hypot(white, noise.drift) < GROWS * white:
             continue
         rows = part.rows[diagnosis.weighed.used[part.rows]]
-        means = {one: float(left[rows][session[rows] == one].mean()) for one in set(session[rows])}
+        names = set(session[rows].tolist())
+        means = {one: float(left[rows][session[rows] == one].mean()) for one in names}
         low, high = (end(means, key=lambda one: (means[one], one)) for end in (min, max))
         found.append(
             {
@@ -153,7 +154,7 @@ def sentences(
     if ORDER in meta:
         said.append(f"Time is taken from {meta[ORDER]}")
     if BLANK in meta:
-        said.append(f"Taken for blank, since no weather is so: {meta[BLANK]}")
+        said.append(f"Taken for blank: {meta[BLANK]}")
     if TIMES in meta:
         said.append(f"Times that are not recorded are taken from {meta[TIMES]}")
     return said

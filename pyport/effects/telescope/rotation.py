@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.circumstances import mostly_known
 from pyport.effects.sky.site import hour_angle_shift
 
 _TPOINT = "Wallace, TPOINT Telescope Pointing Analysis System, terms NRX and NRY"
@@ -94,7 +95,7 @@ def angle_columns(at: Circumstances) -> dict[str, Array]:
         if not told or values.dtype.kind not in "fiu" or NO_ROTATION & set(quantity.split("_")):
             continue
         angle = np.asarray(values, float) * RADIANS_PER[unit]
-        if 2 * np.isfinite(angle).sum() >= max(len(angle), 1):
+        if mostly_known(angle):
             found[name] = angle
     return found
 
