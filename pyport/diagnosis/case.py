@@ -133,13 +133,7 @@ class Problem:
         What changes with time, or belongs to sources, is not among them: the noise holds what
         nights, drifts and sources do, and such an effect has to stand out of that.
         """
-        return self.shown_by(
-            [
-                one
-                for one in self.candidates
-                if not (temporal(self, one.effect) or one.effect.belongs_to)
-            ]
-        )
+        return self.shown_by([one for one in self.candidates if not confounded(self, one.effect)])
 
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""
@@ -231,12 +225,12 @@ def prepare(
     )
 
 
-def temporal(setup: Problem, effect: Effect) -> bool:
-    """Tell whether an effect changes with time alone, and the noise may do what it does.
+def confounded(setup: Problem, effect: Effect) -> bool:
+    """Tell whether the noise may do what an effect does: it changes with time, or is a source's.
 
     In an array a change is each antenna's, and the others show what the noise does.
     """
-    return bool(effect.changes_with) and setup.blocks.antennas == 1
+    return bool(effect.changes_with or effect.belongs_to) and setup.blocks.antennas == 1
 
 
 def _scans(recordings: Recordings, data: Stack) -> Codes:

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Anew, Chosen, Problem, temporal
+from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
 from pyport.diagnosis.evidence import CandidateFit, at_best
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.shapes.edges import edges_of
@@ -50,7 +50,7 @@ def proposed(
         one
         for one in trials
         if one.candidate.effect.physical
-        and temporal(setup, one.candidate.effect)
+        and confounded(setup, one.candidate.effect)
         and one.candidate.effect.id not in {*banned, OSCILLATION}
         and one.candidate.effect.change_of in has
     ]
@@ -247,7 +247,7 @@ def _anew(
     family = [each for each in setup.candidates if each.effect.id == effect.id]
     if len(family) < 2 or one.scope != "all":
         return Anew(setup.expanded([one]))
-    if temporal(setup, effect):
+    if confounded(setup, effect):
         covariance = still_noise(setup, covariance)
     white = whiten_model(setup, covariance, (*setup.base, *others))
     seen = replace(weighed, covariance=covariance, white=white)

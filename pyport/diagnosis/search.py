@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from pyport.diagnosis import holdout, turns
-from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.shapes.fields import field_instead
 from pyport.diagnosis.turns import TIE, Outcome, Step, family_p_value
@@ -136,7 +136,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
             return replace(now, p_value=first, last=trials)
         trial, setup, new = winner.trial, winner.setup, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
-        if temporal(setup, trial.candidate.effect):
+        if confounded(setup, trial.candidate.effect):
             p_value = min(p_value, float(np.exp(-trial.evidence / 2)))
         if not now.steps:
             first = min(first, p_value)
@@ -165,7 +165,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
     for one in now.chosen[:-1]:
         own = alone(now.setup, now.weighed, now.chosen, one)
         effect = one.candidate.effect
-        if own is None or not effect.physical or temporal(now.setup, effect):
+        if own is None or not effect.physical or confounded(now.setup, effect):
             continue
         others = now.others(one)
         beside = now.weighed.evidence.beside(
@@ -266,7 +266,7 @@ def _of_families(outcome: Outcome) -> Outcome:
         step = outcome.step_of(one)
         if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
             continue
-        if temporal(setup, one.candidate.effect):
+        if confounded(setup, one.candidate.effect):
             continue
         same = [
             each

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Evidence, at_best, shown
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
@@ -267,8 +267,8 @@ def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen
 
 def _among(setup: Problem, one: Chosen) -> float:
     """Return what it costs that an effect is one of many: changes with time, or all the others."""
-    kind = temporal(setup, one.candidate.effect)
-    ids = {each.effect.id for each in setup.candidates if temporal(setup, each.effect) == kind}
+    kind = confounded(setup, one.candidate.effect)
+    ids = {each.effect.id for each in setup.candidates if confounded(setup, each.effect) == kind}
     return 2 * float(np.log(max(len(ids), 1)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.diagnosis import turns
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.changes import proposed, refine
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
@@ -114,7 +114,7 @@ def _first(
             if odds > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
-        if temporal(one.setup, one.chosen.candidate.effect):
+        if confounded(one.setup, one.chosen.candidate.effect):
             return one
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
@@ -248,7 +248,7 @@ def _worth(
         t
         for t in trials
         if t.candidate.effect.physical
-        and not temporal(setup, t.candidate.effect)
+        and not confounded(setup, t.candidate.effect)
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]

@@ -16,7 +16,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis import turns
-from pyport.diagnosis.case import Chosen, Problem, temporal
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.naming.finding import Finding, Stability
 from pyport.diagnosis.naming.guards import Refusal, refusal
@@ -73,7 +73,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
     slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]
-    if temporal(setup, own.candidate.effect):
+    if confounded(setup, own.candidate.effect):
         # What speaks for a change is also what it leaves for the noise to do, not its gain alone.
         whole = _worths(products.sum(axis=0), model.shape[1], slices[:1], excess[:1])
         prices[0] = float(whole[0]) - step.winner.evidence

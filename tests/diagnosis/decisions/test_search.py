@@ -604,14 +604,14 @@ def test_what_others_made_idle_is_dropped(monkeypatch, evidences, left):
 
 
 @pytest.mark.parametrize(
-    ("effect", "antennas", "temporal"),
+    ("effect", "antennas", "confounded"),
     [("epoch_tilt", 1, True), ("epoch_tilt", 5, False), ("refraction", 1, False)],
 )
-def test_a_change_is_temporal_in_a_single_antenna(effect, antennas, temporal):
+def test_a_change_is_confounded_in_a_single_antenna(effect, antennas, confounded):
     """In an array the others show what the noise does."""
     blocks = SimpleNamespace(antennas=antennas)
 
-    assert case.temporal(setup(blocks=blocks), candidate(effect).effect) == temporal
+    assert case.confounded(setup(blocks=blocks), candidate(effect).effect) == confounded
 
 
 @pytest.mark.parametrize(
