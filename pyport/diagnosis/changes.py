@@ -41,8 +41,9 @@ def proposed(
     """Return the case beside noise that holds still, and the best change of each kind there.
 
     `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
-    of a term that the model lacks: first that term is looked for. Oscillations are proposed by
-    `oscillations`, which looks for their period.
+    of a term that the model lacks: first that term is looked for. One source's place is proposed
+    like a change, for the noise may have taken it for what all sources scatter by. Oscillations
+    are proposed by `oscillations`, which looks for their period.
     """
     effects = [one.candidate.effect for one in (*setup.base, *chosen)]
     has = {"", *(one.of or one.id for one in effects)}
@@ -53,6 +54,7 @@ def proposed(
         and confounded(setup, one.candidate.effect)
         and one.candidate.effect.id not in {*banned, OSCILLATION}
         and one.candidate.effect.change_of in has
+        and not _departs(setup, one.candidate.effect)
     ]
     still = still_noise(setup, weighed.covariance)
     white = whiten_model(setup, still, (*setup.base, *chosen))
@@ -71,6 +73,12 @@ def proposed(
             best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
     ranked = sorted(best.values(), key=lambda one: -round(one.evidence, TIE))
     return beside, ranked[:MOST_CHANGES]
+
+
+def _departs(setup: Problem, effect: Effect) -> bool:
+    """Tell whether an effect is what departures do: one of each label, not of one among them."""
+    labels = {one.of for one in setup.frame.departures}
+    return effect.belongs_to in labels and len(effect.member.get(f"{effect.belongs_to}s", ())) > 1
 
 
 def still_noise(setup: Problem, covariance: Covariance) -> Covariance:

@@ -186,6 +186,7 @@ def _columns(raw: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     """Return everything that is no angle, under the names that effects know; and what was blank."""
     columns: dict[str, NDArray[Any]] = {}
     blank: list[str] = []
+    no_conditions = {TIME, SET_ASIDE, *({DAY, HOUR_OF_DAY} if _of_the_day(raw) else ())}
     for name in raw.columns:
         if name in LABELS:
             columns[name] = raw.words(name)
@@ -193,7 +194,7 @@ def _columns(raw: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
             columns[name] = without_blanks(name, raw.numbers(name), blank)
         elif name == SCAN_RATE:
             columns["scan_rate"] = raw.numbers(name) * SCAN_RATE_UNIT
-        elif name not in {TIME, SET_ASIDE} and angle_of(name) is None:
+        elif name not in no_conditions and angle_of(name) is None:
             values = raw.numbers_or_words(name)
             of_numbers = values.dtype.kind == "f"
             columns[name] = without_blanks(name, values, blank) if of_numbers else values
@@ -213,11 +214,16 @@ def _columns(raw: Raw) -> tuple[dict[str, NDArray[Any]], list[str]]:
     return columns, blank
 
 
+def _of_the_day(raw: Raw) -> bool:
+    """Tell whether a file's times are days and their hours."""
+    return {DAY, HOUR_OF_DAY} <= set(raw.columns) and TIME not in raw.columns
+
+
 def _time(raw: Raw) -> dict[str, Array]:
     """Return the time [s since 1970], from a day and its hours where that is what is told."""
     if TIME in raw.columns:
         return {"time": raw.seconds(TIME)}
-    if {DAY, HOUR_OF_DAY} <= set(raw.columns):
+    if _of_the_day(raw):
         return {"time": raw.seconds(DAY) + 3600 * raw.numbers(HOUR_OF_DAY)}
     return {}
 

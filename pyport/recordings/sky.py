@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array, Codes, wrap
+from pyport.angles import RADIANS_PER, Array, Codes, wrap
+from pyport.columns import DIRECTIONS
 from pyport.effects import Circumstances
 from pyport.effects.circumstances import mostly_known
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, group
 
 
 def horizon(hour_angle: Array, dec: Array, latitude: float) -> tuple[Array, Array]:
@@ -111,8 +112,11 @@ NIGHT_GAP_S = 6 * 3600.0
 #: they are a table's: a raster has nearly all, places in random order at one elevation a third,
 #: a source that is followed none.
 RASTER = 0.5
+#: A column's blank cells are taken from those before and after where every other known one, taken
+#: so, is missed by less than this share of their spread: half the error of taking their mean.
+SMOOTH = 0.5
 #: Header keys under which it is said what stands for what.
-SESSIONS, ORDER, TIMES = "sessions_from", "order_from", "times_from"
+SESSIONS, ORDER, TIMES, CELLS = "sessions_from", "order_from", "times_from", "cells_from"
 
 
 def with_nights(recordings: Recordings) -> Recordings:
@@ -120,7 +124,8 @@ def with_nights(recordings: Recordings) -> Recordings:
 
     Without a session the nights between gaps in time are sessions. A row without a time has that
     of the nearest row of the file. Where most have none, the order of the rows, in the column
-    `order`, stands for it. What was derived stands in `meta`.
+    `order`, stands for it. Blank cells of a column that is smooth in time are taken from the rows
+    before and after. What was derived stands in `meta`.
     """
     at = recordings.at
     columns, meta = dict(at.columns), dict(recordings.meta)
@@ -142,7 +147,46 @@ def with_nights(recordings: Recordings) -> Recordings:
         if len(np.unique(nights)) > 1:
             columns["session"] = nights
             meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
+    whole = replace(recordings, at=replace(at, columns=columns), meta=meta)
+    return _with_cells(whole)
+
+
+def _with_cells(recordings: Recordings) -> Recordings:
+    """Return recordings with the blank cells of smooth columns taken from before and after."""
+    at, told = recordings.at, []
+    columns, time = dict(at.columns), clock(at)
+    session, _ = group(recordings, ("session",))
+    for name, values in at.columns.items():
+        if values.dtype.kind != "f" or name.rpartition("_")[2] in RADIANS_PER or name in DIRECTIONS:
+            continue
+        blank = int(np.isnan(values).sum())
+        if blank and mostly_known(values):
+            columns[name] = _between(values, time, session)
+            if (taken := blank - int(np.isnan(columns[name]).sum())) > 0:
+                told.append(f"{name} in {taken} row{'s' * (taken > 1)}")
+    if not told:
+        return recordings
+    meta = {**recordings.meta, CELLS: ", ".join(told)}
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
+
+
+def _between(values: Array, time: Array, session: Codes) -> Array:
+    """Return numbers (n,) with the blank ones of a session from those before and after in it."""
+    filled, missed = values.copy(), []
+    for one in np.unique(session):
+        rows = np.flatnonzero((session == one) & np.isfinite(time))
+        known = rows[np.isfinite(values[rows])]
+        known = known[np.argsort(time[known], kind="stable")]
+        if len(known) == 0:
+            continue
+        blank = rows[np.isnan(values[rows])]
+        filled[blank] = np.interp(time[blank], time[known], values[known])
+        some, others = known[::2], known[1::2]
+        if len(others):
+            missed.append(values[others] - np.interp(time[others], time[some], values[some]))
+    spread = float(np.nanstd(values))
+    error = float(np.sqrt(np.mean(np.concatenate(missed) ** 2))) if missed else np.inf
+    return filled if error <= SMOOTH * spread else values
 
 
 def _nearest(time: Array, line: Codes) -> Array:

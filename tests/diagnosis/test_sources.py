@@ -8,11 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import pyport
 from pyport.diagnosis.naming import guards
 from pyport.diagnosis.naming.guards import comes_back, night_of
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
-from pyport.recordings.sky import NIGHT_GAP_S
+from pyport.recordings.sky import NIGHT_GAP_S, horizon
 
 DAY_S = 86400.0
 
@@ -98,3 +99,55 @@ def test_a_long_session_has_its_nights():
     at = two.setup.recordings.at
     two.setup.recordings.at = replace(at, columns={})
     assert np.array_equal(night_of(two), sessions)
+
+
+def tracked(off_arcsec, seed=4):
+    """Return a table of eight sources followed for three nights, each off in declination."""
+    rng = np.random.default_rng(seed)
+    latitude, night = np.radians(46.5), np.repeat(np.arange(3), 90)
+    hours = np.tile(np.arange(90) / 9, 3)
+    ra = np.radians(np.arange(8) * 45.0)
+    dec = np.radians(np.array([72.0, -5.7, 5.1, 61.7, 33.0, 18.5, 47.2, 10.9]))
+    hour_angle = np.radians(15.0 * hours[:, None]) - ra
+    up = horizon(hour_angle, np.tile(dec, (270, 1)), latitude)[1] > np.radians(15.0)
+    which = np.array([rng.choice(np.flatnonzero(one)) for one in up[::3]]).repeat(3)
+    hour_angle, dec = hour_angle[np.arange(270), which], dec[which]
+    az, el = horizon(hour_angle, dec, latitude)
+    q = np.arctan2(
+        np.sin(hour_angle) * np.cos(latitude),
+        np.sin(latitude) * np.cos(dec) - np.cos(latitude) * np.sin(dec) * np.cos(hour_angle),
+    )
+    off = np.asarray(off_arcsec)[which]
+    time = 86400 * night + 3600 * hours
+    return {
+        "time_utc": np.datetime64("2025-01-24T20:00:00") + time.astype("timedelta64[s]"),
+        "session": np.char.add("night ", night.astype(str)),
+        "source": np.char.add("J", which.astype(str)),
+        "az_deg": np.degrees(az) % 360,
+        "el_deg": np.degrees(el),
+        "d_xel_arcsec": off * np.sin(q) + 1.6 * rng.normal(size=270),
+        "d_el_arcsec": off * np.cos(q) + 1.6 * rng.normal(size=270),
+    }
+
+
+@pytest.mark.parametrize(
+    ("off", "named"),
+    [
+        # One of eight is wrong by far: its catalogue is, and the others' are not.
+        ([0.0, 0.0, 12.0, 0.0, 0.0, 0.0, 0.0, 0.0], ["J2"]),
+        ([0.0, -9.0, 12.0, 0.0, 0.0, 0.0, 0.0, 0.0], ["J2", "J1"]),
+        # All are off by about as much: that is what their places scatter by.
+        ([3.0, -2.0, 4.0, -3.5, 2.5, -4.0, 3.5, -2.5], []),
+    ],
+)
+def test_one_source_is_blamed_that_stands_out_of_the_others(off, named):
+    """However far it is off: it must not pass for the scatter of sources that are right."""
+    report = pyport.diagnose(tracked(off), "altaz", header={"latitude_deg": "46.5"}).report
+    found = report["findings"]
+
+    assert [one["variant"] for one in found] == named
+    for one in found:
+        assert one["effect"] == "source_position"
+        sizes = {each["name"]: each["value"] for each in one["parameters"]}
+        wrong = abs(off[int(one["variant"][1:])])
+        assert abs(sizes[f"dec[{one['variant']}]"]) == pytest.approx(wrong, abs=1.5)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -103,3 +104,48 @@ def test_times_count_where_half_of_the_rows_have_one(blank: int, *, counts: bool
     assert ("time" in found.at) == counts
     assert ("order" in found.at) != counts
     assert ("order_from" in found.meta) != counts
+
+
+SMOOTH = 10.0 + 5.0 * np.sin(np.arange(60.0) / 12.0)
+ROUGH = np.random.default_rng(3).normal(size=60)
+
+
+@pytest.mark.parametrize(
+    ("values", "blank", "taken"),
+    [
+        (SMOOTH, [0, 7, 8, 30, 59], 5),
+        (SMOOTH, range(0, 60, 2), 30),  # half of the rows
+        (SMOOTH, range(31), 0),  # most of them
+        (ROUGH, [0, 7, 8, 30, 59], 0),  # drawn anew in each row
+    ],
+)
+def test_blank_cells_of_what_is_smooth_in_time_are_taken_from_around(
+    values: Array, blank: Sequence[int], taken: int
+) -> None:
+    """At the ends from one side; the report says in how many rows."""
+    cells = values.copy()
+    cells[list(blank)] = np.nan
+    given = timed(1e9 + 60.0 * np.arange(60.0))
+    columns = {**given.at.columns, "temperature_c": cells}
+    found = with_nights(replace(given, at=replace(given.at, columns=columns)))
+    known = np.isfinite(found.at.column("temperature_c"))
+
+    assert int(known.sum()) == 60 - len(list(blank)) + taken
+    if taken:
+        assert found.at.column("temperature_c") == pytest.approx(values, abs=0.5)
+        assert found.meta["cells_from"] == f"temperature_c in {taken} rows"
+    else:
+        assert "cells_from" not in found.meta
+
+
+def test_no_cell_is_taken_from_another_night() -> None:
+    """A night without any temperature has none."""
+    time = 1e9 + 60.0 * np.arange(60.0) + 86400.0 * (np.arange(60) >= 40)
+    cells = SMOOTH.copy()
+    cells[40:] = np.nan
+    given = timed(time)
+    columns = {**given.at.columns, "temperature_c": cells}
+    found = with_nights(replace(given, at=replace(given.at, columns=columns)))
+
+    assert np.isnan(found.at.column("temperature_c"))[40:].all()
+    assert "cells_from" not in found.meta

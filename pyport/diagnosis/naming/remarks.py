@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG
 from pyport.recordings.raw import BLANK
-from pyport.recordings.sky import ORDER, SESSIONS, TIMES
+from pyport.recordings.sky import CELLS, ORDER, SESSIONS, TIMES
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
@@ -155,6 +155,8 @@ def sentences(
         said.append(f"Time is taken from {meta[ORDER]}")
     if BLANK in meta:
         said.append(f"Taken for blank: {meta[BLANK]}")
+    if CELLS in meta:
+        said.append(f"Blank cells are taken from the rows before and after: {meta[CELLS]}")
     if TIMES in meta:
         said.append(f"Times that are not recorded are taken from {meta[TIMES]}")
     return said

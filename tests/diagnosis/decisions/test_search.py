@@ -605,9 +605,17 @@ def test_what_others_made_idle_is_dropped(monkeypatch, evidences, left):
 
 @pytest.mark.parametrize(
     ("effect", "antennas", "confounded"),
-    [("epoch_tilt", 1, True), ("epoch_tilt", 5, False), ("refraction", 1, False)],
+    [
+        ("epoch_tilt", 1, True),
+        ("epoch_tilt", 5, False),
+        ("source_position", 1, True),
+        ("source_position", 5, False),
+        ("refraction", 1, False),
+    ],
 )
-def test_a_change_is_confounded_in_a_single_antenna(effect, antennas, confounded):
+def test_what_nights_and_sources_may_do_is_confounded_in_a_single_antenna(
+    effect, antennas, confounded
+):
     """In an array the others show what the noise does."""
     blocks = SimpleNamespace(antennas=antennas)
 
