@@ -18,6 +18,7 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Evidence, at_best, shown
+from pyport.effects import Effect
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
@@ -266,9 +267,17 @@ def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen
 
 
 def _among(setup: Problem, one: Chosen) -> float:
-    """Return what it costs that an effect is one of many: changes with time, or all the others."""
-    kind = confounded(setup, one.candidate.effect)
-    ids = {each.effect.id for each in setup.candidates if confounded(setup, each.effect) == kind}
+    """Return what it costs that an effect is one of many.
+
+    Changes with time are among each other, what is wrong with sources is by itself, and all else
+    is among all else.
+    """
+
+    def kind(effect: Effect) -> tuple[bool, str]:
+        return confounded(setup, effect), effect.belongs_to
+
+    own = kind(one.candidate.effect)
+    ids = {each.effect.id for each in setup.candidates if kind(each.effect) == own}
     return 2 * float(np.log(max(len(ids), 1)))
 
 

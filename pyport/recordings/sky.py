@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER, Array, Codes, wrap
-from pyport.columns import DIRECTIONS
+from pyport.columns import DIRECTIONS, SPELLED
 from pyport.effects import Circumstances
 from pyport.effects.circumstances import mostly_known
 from pyport.recordings.schema import Recordings, group
@@ -112,9 +114,6 @@ NIGHT_GAP_S = 6 * 3600.0
 #: they are a table's: a raster has nearly all, places in random order at one elevation a third,
 #: a source that is followed none.
 RASTER = 0.5
-#: A column's blank cells are taken from those before and after where every other known one, taken
-#: so, is missed by less than this share of their spread: half the error of taking their mean.
-SMOOTH = 0.5
 #: Header keys under which it is said what stands for what.
 SESSIONS, ORDER, TIMES, CELLS = "sessions_from", "order_from", "times_from", "cells_from"
 
@@ -155,23 +154,31 @@ def _with_cells(recordings: Recordings) -> Recordings:
     """Return recordings with the blank cells of smooth columns taken from before and after."""
     at, told = recordings.at, []
     columns, time = dict(at.columns), clock(at)
-    session, _ = group(recordings, ("session",))
+    session, _ = group(recordings, ("antenna", "session"))
     for name, values in at.columns.items():
-        if values.dtype.kind != "f" or name.rpartition("_")[2] in RADIANS_PER or name in DIRECTIONS:
+        if values.dtype.kind != "f" or name.rpartition("_")[2] in RADIANS_PER:
             continue
-        blank = int(np.isnan(values).sum())
-        if blank and mostly_known(values):
-            columns[name] = _between(values, time, session)
-            if (taken := blank - int(np.isnan(columns[name]).sum())) > 0:
-                told.append(f"{name} in {taken} row{'s' * (taken > 1)}")
+        blank = np.isnan(values)
+        if blank.any() and mostly_known(values):
+            if name in DIRECTIONS:
+                found = np.angle(_between(np.exp(1j * values), time, session))
+            else:
+                found = _between(values, time, session)
+            columns[name] = np.where(blank, found, values)
+            if taken := int((blank & np.isfinite(found)).sum()):
+                told.append(f"{SPELLED.get(name, name)} in {taken} row{'s' * (taken > 1)}")
     if not told:
         return recordings
     meta = {**recordings.meta, CELLS: ", ".join(told)}
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
 
 
-def _between(values: Array, time: Array, session: Codes) -> Array:
-    """Return numbers (n,) with the blank ones of a session from those before and after in it."""
+def _between(values: NDArray[Any], time: Array, session: Codes) -> NDArray[Any]:
+    """Return numbers (n,) with the blank ones of a session from those before and after in it.
+
+    Only where they tell the known ones, every other of them taken so, better than the mean does.
+    Angles come as complex numbers of unit size, so that north has no seam.
+    """
     filled, missed = values.copy(), []
     for one in np.unique(session):
         rows = np.flatnonzero((session == one) & np.isfinite(time))
@@ -185,8 +192,8 @@ def _between(values: Array, time: Array, session: Codes) -> Array:
         if len(others):
             missed.append(values[others] - np.interp(time[others], time[some], values[some]))
     spread = float(np.nanstd(values))
-    error = float(np.sqrt(np.mean(np.concatenate(missed) ** 2))) if missed else np.inf
-    return filled if error <= SMOOTH * spread else values
+    error = float(np.sqrt(np.mean(np.abs(np.concatenate(missed)) ** 2))) if missed else np.inf
+    return filled if error < spread else values
 
 
 def _nearest(time: Array, line: Codes) -> Array:

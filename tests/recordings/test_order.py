@@ -149,3 +149,17 @@ def test_no_cell_is_taken_from_another_night() -> None:
 
     assert np.isnan(found.at.column("temperature_c"))[40:].all()
     assert "cells_from" not in found.meta
+
+
+def test_directions_are_taken_around_north() -> None:
+    """A wind from 350 deg before and 10 deg after was one from the north."""
+    time = 1e9 + 60.0 * np.arange(40.0)
+    wind = np.radians(340.0 + np.arange(40.0)) % (2 * np.pi)
+    cells = wind.copy()
+    cells[20] = np.nan
+    given = timed(time)
+    columns = {**given.at.columns, "wind_az": cells}
+    found = with_nights(replace(given, at=replace(given.at, columns=columns)))
+
+    assert np.cos(found.at.column("wind_az") - wind) == pytest.approx(1.0, abs=1e-4)
+    assert found.meta["cells_from"] == "wind_az in 1 row"

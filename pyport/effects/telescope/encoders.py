@@ -18,14 +18,16 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 HARMONICS = range(2, 9)
 #: A harmonic of azimuth can be told from anything else only over this much of the circle. [rad]
 COVERAGE = np.radians(180)
-#: The circle is counted in sectors of this width. [rad]
-SECTOR = np.radians(10)
+#: The circle is covered where azimuths are no further apart: three to a wave of the second
+#: harmonic, as on a grid. [rad]
+APART = np.radians(60)
 
 
 def need_azimuths(at: Circumstances) -> None:
     """Raise `MissingColumn` unless the recordings cover enough of the circle."""
-    sectors = np.unique(np.floor((at.az % (2 * np.pi)) / SECTOR))
-    if len(sectors) * SECTOR < COVERAGE:
+    az = np.unique(at.az % (2 * np.pi))
+    gaps = np.diff(az, append=az[:1] + 2 * np.pi)
+    if gaps[gaps <= APART].sum() < COVERAGE:
         raise MissingColumn("azimuths over half of the circle")
 
 
