@@ -78,7 +78,10 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
         rank = np.unique(time[rows], return_inverse=True)[1]
         fold[rows] = rank * BLOCKS // (rank.max() + 1)
     what = "time" if "time" in at else "rows"
-    return Folds(f"leave blocks of {what} out, five in each session", fold, departing)
+    scheme = f"leave blocks of {what} out, five in each session"
+    if departing:
+        scheme += ", what a session departs by predicted from its others"
+    return Folds(scheme, fold, departing)
 
 
 def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:

@@ -124,7 +124,7 @@ def _weighed(
 def weigh_alike(setup: Problem, chosen: Sequence[Chosen], known: Covariance) -> WhitenedData:
     """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
     design = setup.expanded([*setup.base, *chosen])
-    covariance = reweighed(known, setup.residual, design)
+    covariance = reweighed(known, setup.residual, design, setup.frame)
     setup.known[_key(chosen, searching=True)] = tuple(chosen), covariance
     return weigh(setup, chosen)
 

@@ -67,6 +67,8 @@ class Frame:
     centred
         Whether a drift is counted from its mean. On a mount that turns over no zero is a constant
         in its second angle, so that a drift would pass for what is; on others the model has one.
+    rounding
+        Scatter that the recorded digits make in either axis, before a model was taken off [rad].
     """
 
     parts: tuple[Series, ...]
@@ -74,6 +76,7 @@ class Frame:
     drivers: tuple[scatter.Driver, ...]
     recorded: Array | None
     centred: bool = False
+    rounding: tuple[float, ...] = (0.0, 0.0)
 
     @cached_property
     def possible(self) -> Possible:
@@ -89,6 +92,7 @@ def frame(recordings: Recordings, data: Stack) -> Frame:
         tuple(replace(one, columns=one.columns[data.row]) for one in scatter.drivers(recordings)),
         scatter.recorded(recordings, data),
         recordings.at.mount.turns_over,
+        tuple(robust.rounding(one[np.isfinite(one)]) for one in (recordings.x, recordings.y)),
     )
 
 
@@ -119,7 +123,7 @@ def estimate(
         compared.
     """
     parts = given.parts
-    floors = _floors(value, parts)
+    floors = _floors(value, given)
     first = _first(value, design, given, shapes)
     residual, columns = first.residual, first.columns
     if like is None:
@@ -183,7 +187,7 @@ class _First:
 
 
 def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None) -> _First:
-    floors = _floors(value, given.parts)
+    floors = _floors(value, given)
     weights, residual = np.ones(len(value)), np.zeros(len(value))
     columns = []
     for n, part in enumerate(given.parts):
@@ -327,13 +331,13 @@ def _residual(white: Array) -> Array:
     return Refit(design[:, design.any(axis=0)], data).residual(np.ones(len(data)))
 
 
-def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
+def reweighed(covariance: Covariance, value: Array, model: Array, given: Frame) -> Covariance:
     """Return a covariance with the robust weights of readings (m,) beside a model's columns (m, p).
 
     For data whose noise is known and whose outliers are looked for anew.
     """
     weights = covariance.weights.copy()
-    floors = _floors(value, covariance.parts)
+    floors = _floors(value, given)
     for part in covariance.parts:
         own = model[part.rows]
         weights[part.rows] = robust.weights(
@@ -342,12 +346,15 @@ def reweighed(covariance: Covariance, value: Array, model: Array) -> Covariance:
     return replace(covariance, weights=weights)
 
 
-def _floors(value: Array, parts: Sequence[Series]) -> dict[bool, float]:
+def _floors(value: Array, given: Frame) -> dict[bool, float]:
     """Return the scatter that rounding makes in either axis [rad]."""
     of_axis = np.zeros(len(value), bool)
-    for part in parts:
+    for part in given.parts:
         of_axis[part.rows] = part.is_y
-    return {is_y: robust.rounding(value[of_axis == is_y]) for is_y in (False, True)}
+    return {
+        is_y: max(robust.rounding(value[of_axis == is_y]), given.rounding[is_y])
+        for is_y in (False, True)
+    }
 
 
 def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:

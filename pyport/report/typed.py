@@ -183,7 +183,7 @@ class Finding:
     where: Annotated[Place, "where it is"]
     parameters: Annotated[tuple[Parameter, ...], "its coefficients"]
     evidence: Annotated[Evidence, "how sure it is"]
-    visible_rms_arcsec: Annotated[float, "rms that it adds to the residuals"]
+    visible_rms_arcsec: Annotated[float, "rms that it adds to the residuals where it acts"]
     true_rms_arcsec: Annotated[float | None, "rms before the fitted terms absorb their share"]
     heldout: Annotated[HeldOut | None, "what it gains on unseen readings"]
     looks_like: Annotated[str | None, "frame, shape and nearest class of what has no name"]

@@ -137,10 +137,11 @@ def test_readings_are_judged_anew_beside_another_model():
     y[::10] += 5e-3
     given = recordings(500, 1, y)
     base = np.ones((500, 1))
-    found = estimate(y, base, frame(given, stack(given)))
+    of = frame(given, stack(given))
+    found = estimate(y, base, of)
 
-    alone = reweighed(found, y, base)
-    beside = reweighed(found, y, np.column_stack([base, np.arange(500) % 10 == 0]))
+    alone = reweighed(found, y, base, of)
+    beside = reweighed(found, y, np.column_stack([base, np.arange(500) % 10 == 0]), of)
 
     assert not alone.used[::10].any()
     assert beside.used.all()
@@ -183,3 +184,15 @@ def test_an_antenna_of_copies_borrows_the_scatter_of_repeats():
 
     assert found[0].within == pytest.approx(12 * ARCSEC * np.sqrt(6 / 26), rel=0.05)
     assert found[1].within == pytest.approx(12 * ARCSEC)
+
+
+def test_the_recorded_digits_are_a_floor_whatever_model_is_taken_off():
+    """Offsets of whole units less a model's scatter by no less than the digits allow."""
+    rng = np.random.default_rng(5)
+    model = 1e-3 * rng.normal(size=400)
+    whole = 1e-4 * rng.integers(-3, 4, 400)
+    given = recordings(400, 1, whole)
+    found = estimate(whole - model, model[:, None], frame(given, stack(given)))
+
+    assert frame(given, stack(given)).rounding[0] == pytest.approx(1e-4 / np.sqrt(12))
+    assert found.noises[0].floor >= 0.99e-4 / np.sqrt(12)

@@ -162,4 +162,4 @@ def test_directions_are_taken_around_north() -> None:
     found = with_nights(replace(given, at=replace(given.at, columns=columns)))
 
     assert np.cos(found.at.column("wind_az") - wind) == pytest.approx(1.0, abs=1e-4)
-    assert found.meta["cells_from"] == "wind_az in 1 row"
+    assert found.meta["cells_from"] == "wind_az_deg in 1 row"

@@ -156,6 +156,7 @@ class Finding:
     [rad] are the effect's rms after and before the fitted terms take their share, the mean of
     each axis taken out; `largest` [rad] is the largest offset that was measured;
     `combination` is what is known of its coefficients where none is known alone;
+    `partial` says that it acts on some of the readings of its axes only, of which the rms are;
     `checks` are the ones that were made, with their outcome in words; `stability`
     says how often its name came back on resampled data, None where it has none;
     `curve` is what is visible of the effect in each reading [rad], shape (m,);
@@ -181,11 +182,14 @@ class Finding:
     choice: int | None = field(default=None, compare=False, repr=False)
     largest: float = np.inf
     combination: Combination | None = None
+    partial: bool = False
 
     @property
     def size(self) -> str:
         """Return how much it adds to the residuals, in words."""
         adds = f'adds {self.visible_rms / ARCSEC:.3g}" rms to the residuals'
+        if self.partial:
+            adds += " where it acts"
         if self.true_rms > self.largest or self.visible_rms >= ABSORBED * self.true_rms:
             return adds
         before = f'{self.true_rms / ARCSEC:.3g}" before the fitted terms absorb the rest'

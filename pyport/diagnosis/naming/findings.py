@@ -9,7 +9,7 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis import turns
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
-from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.joint import contribution, excess_of, largest_offset, visible
 from pyport.diagnosis.naming import words
@@ -56,6 +56,13 @@ def collect(scene: Scene) -> list[Finding]:
         told = honest(scene, first + n, step, told)
         found += [replace(one, choice=first + n) for one in told]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
+
+
+def _partial(setup: Problem, curve: Array) -> bool:
+    """Tell whether a curve (m,) acts on some of the readings of its axes only."""
+    of_axes = [curve[setup.stack.is_y == is_y] != 0 for is_y in (False, True)]
+    acting = np.concatenate([one for one in of_axes if one.any()] or of_axes)
+    return not acting.all()
 
 
 def _single(scene: Scene, choice: int, step: Step) -> Finding:
@@ -108,6 +115,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         true_rms=size(scene, centred(scene, curve), curve != 0),
         largest=largest,
         combination=together,
+        partial=_partial(setup, curve),
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called),

@@ -18,17 +18,28 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 HARMONICS = range(2, 9)
 #: A harmonic of azimuth can be told from anything else only over this much of the circle. [rad]
 COVERAGE = np.radians(180)
-#: The circle is covered where azimuths are no further apart: three to a wave of the second
-#: harmonic, as on a grid. [rad]
-APART = np.radians(60)
+#: The circle is counted in sectors of this width. [rad]
+SECTOR = np.radians(10)
+#: On a coarse grid the circle is covered where azimuths are no further apart, and a harmonic is
+#: told by so many of them to a wave. [rad]
+APART, TO_A_WAVE = np.radians(60), 4
 
 
-def need_azimuths(at: Circumstances) -> None:
-    """Raise `MissingColumn` unless the recordings cover enough of the circle."""
-    az = np.unique(at.az % (2 * np.pi))
-    gaps = np.diff(az, append=az[:1] + 2 * np.pi)
-    if gaps[gaps <= APART].sum() < COVERAGE:
+def harmonics(at: Circumstances) -> list[int]:
+    """Return the harmonics of azimuth that the recordings can tell from anything else.
+
+    Raises `MissingColumn` where they cover too little of the circle.
+    """
+    az = at.az % (2 * np.pi)
+    sectors = len(np.unique(np.floor(az / SECTOR)))
+    if sectors * SECTOR >= COVERAGE:
+        return list(HARMONICS)
+    distinct = np.unique(az)
+    gaps = np.diff(distinct, append=distinct[:1] + 2 * np.pi)
+    told = [k for k in HARMONICS if TO_A_WAVE * k <= sectors]
+    if not told or gaps[gaps <= APART].sum() < COVERAGE:
         raise MissingColumn("azimuths over half of the circle")
+    return told
 
 
 def _wave(name: str) -> tuple[Coefficient, Coefficient]:
@@ -37,8 +48,7 @@ def _wave(name: str) -> tuple[Coefficient, Coefficient]:
 
 def _family(member: Callable[[int], Effect], at: Circumstances) -> tuple[Effect, ...]:
     """Return a member for each harmonic, where there are azimuths enough."""
-    need_azimuths(at)
-    return tuple(map(member, HARMONICS))
+    return tuple(map(member, harmonics(at)))
 
 
 def azimuth_eccentricity(at: Circumstances) -> tuple[Array, Array]:
@@ -208,8 +218,7 @@ def azimuth_track(k: int) -> Effect:
 
 
 def _tracks(at: Circumstances) -> tuple[Effect, ...]:
-    need_azimuths(at)
-    return tuple(map(azimuth_track, HARMONICS))
+    return tuple(map(azimuth_track, harmonics(at)))
 
 
 EFFECTS = (

@@ -77,7 +77,8 @@ def test_what_belongs_to_a_session_is_tested_within_it(choice, departing, counts
     """A change must do better than the model alone: no departure is granted to it."""
     found = holdout.folds(problem(), weighed(departing=departing), (choice,))
 
-    assert found.scheme == "leave blocks of time out, five in each session"
+    own = ", what a session departs by predicted from its others" if counts else ""
+    assert found.scheme == f"leave blocks of time out, five in each session{own}"
     assert found.departing == counts
     assert len(np.unique(found.fold)) == 5
 

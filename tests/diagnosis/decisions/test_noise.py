@@ -89,7 +89,8 @@ def test_the_first_look_ends_at_six_sigma(sigmas, kept):
     """Within three it takes no weight; at six and beyond all."""
     value = normal(400)
     value[7] = sigmas
-    found = estimate.reweighed(plain(series(400)), value, np.ones((400, 1)))
+    part = series(400)
+    found = estimate.reweighed(plain(part), value, np.ones((400, 1)), frame_of(part))
 
     if kept is None:
         assert 0 < found.weights[7] < 1
