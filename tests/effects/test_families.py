@@ -41,6 +41,26 @@ def test_harmonics_need_half_of_the_circle():
     assert variants("azimuth_harmonics") == [f"k = {k}" for k in range(2, 9)]
 
 
+@pytest.mark.parametrize(
+    ("step_deg", "told"), [(10, list(range(2, 9))), (22.5, [2, 3, 4]), (30, [2, 3]), (45, [2])]
+)
+def test_a_grid_tells_harmonics_by_four_azimuths_to_a_wave(step_deg, told):
+    """However many rows stand at each of them; from eighteen on all of them."""
+    az, el = np.meshgrid(np.arange(0.0, 360.0, step_deg), np.arange(15.0, 80.0, 5.0))
+    at = Circumstances(az.ravel() * DEG, el.ravel() * DEG)
+
+    assert variants("azimuth_harmonics", at) == [f"k = {k}" for k in told]
+
+
+@pytest.mark.parametrize("step_deg", [60, 90])
+def test_a_coarser_grid_tells_none(step_deg):
+    """Six azimuths draw any wave."""
+    az, el = np.meshgrid(np.arange(0.0, 360.0, step_deg), np.arange(15.0, 80.0, 5.0))
+
+    with pytest.raises(MissingColumn, match="azimuths over half of the circle"):
+        variants("azimuth_track", Circumstances(az.ravel() * DEG, el.ravel() * DEG))
+
+
 @given(st.sets(st.integers(0, 400), min_size=2, max_size=60))
 def test_steps_fall_between_recordings(moments):
     """A step is tried between two recordings that follow each other, never at or outside them."""

@@ -404,12 +404,13 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
 
 
 def test_an_effect_pays_for_being_one_of_many():
-    """A change for the kinds of change, any other for all lasting effects."""
-    some = tuple(candidate(name) for name in ("epoch_tilt", "drift", *NAMES))
+    """A change for the kinds of change, a source for none, any other for all lasting effects."""
+    some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
     problem = setup(candidates=some)
 
     assert weighing._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
-    assert weighing._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(len(NAMES)))
+    assert weighing._among(problem, Chosen(some[2], "all")) == 0
+    assert weighing._among(problem, Chosen(some[3], "all")) == pytest.approx(2 * np.log(len(NAMES)))
 
 
 def test_departures_as_wide_as_the_scatter_are_half_as_probable():
