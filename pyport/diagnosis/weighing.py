@@ -18,7 +18,6 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Evidence, at_best, shown
-from pyport.effects import Effect
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
@@ -269,15 +268,16 @@ def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen
 def _among(setup: Problem, one: Chosen) -> float:
     """Return what it costs that an effect is one of many.
 
-    Changes with time are among each other, what is wrong with sources is by itself, and all else
-    is among all else.
+    Changes with time are among each other, a source's place is among them too, and all else is
+    among all else.
     """
-
-    def kind(effect: Effect) -> tuple[bool, str]:
-        return confounded(setup, effect), effect.belongs_to
-
-    own = kind(one.candidate.effect)
-    ids = {each.effect.id for each in setup.candidates if kind(each.effect) == own}
+    own = one.candidate.effect
+    ids = {
+        effect.id
+        for effect in (each.effect for each in setup.candidates)
+        if confounded(setup, effect) == confounded(setup, own)
+        and (own.belongs_to or not effect.belongs_to)
+    }
     return 2 * float(np.log(max(len(ids), 1)))
 
 

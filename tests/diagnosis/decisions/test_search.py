@@ -404,12 +404,12 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
 
 
 def test_an_effect_pays_for_being_one_of_many():
-    """A change for the kinds of change, a source for none, any other for all lasting effects."""
+    """A change for the kinds of change, a source for itself too, any other for all lasting."""
     some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
     problem = setup(candidates=some)
 
     assert weighing._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
-    assert weighing._among(problem, Chosen(some[2], "all")) == 0
+    assert weighing._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(3))
     assert weighing._among(problem, Chosen(some[3], "all")) == pytest.approx(2 * np.log(len(NAMES)))
 
 
