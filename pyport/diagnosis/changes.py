@@ -20,14 +20,13 @@ from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
 from pyport.diagnosis.evidence import CandidateFit, at_best
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.shapes.edges import edges_of
-from pyport.diagnosis.turns import TIE
 from pyport.diagnosis.weighing import View, WhitenedData, plain_view, shown_beside, whiten_model
 from pyport.effects import Effect, catalogue
 from pyport.effects.empirical.epochs import clock, epoch_step
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, FEWEST, MOST_CHANGES
+from pyport.thresholds import FEWEST
 
 
 @stage("proposing changes")
@@ -69,10 +68,9 @@ def proposed(
         evidence = at_best(power, along)[0] - trial.candidate.price
         gain = float((along**2 / power).sum())
         held = best.get(trial.candidate.effect.id)
-        if evidence > CONVINCING and (held is None or evidence > held.evidence):
+        if held is None or evidence > held.evidence:
             best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
-    ranked = sorted(best.values(), key=lambda one: -round(one.evidence, TIE))
-    return beside, ranked[:MOST_CHANGES]
+    return beside, list(best.values())
 
 
 def _departs(setup: Problem, effect: Effect) -> bool:
@@ -208,6 +206,32 @@ def _moments(setup: Problem, view: View, effect: Effect) -> list[Effect]:
     best = [int(there[one[np.argmax(gains[one])]]) for one in stretches]
     of_order = effect.changes_with == "order"
     return [epoch_step(float(time[n - 1] + time[n]) / 2, whole, of_order=of_order) for n in best]
+
+
+def past_outliers(
+    setup: Problem, weighed: WhitenedData, one: Chosen
+) -> tuple[Problem, list[Chosen]]:
+    """Return a step moved to before and to behind the outliers next to it, and their case.
+
+    A reading on the wrong side of a large step is an outlier, and no longer says where it belongs.
+    """
+    effect = one.candidate.effect
+    if effect.parameter is None or not effect.is_change or one.scope != "all":
+        return setup, []
+    at, moved = setup.recordings.at, []
+    time = clock(at)[setup.stack.row]
+    moments = np.unique(time)
+    sound = ~np.isin(moments, time[~weighed.used])
+    now = int(np.searchsorted(moments, effect.parameter))
+    before, behind = np.flatnonzero(sound[:now]) + 1, np.flatnonzero(sound[now:]) + now
+    for n in {*before[-1:], *behind[:1]} - {now}:
+        since, of_order = float(moments[n - 1] + moments[n]) / 2, effect.changes_with == "order"
+        step = epoch_step(since, catalogue(at.mount)[effect.id], of_order=of_order)
+        columns = setup.stack.columns(step, at)[:, list(one.candidate.coefficients)]
+        own = setup.columns.shape[1] + np.arange(columns.shape[1])
+        setup = setup.with_columns(columns)
+        moved.append(replace(one, candidate=replace(one.candidate, effect=step, columns=own)))
+    return setup, moved
 
 
 def _from_the_end(values: Array) -> Array:

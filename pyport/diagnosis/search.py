@@ -15,6 +15,7 @@ import numpy as np
 
 from pyport.diagnosis import holdout, turns
 from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.changes import past_outliers
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.shapes.fields import field_instead
 from pyport.diagnosis.turns import TIE, Outcome, Step, family_p_value
@@ -215,7 +216,7 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
 
     One at a time; then, while the whole predicts worse than the model alone, the weakest.
     """
-    outcome = _of_families(outcome)
+    outcome = _of_moments(_of_families(outcome))
     dropped: list[Dropped] = []
     while True:
         weighed = weigh(outcome.setup, outcome.chosen, searching=False)
@@ -288,6 +289,24 @@ def _of_families(outcome: Outcome) -> Outcome:
                 chosen=tuple(best if each is one else each for each in outcome.chosen),
                 steps=tuple(new if each is step else each for each in outcome.steps),
             )
+    return outcome
+
+
+def _of_moments(outcome: Outcome) -> Outcome:
+    """Choose the moments of steps anew where the readings next to them became outliers."""
+    for one in outcome.chosen:
+        setup, moved = past_outliers(outcome.setup, outcome.weighed, one)
+        if not moved:
+            continue
+        best = likeliest(setup, outcome.others(one), [one, *moved])
+        outcome = replace(
+            outcome,
+            setup=setup,
+            chosen=tuple(best if each is one else each for each in outcome.chosen),
+            steps=tuple(
+                replace(each, chosen=best) if each.chosen is one else each for each in outcome.steps
+            ),
+        )
     return outcome
 
 

@@ -17,7 +17,7 @@ from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
-from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
+from pyport.thresholds import CONVINCING, LEADS, MOST_CHANGES, MOST_TRIED, UNSEEN_SHARE
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
@@ -151,17 +151,19 @@ def confirmed_changes(
 ) -> list[Winner]:
     """Return the changes that are proposed, each with its evidence beside noise estimated anew.
 
-    Only those that promise more than `above` beside noise that holds still.
+    Only those that promise more than `above` beside noise that holds still: steps at their best
+    moment, for hours beside it a drift does as well.
     """
-    still, moved = proposed(setup, weighed, chosen, trials, banned)
+    still, best = proposed(setup, weighed, chosen, trials, banned)
+    moved = [_refined(setup, still, chosen, trial) for trial in best]
+    promising = [one for one in moved if one.trial.evidence > max(CONVINCING, above)]
 
-    def sure_of(trial: CandidateFit) -> Winner:
-        one = _refined(setup, still, chosen, trial)
+    def sure_of(one: Winner) -> Winner:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
 
-    found = list(side_by_side(sure_of, [one for one in moved if one.evidence > above]))
+    found = list(side_by_side(sure_of, sorted(promising, key=_rank)[:MOST_CHANGES]))
     if OSCILLATION not in banned:
         found += _oscillating(setup, weighed, chosen, above)
     return found

@@ -145,6 +145,7 @@ class Stability:
     draws: Annotated[int, "how often"]
     kept: Annotated[int, "draws in which the name came first"]
     names: Annotated[dict[str, int], "other names, and in how many draws"]
+    weak: Annotated[int, "draws in which a change came first that noise could have done"]
     instead: Annotated[str | None, "the most frequent of them"]
     nameless: Annotated[int, "draws in which nothing was worth a name"]
     stable: Annotated[bool, "whether the name stands"]

@@ -158,6 +158,7 @@ def test_what_does_not_come_back_is_said():
         "draws": 40,
         "kept": 17,
         "names": {"drift": 23},
+        "weak": 0,
         "instead": "drift",
         "nameless": 0,
         "stable": False,

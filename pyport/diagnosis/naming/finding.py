@@ -26,12 +26,15 @@ class Stability:
         How often, and in how many the name, or one of its class, came first.
     names
         Other names that came first, and in how many draws, the most frequent first.
+    weak
+        In how many a change came first, but the noise could have done it.
     """
 
     resampled: str
     draws: int
     kept: int
     names: dict[str, int] = field(default_factory=dict)
+    weak: int = 0
 
     @property
     def stable(self) -> bool:
@@ -41,7 +44,7 @@ class Stability:
     @property
     def nameless(self) -> int:
         """Return in how many draws nothing was worth a name."""
-        return self.draws - self.kept - sum(self.names.values())
+        return self.draws - self.kept - self.weak - sum(self.names.values())
 
     @property
     def instead(self) -> str | None:
@@ -68,6 +71,8 @@ class Stability:
     def counts(self) -> str:
         """Return how often which name came first."""
         others = [f"{name} in {count}" for name, count in self.names.items()]
+        if self.weak:
+            others.append(f"not beyond what noise can do in {self.weak}")
         if self.nameless:
             others.append(f"no name in {self.nameless}")
         first = f"the name came back in {self.kept} of {self.draws} draws"

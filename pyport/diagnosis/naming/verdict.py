@@ -22,11 +22,12 @@ from pyport.diagnosis.naming.finding import Finding, Stability
 from pyport.diagnosis.naming.guards import Refusal, refusal
 from pyport.diagnosis.naming.scene import Scene
 from pyport.diagnosis.turns import TIE, Step, decide_by, fits_physics
+from pyport.diagnosis.weighing import confirmed
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
+from pyport.thresholds import CONVINCING, ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
 
 DRAWS = 40
 #: So many of the nearest names compete with it.
@@ -57,8 +58,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     others = [one for n, one in enumerate(choices) if n != choice]
     taken = {one.candidate.effect.id for one in others} | set(members)
     competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
-    prices = [one.candidate.price for one in competing]
-    prices[0] = step.price
+    prices = [step.price, *(one.candidate.price for one in competing[1:])]
     white = scene.weighed.white
     parts = [setup.expanded([one], of=white) for one in competing]
     model = setup.expanded(others, of=white)
@@ -73,21 +73,33 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
     slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]
-    if confounded(setup, own.candidate.effect):
-        # What speaks for a change is also what it leaves for the noise to do, not its gain alone.
-        whole = _worths(products.sum(axis=0), model.shape[1], slices[:1], excess[:1])
-        prices[0] = float(whole[0]) - step.winner.evidence
     rng = np.random.default_rng([setup.seed, choice])
+    price, least = np.array(prices), 0.0
+    share, scatter = np.ones_like(price), np.zeros_like(price)
+    if confounded(setup, own.candidate.effect):
+        # Most of a change's gain the noise could have had: its evidence, the price paid, is a
+        # share of it. A gain scatters by twice its root, and so does what is left of it.
+        odds = [confirmed(setup, others, one, one.candidate.price) for one in competing[1:]]
+        sure = np.maximum([step.winner.evidence, *odds], 0.0)
+        whole = _worths(products.sum(axis=0), model.shape[1], slices, excess)
+        share = np.clip(sure / np.maximum(whole, 1e-9), 1e-9, 1.0)
+        scatter = 2 * np.sqrt(sure * (1 - share))
+        price, least = np.zeros_like(price), CONVINCING
     first: Counter[str | None] = Counter()
+    weak = 0
     for _ in range(DRAWS):
         times = np.bincount(rng.integers(0, len(products), len(products)), minlength=len(products))
         drawn = np.tensordot(times, products, axes=1)
-        worth = _worths(drawn, model.shape[1], slices, excess) - np.array(prices)
-        best = int(np.argmax(np.round(worth, TIE)))
+        worth = share * _worths(drawn, model.shape[1], slices, excess) - price
+        worth = np.round(worth + scatter * rng.standard_normal(len(worth)), TIE)
+        best = int(np.argmax(worth))
+        if 0 < worth[best] <= least:
+            weak += 1
+            continue
         first[competing[best].candidate.effect.id if worth[best] > 0 else None] += 1
     kept = first.pop(own.candidate.effect.id, 0)
     names = {name: count for name, count in first.most_common() if name is not None}
-    return Stability(resampled, DRAWS, kept, names)
+    return Stability(resampled, DRAWS, kept, names, weak)
 
 
 def _fitted(model: Array, columns: Array) -> Array:

@@ -366,6 +366,36 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found
     assert [one.trial.evidence for one in moved] == ([sure] if found else [])
 
 
+@pytest.mark.parametrize(
+    ("evidence", "weighed"), [(6.6, True), (5.4, False), (3.5, False), (11.0, True)]
+)
+def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, weighed):
+    """Beside noise that holds still, at its best moment."""
+    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 1.0)]))
+    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", evidence))
+    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
+    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+
+    assert bool(winner._changes(setup(), None, (), (), (), -np.inf)) == weighed
+
+
+def test_two_kinds_of_change_are_weighed(monkeypatch):
+    """Those that promise the most at their best moments."""
+    promised = {"drift": 12.0, "epoch_sag": 50.0, "epoch_tilt": 30.0}
+    kinds = [trial(name, 40.0) for name in promised]
+    monkeypatch.setattr(winner, "proposed", lambda *_: (None, kinds))
+    monkeypatch.setattr(
+        winner,
+        "_refined",
+        lambda *given: won(given[3].candidate.effect.id, promised[given[3].candidate.effect.id]),
+    )
+    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
+    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    found = winner._changes(setup(), None, (), (), (), -np.inf)
+
+    assert [one.chosen.candidate.effect.id for one in found] == ["epoch_sag", "epoch_tilt"]
+
+
 @pytest.mark.parametrize(("above", "found"), [(39.0, 1), (41.0, 0)])
 def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, found):
     """An oscillation is asked for as much."""
@@ -720,22 +750,14 @@ def proposed(monkeypatch, evidences, **more):
     return {one.candidate.effect.id: one.evidence for one in found}
 
 
-@pytest.mark.parametrize(
-    ("evidence", "wanted"), [(6.6, True), (5.4, False), (3.5, False), (11.0, True)]
-)
-def test_a_change_is_proposed_from_odds_of_twenty_to_one(monkeypatch, evidence, wanted):
-    """Beside noise that holds still."""
-    assert bool(proposed(monkeypatch, [("epoch_tilt", evidence)])) == wanted
-
-
-def test_two_kinds_of_change_are_proposed_the_best_of_each(monkeypatch):
-    """Those with the most evidence."""
+def test_of_each_kind_of_change_the_best_is_proposed(monkeypatch):
+    """However little it promises where it lies: its best moment is looked for first."""
     found = proposed(
         monkeypatch,
-        [("epoch_tilt", 20.0), ("epoch_tilt", 30.0), ("epoch_sag", 12.0), ("drift", 40.0)],
+        [("epoch_tilt", 20.0), ("epoch_tilt", 30.0), ("epoch_sag", 2.0), ("drift", 40.0)],
     )
 
-    assert list(found) == ["drift", "epoch_tilt"]
+    assert set(found) == {"drift", "epoch_tilt", "epoch_sag"}
     assert found["epoch_tilt"] == pytest.approx(30.0, abs=0.5)
 
 

@@ -1,0 +1,131 @@
+"""Steps between drifts: found at their moment, named by what is left of them beside the noise."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+
+from pyport.diagnosis import changes, joint
+from pyport.diagnosis import search as searching
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming import scene as scenes
+from pyport.diagnosis.naming import verdict
+from pyport.formats.models import load
+
+NIGHTS, EACH = 6, 50
+NIGHT = np.repeat(np.arange(NIGHTS), EACH)
+TIME_S = 1.2e9 + 86400 * NIGHT + np.tile(np.linspace(0, 8 * 3600, EACH), NIGHTS)
+#: The last row before the step, in the fourth night.
+LAST = 170
+
+
+def drifting(seed):
+    """Return a drift of unit scatter and a memory of an hour in each axis, shape (2, n)."""
+    rng = np.random.default_rng([7, seed])
+    fresh, drift = rng.standard_normal((2, len(NIGHT))), np.zeros((2, len(NIGHT)))
+    for n, gap in enumerate(np.diff(TIME_S, prepend=-np.inf)):
+        kept = np.exp(-gap / 3600) if n and NIGHT[n] == NIGHT[n - 1] else 0.0
+        drift[:, n] = kept * drift[:, n - 1] + np.sqrt(1 - kept**2) * fresh[:, n]
+    return drift
+
+
+@cache
+def told(step_arcsec, seed):
+    """Diagnose six nights whose noise, 3 arcsec, and drifts, 3 arcsec, may hide a step."""
+    drift, after = 3 * drifting(seed), np.arange(len(NIGHT)) > LAST
+    made = recordings(
+        len(NIGHT),
+        seed,
+        noise_arcsec=3.0,
+        x=lambda _: drift[0] + step_arcsec * after,
+        y=lambda _: drift[1] - step_arcsec * after,
+        time=TIME_S,
+        session=np.array([f"night {n}" for n in NIGHT]),
+    )
+    return diagnose(made, load("altaz"))
+
+
+def since(done):
+    """Return the first row after the first change that was found."""
+    choice = done.after.choices[done.findings[0].choice]
+    return int(np.searchsorted(TIME_S, choice.candidate.effect.parameter))
+
+
+@pytest.mark.parametrize(("step_arcsec", "seed"), [(10, 0), (10, 2), (12, 0), (15, 3), (25, 2)])
+def test_a_step_within_a_drifting_night_is_found_at_its_row(step_arcsec, seed):
+    """And named: no other change leaves as little to the noise."""
+    found = told(step_arcsec, seed).findings
+
+    assert [one.effect for one in found] == ["epoch_offset"]
+    assert found[0].verdict == "named"
+    assert found[0].members == ("epoch_offset",)
+    assert since(told(step_arcsec, seed)) == LAST + 1
+
+
+@pytest.mark.parametrize(("step_arcsec", "seed"), [(40, 0), (60, 2), (100, 0)])
+def test_a_large_step_makes_no_outliers(step_arcsec, seed):
+    """The readings after it are no mistakes: the step comes before them."""
+    done = told(step_arcsec, seed)
+
+    assert since(done) == LAST + 1
+    assert done.weighed.used.reshape(2, -1)[:, LAST + 1].all()
+
+
+@cache
+def found_with_drifts():
+    """Return the scene of a step, its place among the choices, and its turn."""
+    outcome, _ = searching.settled(searching.search(told(12, 1).setup))
+    fit = joint.fit(outcome.setup, outcome.weighed, outcome.chosen)
+    where = scenes.scene(outcome.setup, outcome, fit, 0)
+    return where, len(outcome.setup.base), outcome.steps[0]
+
+
+def drawn(evidence):
+    """Return the stability of a step of so much evidence."""
+    where, place, step = found_with_drifts()
+    winner = replace(step.winner, evidence=evidence)
+    return verdict.stability(where, place, replace(step, winner=winner), ())
+
+
+@pytest.mark.parametrize(
+    ("evidence", "least", "most"), [(60.0, 38, 40), (15.0, 30, 39), (8.0, 14, 28), (3.0, 0, 9)]
+)
+def test_what_the_noise_cannot_do_decides_whether_a_step_comes_back(evidence, least, most):
+    """Not its gain, most of which the noise could have had."""
+    found = drawn(evidence)
+
+    assert least <= found.kept <= most
+    assert (found.weak > 0) == (evidence < 60)
+
+
+@pytest.mark.parametrize(("odds", "kept", "instead"), [(50.0, False, True), (-50.0, True, False)])
+def test_only_what_the_noise_cannot_do_competes_with_a_step(monkeypatch, odds, kept, instead):
+    """However much another change gains beside the noise that is left."""
+    monkeypatch.setattr(verdict, "confirmed", lambda *_: odds)
+    found = drawn(20.0)
+
+    assert (found.kept >= 30) == kept
+    assert (found.names.get("drift", 0) >= 30) == instead
+
+
+def test_draws_in_which_the_noise_does_as_well_are_told():
+    """As neither the name nor another."""
+    found = drawn(8.0)
+
+    assert f"not beyond what noise can do in {found.weak}" in found.counts
+    assert found.kept + found.weak + sum(found.names.values()) + found.nameless == found.draws
+
+
+def test_only_steps_have_a_moment_to_move():
+    """Other numbers of an effect, the order of a harmonic or an edge, are none."""
+    setup = told(12, 0).setup
+    harmonic = next(
+        one
+        for one in setup.candidates
+        if one.effect.parameter is not None and not one.effect.is_change
+    )
+
+    assert changes.past_outliers(setup, None, Chosen(harmonic, "all")) == (setup, [])
