@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.case import Chosen
@@ -259,7 +260,7 @@ def _log_likely(off: Array) -> Array:
 def _good(off: Array, rng: np.random.Generator) -> Flags:
     """Draw which pointings are no bad ones."""
     odds = np.log((1 - BAD) * WIDE / BAD) - (off**2 - (off / WIDE) ** 2) / 2
-    return np.asarray(rng.random(len(off)) < 1 / (1 + np.exp(-odds)))
+    return np.asarray(rng.random(len(off)) < expit(odds))
 
 
 def _path(likelier: Array, rng: np.random.Generator) -> Codes:
