@@ -223,9 +223,6 @@ MOST_FINDINGS = 8
 #: curve of its own. The fifth best is no candidate. Smaller: the right one is not reached. Larger:
 #: time.
 MOST_TRIED = 4
-#: [kinds of change] Confirmed in a turn. Each confirmation estimates the noise twice; later turns
-#: try the others. Smaller: a drift hides a step. Larger: time.
-MOST_CHANGES = 2
 #: [effects] In a class; a larger one says nothing and is `unknown`. Seven names are no name.
 #: Smaller: classes that say something are not reported. Larger: lists without meaning.
 MOST_MEMBERS = 6

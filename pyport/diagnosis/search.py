@@ -144,6 +144,8 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
         if winner.beside is not None:
             beside, trials = winner.beside, tuple(trials_of(setup, winner.beside))
+        # What a change competed with is what its name must be told from.
+        trials = (*winner.rivals, *trials)
         step = Step(trial, new, trials, chosen, beside, p_value, winner.price)
         then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
         if all(any(one is old for old in chosen) for one in then.chosen):

@@ -17,7 +17,7 @@ from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
-from pyport.thresholds import CONVINCING, LEADS, MOST_CHANGES, MOST_TRIED, UNSEEN_SHARE
+from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
@@ -55,6 +55,7 @@ class Winner:
 
     `price` is what its choice among its family costs, a refined moment or edge included.
     `beside` is what it was tried in where that is not the turn's: its columns joined the case.
+    `rivals` are the other changes, each with the evidence that the noise leaves it.
     """
 
     trial: CandidateFit
@@ -62,6 +63,7 @@ class Winner:
     chosen: Chosen
     price: float
     beside: Projection | None = None
+    rivals: tuple[CandidateFit, ...] = ()
 
 
 def winner_of(
@@ -115,7 +117,7 @@ def _first(
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
         if confounded(one.setup, one.chosen.candidate.effect):
-            return one
+            return replace(one, rivals=tuple(each.trial for each in moved if each is not one))
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
@@ -156,14 +158,14 @@ def confirmed_changes(
     """
     still, best = proposed(setup, weighed, chosen, trials, banned)
     moved = [_refined(setup, still, chosen, trial) for trial in best]
-    promising = [one for one in moved if one.trial.evidence > max(CONVINCING, above)]
 
     def sure_of(one: Winner) -> Winner:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
 
-    found = list(side_by_side(sure_of, sorted(promising, key=_rank)[:MOST_CHANGES]))
+    least = max(CONVINCING, above)
+    found = side_by_side(sure_of, [one for one in moved if one.trial.evidence > least])
     if OSCILLATION not in banned:
         found += _oscillating(setup, weighed, chosen, above)
     return found

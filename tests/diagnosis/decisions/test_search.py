@@ -379,9 +379,20 @@ def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, w
     assert bool(winner._changes(setup(), None, (), (), (), -np.inf)) == weighed
 
 
-def test_two_kinds_of_change_are_weighed(monkeypatch):
-    """Those that promise the most at their best moments."""
-    promised = {"drift": 12.0, "epoch_sag": 50.0, "epoch_tilt": 30.0}
+def test_a_change_is_told_from_the_changes_that_it_competed_with(monkeypatch):
+    """By the evidence that the noise leaves them: its turn holds them before what was tried."""
+    best, other = won("epoch_sag", 25.0), won("epoch_offset", 23.0)
+    wins = winner._first(None, (), [other, best], [])
+
+    assert wins.trial is best.trial
+    assert wins.rivals == (other.trial,)
+    _, end = walked(monkeypatch, outcome(), 0.5, [wins])
+    assert end.steps[0].trials[0] is other.trial
+
+
+def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
+    """What promises most may be what the noise does as well."""
+    promised = {"drift": 12.0, "epoch_sag": 50.0, "epoch_tilt": 3.0, "epoch_offset": 30.0}
     kinds = [trial(name, 40.0) for name in promised]
     monkeypatch.setattr(winner, "proposed", lambda *_: (None, kinds))
     monkeypatch.setattr(
@@ -393,7 +404,11 @@ def test_two_kinds_of_change_are_weighed(monkeypatch):
     monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
     found = winner._changes(setup(), None, (), (), (), -np.inf)
 
-    assert [one.chosen.candidate.effect.id for one in found] == ["epoch_sag", "epoch_tilt"]
+    assert {one.chosen.candidate.effect.id for one in found} == {
+        "drift",
+        "epoch_sag",
+        "epoch_offset",
+    }
 
 
 @pytest.mark.parametrize(("above", "found"), [(39.0, 1), (41.0, 0)])
