@@ -37,8 +37,9 @@ def proposed(
     trials: Sequence[CandidateFit],
     banned: Collection[str],
 ) -> tuple[WhitenedData, list[CandidateFit]]:
-    """Return the case beside noise that holds still, and the best change of each kind there.
+    """Return the case beside noise that holds still, and the best changes of each kind there.
 
+    Of each kind they are the best step and the best of the others, which lie in one session.
     `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
     of a term that the model lacks: first that term is looked for. One source's place is proposed
     like a change, for the noise may have taken it for what all sources scatter by. Oscillations
@@ -61,15 +62,17 @@ def proposed(
     if not wanted:
         return beside, []
     seen = shown_beside(setup, beside, chosen, [one.candidate for one in wanted])
-    best: dict[str, CandidateFit] = {}
+    best: dict[tuple[str, bool], CandidateFit] = {}
     for trial, (power, along) in zip(wanted, seen, strict=True):
         if trial.scope != "all" or not len(power):
             continue
         evidence = at_best(power, along)[0] - trial.candidate.price
         gain = float((along**2 / power).sum())
-        held = best.get(trial.candidate.effect.id)
+        # One night apart from all others, which noise does as well, hides no step within a night.
+        kind = trial.candidate.effect.id, trial.candidate.effect.parameter is None
+        held = best.get(kind)
         if held is None or evidence > held.evidence:
-            best[trial.candidate.effect.id] = replace(trial, gain=gain, evidence=evidence)
+            best[kind] = replace(trial, gain=gain, evidence=evidence)
     return beside, list(best.values())
 
 

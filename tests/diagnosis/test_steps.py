@@ -33,9 +33,10 @@ def drifting(seed):
 
 
 @cache
-def told(step_arcsec, seed):
-    """Diagnose six nights whose noise, 3 arcsec, and drifts, 3 arcsec, may hide a step."""
+def told(step_arcsec, seed, nights_arcsec=0.0):
+    """Diagnose six nights whose noise, 3 arcsec, drifts, 3 arcsec, and offsets may hide a step."""
     drift, after = 3 * drifting(seed), np.arange(len(NIGHT)) > LAST
+    drift += np.random.default_rng([9, seed]).normal(0, nights_arcsec, (2, NIGHTS))[:, NIGHT]
     made = recordings(
         len(NIGHT),
         seed,
@@ -63,6 +64,15 @@ def test_a_step_within_a_drifting_night_is_found_at_its_row(step_arcsec, seed):
     assert found[0].verdict == "named"
     assert found[0].members == ("epoch_offset",)
     assert since(told(step_arcsec, seed)) == LAST + 1
+
+
+@pytest.mark.parametrize(("step_arcsec", "seed"), [(15, 0), (20, 3), (30, 2)])
+def test_nights_apart_from_all_others_hide_no_step_within_a_night(step_arcsec, seed):
+    """What single nights depart by, 8 arcsec, the noise does; a step within one it does not."""
+    done = told(step_arcsec, seed, 8.0)
+
+    assert [one.effect for one in done.findings] == ["epoch_offset"]
+    assert abs(since(done) - LAST - 1) <= 1
 
 
 @pytest.mark.parametrize(("step_arcsec", "seed"), [(40, 0), (60, 2), (100, 0)])

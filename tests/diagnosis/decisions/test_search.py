@@ -732,8 +732,9 @@ def steps_of(evidences):
     """
     n = len(evidences)
     columns, trials, data = np.eye(40)[:, :n], [], np.zeros(40)
-    for k, (effect, evidence) in enumerate(evidences):
+    for k, (effect, evidence, *since) in enumerate(evidences):
         of = replace(candidate(effect), columns=np.array([k]))
+        of = replace(of, effect=replace(of.effect, parameter=since[0] if since else None))
         trials.append(trial(of=of))
         # At the best width a single coefficient has gain - 1 - log(gain).
         gain = next(g for g in np.arange(1, 200, 0.01) if g - 1 - np.log(g) >= evidence)
@@ -762,7 +763,19 @@ def proposed(monkeypatch, evidences, **more):
     )
     weighed = SimpleNamespace(covariance=plain, evidence=None)
     found = changes.proposed(problem, weighed, (), trials, more.get("banned", ()))[1]
-    return {one.candidate.effect.id: one.evidence for one in found}
+    names = ["{}" if one.candidate.effect.parameter is None else "{} since" for one in found]
+    effects = [one.candidate.effect.id for one in found]
+    return {
+        name.format(effect): one.evidence
+        for name, effect, one in zip(names, effects, found, strict=True)
+    }
+
+
+def test_a_step_is_proposed_beside_the_best_single_session(monkeypatch):
+    """Which the noise may do as well, however much more it promises."""
+    found = proposed(monkeypatch, [("epoch_tilt", 90.0), ("epoch_tilt", 20.0, 1.2e9)])
+
+    assert [round(one) for one in found.values()] == [90, 20]
 
 
 def test_of_each_kind_of_change_the_best_is_proposed(monkeypatch):
