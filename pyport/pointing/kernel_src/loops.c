@@ -450,28 +450,43 @@ static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const d
     return 1;
 }
 
-/* Eight numbers, wherever they stand. */
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
+/* As many numbers as a register of the processor holds, wherever they stand. A wider vector than
+   that would live in memory. */
+#if defined __AVX512F__
+#define LANES 8
+#elif defined __AVX__
+#define LANES 4
+#else
+#define LANES 2
+#endif
+typedef double lanes __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+/* Registers that eight numbers take, and rows of a product that are held at a time: eight registers
+   add up, of the sixteen that there are at least. */
+#define ABREAST (8 / LANES)
+#define HELD LANES
 /* Rows whose products are added together: they stay in the first cache. */
 #define TOGETHER 64
 
 /* Add to the lower half of `sums` (wide, wide) the products of the columns of so many rows. */
 static void add_squares(size_t count, size_t wide, const double *rows, double *sums)
 {
-    for (size_t row = 0; row < wide; row += 4)
+    for (size_t row = 0; row < wide; row += HELD)
         for (size_t c = 0; c <= row; c += 8)
         {
-            eight *to[4], sum[4];
-            for (int r = 0; r < 4; r++)
-                sum[r] = *(to[r] = (eight *)(sums + (row + (size_t)r) * wide + c));
+            lanes sum[HELD][ABREAST];
+            for (int r = 0; r < HELD; r++)
+                for (int k = 0; k < ABREAST; k++)
+                    sum[r][k] = *(lanes *)(sums + (row + (size_t)r) * wide + c + k * LANES);
             for (size_t i = 0; i < count; i++)
             {
-                eight one = *(const eight *)(rows + i * wide + c);
-                for (int r = 0; r < 4; r++)
-                    sum[r] += rows[i * wide + row + (size_t)r] * one;
+                const double *one = rows + i * wide;
+                for (int r = 0; r < HELD; r++)
+                    for (int k = 0; k < ABREAST; k++)
+                        sum[r][k] += one[row + (size_t)r] * *(const lanes *)(one + c + k * LANES);
             }
-            for (int r = 0; r < 4; r++)
-                *to[r] = sum[r];
+            for (int r = 0; r < HELD; r++)
+                for (int k = 0; k < ABREAST; k++)
+                    *(lanes *)(sums + (row + (size_t)r) * wide + c + k * LANES) = sum[r][k];
         }
 }
 
@@ -481,7 +496,7 @@ struct drift {
     const double *power, *decay, *weight, *d;
 };
 
-/* Whiten columns (n, wide), in place; `carried` holds `wide` numbers of each term. */
+/* Whiten columns (n, wide), in place; `carried` holds of every eight columns what each term keeps. */
 static void forward(struct drift of, size_t wide, double *columns, double *carried)
 {
     for (size_t c = 0; c < of.terms * wide; c++)
@@ -490,17 +505,24 @@ static void forward(struct drift of, size_t wide, double *columns, double *carri
     {
         double *row = columns + i * wide, scale = 1 / __builtin_sqrt(of.d[i]);
         const double *share = of.weight + i * of.terms, *fading = of.decay + (i + 1) * of.terms;
+        size_t kept = i + 1 < of.n ? of.terms : 0;
         for (size_t c = 0; c < wide; c += 8)
         {
-            eight *to = (eight *)(row + c), left = *to;
+            lanes left[ABREAST];
+            double *from = carried + c * of.terms;
+            for (int k = 0; k < ABREAST; k++)
+                left[k] = *(const lanes *)(row + c + k * LANES);
             for (size_t a = 0; a < of.terms; a++)
-                left -= of.power[a] * *(const eight *)(carried + a * wide + c);
-            for (size_t a = 0; i + 1 < of.n && a < of.terms; a++)
-            {
-                eight *one = (eight *)(carried + a * wide + c);
-                *one = fading[a] * (*one + share[a] * left);
-            }
-            *to = left * scale;
+                for (int k = 0; k < ABREAST; k++)
+                    left[k] -= of.power[a] * *(const lanes *)(from + 8 * a + k * LANES);
+            for (size_t a = 0; a < kept; a++)
+                for (int k = 0; k < ABREAST; k++)
+                {
+                    lanes *one = (lanes *)(from + 8 * a + k * LANES);
+                    *one = fading[a] * (*one + share[a] * left[k]);
+                }
+            for (int k = 0; k < ABREAST; k++)
+                *(lanes *)(row + c + k * LANES) = left[k] * scale;
         }
     }
 }
@@ -516,15 +538,21 @@ static void backward(struct drift of, size_t wide, double *columns, double *carr
         const double *share = of.weight + i * of.terms, *fading = of.decay + i * of.terms;
         for (size_t c = 0; c < wide; c += 8)
         {
-            eight *to = (eight *)(row + c), left = *to * scale;
+            lanes left[ABREAST];
+            double *from = carried + c * of.terms;
+            for (int k = 0; k < ABREAST; k++)
+                left[k] = *(const lanes *)(row + c + k * LANES) * scale;
             for (size_t a = 0; a < of.terms; a++)
-                left -= share[a] * *(const eight *)(carried + a * wide + c);
+                for (int k = 0; k < ABREAST; k++)
+                    left[k] -= share[a] * *(const lanes *)(from + 8 * a + k * LANES);
             for (size_t a = 0; a < of.terms; a++)
-            {
-                eight *one = (eight *)(carried + a * wide + c);
-                *one = fading[a] * (*one + of.power[a] * left);
-            }
-            *to = left;
+                for (int k = 0; k < ABREAST; k++)
+                {
+                    lanes *one = (lanes *)(from + 8 * a + k * LANES);
+                    *one = fading[a] * (*one + of.power[a] * left[k]);
+                }
+            for (int k = 0; k < ABREAST; k++)
+                *(lanes *)(row + c + k * LANES) = left[k];
         }
     }
 }
@@ -554,11 +582,11 @@ static void add_few(size_t count, size_t met, size_t wide, const int64_t *starts
                     rows[some++] = mixed + k * wide;
                     next[k] += k != i;
                 }
-            for (size_t c = 0; c < met; c += 8)
+            for (size_t c = 0; c < met; c += LANES)
             {
-                eight *to = (eight *)(row + c), sum = *to;
+                lanes *to = (lanes *)(row + c), sum = *to;
                 for (size_t k = 0; k < some; k++)
-                    sum += by[k] * *(const eight *)(rows[k] + c);
+                    sum += by[k] * *(const lanes *)(rows[k] + c);
                 *to = sum;
             }
         }
@@ -609,31 +637,39 @@ static void few_products(struct drift of, size_t q, const int64_t *starts, const
         const double *to = other + i * terms, *w = of.weight + i * terms;
         const double *fading = of.decay + (i + 1) * terms;
         double *now = mixed + held * wide;
+        size_t kept = i + 1 < of.n ? terms : 0;
         for (size_t at = (size_t)starts[i]; at < (size_t)starts[i + 1]; at++)
             if (order[places[at]] < 0)
                 order[places[at]] = met++;
         for (size_t c = 0; c < (size_t)met; c += 8)
         {
-            eight sum = {0}, taken = {0};
+            lanes sum[ABREAST], taken[ABREAST];
+            double *from = before + c * terms;
+            for (int k = 0; k < ABREAST; k++)
+                sum[k] = taken[k] = (lanes){0};
             for (size_t a = 0; a < terms; a++)
-            {
-                eight one = *(const eight *)(before + a * wide + c);
-                sum += to[a] * one;
-                taken += power[a] * one;
-            }
-            *(eight *)(now + c) = sum;
-            for (size_t a = 0; i + 1 < of.n && a < terms; a++)
-            {
-                eight *one = (eight *)(before + a * wide + c);
-                *one = fading[a] * (*one - w[a] * taken);
-            }
+                for (int k = 0; k < ABREAST; k++)
+                {
+                    lanes one = *(const lanes *)(from + 8 * a + k * LANES);
+                    sum[k] += to[a] * one;
+                    taken[k] += power[a] * one;
+                }
+            for (int k = 0; k < ABREAST; k++)
+                *(lanes *)(now + c + k * LANES) = sum[k];
+            for (size_t a = 0; a < kept; a++)
+                for (int k = 0; k < ABREAST; k++)
+                {
+                    lanes *one = (lanes *)(from + 8 * a + k * LANES);
+                    *one = fading[a] * (*one - w[a] * taken[k]);
+                }
         }
         for (size_t at = (size_t)starts[i]; at < (size_t)starts[i + 1]; at++)
         {
             size_t place = (size_t)order[places[at]];
             now[place] += own[i] * numbers[at];
-            for (size_t a = 0; i + 1 < of.n && a < terms; a++)
-                before[a * wide + place] += fading[a] * w[a] * numbers[at];
+            double *from = before + place / 8 * 8 * terms + place % 8;
+            for (size_t a = 0; a < kept; a++)
+                from[8 * a] += fading[a] * w[a] * numbers[at];
         }
         if (++held == SOME || i + 1 == of.n)
         {
