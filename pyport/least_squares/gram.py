@@ -234,6 +234,16 @@ def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:
     return inverse, rank, known
 
 
+def solved(normal: Array, right: Array) -> Array:
+    """Return the least-squares solution of normal equations (P, P) and (P,)."""
+    length = np.sqrt(np.maximum(np.diag(normal), 0.0))
+    if length.all():
+        scaled = normal / length / length[:, None]
+        if cholesky(scaled) is not None:
+            return np.asarray(np.linalg.solve(scaled, right / length) / length)
+    return np.asarray(inverted(normal)[0] @ right)
+
+
 def cholesky(scaled: Array) -> Array | None:
     """Return the triangle of products of unit columns; None where some are nearly the others'.
 

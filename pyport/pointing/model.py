@@ -13,12 +13,14 @@ from pyport.pointing import swift
 from pyport.pointing.approximate import approximate_columns, approximate_offsets
 from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jacobian import exact_slopes
+from pyport.pointing.swift import Columns
 
 
-def linear_columns(at: Circumstances) -> tuple[Array, Array]:
-    """Return the approximate form's columns, (n, 12) each; by effects where points are means."""
+def linear_columns(at: Circumstances) -> tuple[Columns, Columns]:
+    """Return the approximate form's columns in x and in y; by effects where points are means."""
     if at.fine is not None:
-        return approximate_columns(at)
+        x, y = (dict(enumerate(one.T)) for one in approximate_columns(at))
+        return x, y
     return swift.approximate_columns(at.az - math.pi, at.el)
 
 
@@ -35,19 +37,27 @@ class Rt32Model:
         d_az, d_alt = form(at.az - math.pi, at.el, self.parameters)
         return d_az * np.cos(at.el), d_alt
 
-    def columns(
-        self, at: Circumstances, linear: tuple[Array, Array] | None = None
-    ) -> tuple[Array, Array]:
-        """Return d(x, y)/dp at these parameters, shape (n, 12) each, for a fit's next step.
+    def columns(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return d(x, y)/dp at these parameters, shape (n, 12) each."""
+        x, y = np.zeros((2, len(at), len(self.parameters)))
+        for whole, own in zip((x, y), self.slopes(at), strict=True):
+            for k, column in own.items():
+                whole[:, k] = column
+        return x, y
+
+    def slopes(
+        self, at: Circumstances, linear: tuple[Columns, Columns] | None = None
+    ) -> tuple[Columns, Columns]:
+        """Return d(x, y)/dp at these parameters for a fit's next step, columns of zeros left out.
 
         The approximate form is its own derivative; the exact one differs from it in
         the four parameters that it is not linear in. `linear` are the columns of the
         approximate form, where they are at hand.
         """
-        x, y = linear_columns(at) if linear is None else (one.copy("K") for one in linear)
-        if self.exact:
-            cosine = np.cos(at.el)
-            slopes = exact_slopes(at.az - math.pi, at.el, self.parameters)
-            for k, (turn, rise) in slopes.items():
-                x[:, k], y[:, k] = turn * cosine, rise
-        return x, y
+        x, y = linear or linear_columns(at)
+        if not self.exact:
+            return x, y
+        cosine = np.cos(at.el)
+        slopes = exact_slopes(at.az - math.pi, at.el, self.parameters)
+        across = {k: turn * cosine for k, (turn, _) in slopes.items()}
+        return x | across, y | {k: rise for k, (_, rise) in slopes.items()}

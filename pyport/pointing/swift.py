@@ -25,6 +25,8 @@ from pyport.pointing.leaning import Axis, Leaning
 BLOCK, _ROOMS = 16384, 10
 
 
+#: Columns that are not all zero, (n,) each, by the number of their parameter, counted from zero.
+Columns = dict[int, Array]
 #: (azimuth from where the mount leans, altitude, parameters, the two offsets' place, room to
 #: work) -> None; what depends on both angles is written.
 _Form = Callable[[Axis, Axis, Leaning, tuple[Array, Array], Array], None]
@@ -40,22 +42,22 @@ def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple
     return _by_blocks(_approximate, az_south, altitude, Leaning.of(p, exact=False))
 
 
-def approximate_columns(az_south: Array, altitude: Array) -> tuple[Array, Array]:
-    """Return the offsets on the sky for one radian of each parameter, across and along, (n, 12).
+def approximate_columns(az_south: Array, altitude: Array) -> tuple[Columns, Columns]:
+    """Return the offsets on the sky for one radian of each parameter, across and along, (n,) each.
 
-    What :func:`pyport.pointing.approximate.approximate_columns` adds up from its effects.
+    What :func:`pyport.pointing.approximate.approximate_columns` adds up from its effects, of the
+    parameters that an axis has anything of.
     """
     az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
     double_sine, double_cosine = 2 * az.sine * az.cosine, 1 - 2 * az.sine * az.sine
     facing = np.where(altitude > np.pi / 2, -1.0, 1.0)
-    across, along = np.zeros((2, 12, len(az_south)))
-    across[0], across[2], across[3] = alt.cosine, alt.sine, 1.0
-    across[4], across[5] = az.sine * alt.sine, -az.cosine * alt.sine
-    across[8], across[9] = double_sine * alt.cosine, double_cosine * alt.cosine
-    along[1], along[4], along[5] = 1.0, az.cosine * facing, az.sine * facing
-    along[6], along[7], along[10] = alt.cosine, alt.sine, double_sine
-    along[11] = has_jumped(az_south, altitude)
-    return across.T, along.T
+    one, jumped = np.ones(len(az_south)), has_jumped(az_south, altitude).astype(float)
+    across = {0: alt.cosine, 2: alt.sine, 3: one}
+    across |= {4: az.sine * alt.sine, 5: -az.cosine * alt.sine}
+    across |= {8: double_sine * alt.cosine, 9: double_cosine * alt.cosine}
+    along = {1: one, 4: az.cosine * facing, 5: az.sine * facing}
+    along |= {6: alt.cosine, 7: alt.sine, 10: double_sine, 11: jumped}
+    return across, along
 
 
 def _by_blocks(

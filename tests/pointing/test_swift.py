@@ -112,7 +112,8 @@ def test_columns_are_those_of_the_effects():
     quick = swift.approximate_columns(az - math.pi, alt)
 
     for one, other in zip(quick, approximate_columns(Circumstances(az, alt)), strict=True):
-        np.testing.assert_allclose(one, other, atol=2e-15)
+        for k, column in enumerate(other.T):
+            np.testing.assert_allclose(one.get(k, np.zeros(500)), column, atol=2e-15)
 
 
 @pytest.mark.parametrize("form", [swift.exact, swift.approximate])

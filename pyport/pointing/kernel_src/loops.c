@@ -336,11 +336,45 @@ static size_t look_up(const struct table *t, size_t n, const double *az, const d
     return beyond;
 }
 
-static double product(size_t n, const double *a, const double *b)
+/* As many numbers as a register of the processor holds, wherever they stand. A wider vector than
+   that would live in memory. */
+#if defined __AVX512F__
+#define LANES 8
+#elif defined __AVX__
+#define LANES 4
+#else
+#define LANES 2
+#endif
+typedef double lanes __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+
+/* Columns that are multiplied with one at a time: one sum would wait for itself. */
+#define BESIDE 4
+
+/* Add to `sums` the products of n numbers with each of so many columns, which are `apart` numbers
+   apart in memory. */
+static void add_products(size_t n, const double *one, size_t count, const double *columns,
+                         size_t apart, double *sums)
 {
-    double sum = 0;
-    _Pragma("omp simd reduction(+ : sum)") for (size_t i = 0; i < n; i++) sum += a[i] * b[i];
-    return sum;
+    const double *of[BESIDE];
+    lanes sum[BESIDE];
+    size_t whole = n / LANES * LANES;
+    for (size_t r = 0; r < BESIDE; r++)
+    {
+        of[r] = columns + (r < count ? r : 0) * apart;
+        sum[r] = (lanes){0};
+    }
+    for (size_t i = 0; i < whole; i += LANES)
+        for (size_t r = 0; r < BESIDE; r++)
+            sum[r] += *(const lanes *)(one + i) * *(const lanes *)(of[r] + i);
+    for (size_t r = 0; r < count; r++)
+    {
+        double total = 0;
+        for (size_t i = 0; i < LANES; i++)
+            total += sum[r][i];
+        for (size_t i = whole; i < n; i++)
+            total += one[i] * of[r][i];
+        sums[r] += total;
+    }
 }
 
 static void gram(size_t k, size_t n, const double *columns, const double *weight,
@@ -358,9 +392,10 @@ static void gram(size_t k, size_t n, const double *columns, const double *weight
         {
             const double *column = columns + a * n + low;
             EACH for (size_t i = 0; i < some; i++) heavy[i] = column[i] * weight[low + i];
-            for (size_t b = 0; b <= a; b++)
-                normal[a * k + b] += product(some, heavy, columns + b * n + low);
-            right[a] += product(some, column, target + low);
+            for (size_t b = 0; b <= a; b += BESIDE)
+                add_products(some, heavy, a - b < BESIDE ? a - b + 1 : BESIDE,
+                             columns + b * n + low, n, normal + a * k + b);
+            add_products(some, column, 1, target + low, 0, right + a);
         }
     }
     for (size_t a = 0; a < k; a++)
@@ -450,16 +485,6 @@ static int whiten(size_t n, const int64_t *rows, size_t terms, size_t k, const d
     return 1;
 }
 
-/* As many numbers as a register of the processor holds, wherever they stand. A wider vector than
-   that would live in memory. */
-#if defined __AVX512F__
-#define LANES 8
-#elif defined __AVX__
-#define LANES 4
-#else
-#define LANES 2
-#endif
-typedef double lanes __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 /* Registers that eight numbers take, and rows of a product that are held at a time: eight registers
    add up, of the sixteen that there are at least. */
 #define ABREAST (8 / LANES)

@@ -16,21 +16,21 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array, Codes
 from pyport.errors import BadInput
 from pyport.fitting.soundness import doubts
-from pyport.least_squares.gram import inverse_of, inverted
-from pyport.pointing import PARAMETERS, Rt32Model, kernel
+from pyport.least_squares.gram import inverted
+from pyport.pointing import PARAMETERS, Rt32Model
 from pyport.pointing.model import linear_columns
 from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.runs.workers import one_thread
-from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tune, Tuned, variance
+from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tuned, variance
+from pyport.studies.rt32.settle import ROUNDS, Design, settle
 
 #: The document's weights are no larger than at this cosine of altitude.
 _LEAST_COSINE = 0.01
 
 #: Linearisations of the exact form: from zero a fourth one changes millionths of a sigma.
 _LINEARISATIONS = 3
-#: Most rounds of weighing, on the way and at the end; votes within this of each other have settled.
-_ROUGH, _ROUNDS = 2, 60
-_SETTLED = 1e-4
+#: Most rounds of weighing on the way.
+_ROUGH = 2
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Rt32Fit:
     #: last; sigmas are formal: errors independent, no vote in doubt.
     values: Array
     covariance: Array
-    columns: Array  #: offsets of one radian of each, shape (m, P)
+    design: Design  #: offsets of one radian of each
     #: `residual`, `weight`: what is left [rad] and its vote, shape (m,).
     residual: Array
     weight: Array
@@ -126,7 +126,8 @@ def fit_rt32(
         raise BadInput(f"{antennas} antennas, expected one telescope's offsets", recordings.file)
     data = stack(recordings)
     none = np.zeros(len(recordings))
-    stepped = data.spread(none if box is None else box.earlier.astype(float), none)
+    earlier = none if box is None else box.earlier.astype(float)
+    stepped = data.spread(earlier, none)
     step = box.step if box is not None and stepped.any() else 0.0
     size = len(PARAMETERS) + (step is None)
     if len(data) < size:
@@ -139,40 +140,33 @@ def fit_rt32(
         cosine = np.cos(recordings.at.el[data.row])
         prior = np.where(data.is_y, 1.0, 1 / np.maximum(cosine, _LEAST_COSINE))
     p = np.zeros(size)
-    linear = linear_columns(recordings.at)
+    # both forms are the same about zero, where all offsets are zero
+    linear, left = linear_columns(recordings.at), data.value
     start: Array | None = None
     turns = _LINEARISATIONS if exact else 1
     for turn in range(turns):
         # On the way votes go on from where they were; at the end they settle from equal ones.
         last = turn == turns - 1
-        if turn == 0:
-            # both forms are the same about zero, where all offsets are zero
-            columns, left = data.spread(*linear), data.value
-        else:
+        x, y = linear
+        if turn > 0:
             model = Rt32Model(p[: len(PARAMETERS)], exact)
             with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
-                columns = data.spread(*model.columns(recordings.at, linear))
+                x, y = model.slopes(recordings.at, linear)
                 left = data.value - data.spread(*model.offsets(recordings.at))
-        if not (np.isfinite(left).all() and np.isfinite(columns).all()):
+        if step is None:
+            x = x | {len(PARAMETERS): earlier}
+        design = Design.of(data, x, y, size)
+        if not (np.isfinite(left).all() and design.finite):
             raise BadInput(
                 "the fit does not converge: it asks for parameters that no telescope can have",
                 recordings.file,
             )
         left = left - (p[-1] if step is None else step) * stepped
-        if step is None:
-            columns = np.column_stack([columns, stepped])
-        change, tuned, rounds, settled = settle(
-            columns,
-            left,
-            data.is_y,
-            tune,
-            prior,
-            None if last else start,
-            _ROUNDS if last else _ROUGH,
+        found = settle(
+            design, left, tune, prior, None if last else start, ROUNDS if last else _ROUGH
         )
-        p = p + change
-        start = tuned.weight(left - columns @ change)
-    residual = left - columns @ change
+        p, start = p + found.values, found.weight
+    residual, weight, tuned = found.residual, found.weight, found.tuned
     inside = int((np.abs(residual) <= level).sum())
     if method == "document" and inside < size:
         raise BadInput(
@@ -180,70 +174,14 @@ def fit_rt32(
             " parameters, expected a larger level",
             recordings.file,
         )
-    weight = tuned.weight(residual)
-    normal, _ = kernel.gram(np.ascontiguousarray(columns.T), weight * prior, residual)
-    inverse, _, condition, known = inverted(normal)
+    inverse, _, condition, known = inverted(design.products(weight * prior, residual)[0])
     open_or_not = np.where(known, 1.0, np.nan)
     return Rt32Fit(
         recordings, data, method, level, exact, np.nan if step is None else step,
         p * open_or_not,
         inverse * variance(residual, tuned, prior) * np.outer(open_or_not, open_or_not),
-        columns, residual, weight, prior, tuned, rounds, condition, settled,
+        design, residual, weight, prior, tuned, found.rounds, condition, found.settled,
     )  # fmt: skip
-
-
-def settle(
-    columns: Array,
-    value: Array,
-    is_y: NDArray[np.bool_],
-    tune: Tune,
-    times: Array,
-    start: Array | None = None,
-    most: int = _ROUNDS,
-) -> tuple[Array, Tuned, int, bool]:
-    """Return the coefficients at which votes and residuals agree, and how that came about.
-
-    With them come the loss, the rounds it took, and whether votes had settled by then.
-
-    `columns`, `value`: the design (m, P) and the data (m,).
-    `is_y`: which axis each datum is of, cross-elevations first as a stack has them, shape (m,).
-    `tune`: what sets the votes by the residuals.
-    `times`: how often each datum counts, shape (m,).
-    `start`: votes to begin with, shape (m,); all are equal when not given.
-    `most`: rounds after which it ends whether votes have settled or not.
-    """
-    weight = np.ones(len(value)) if start is None else start
-    halves = _halves(columns, is_y)
-    solution, residual, slope = np.zeros(columns.shape[1]), value, weight
-    for rounds in range(1, most + 1):
-        normal, right = np.zeros((len(solution),) * 2), np.zeros(len(solution))
-        heavy, target = slope * times, weight * times * residual
-        for rows, which, own in halves:
-            products, sums = kernel.gram(own, heavy[rows], target[rows])
-            normal[np.ix_(which, which)] += products
-            right[which] += sums
-        solution = solution + inverse_of(normal)[0] @ right
-        residual = np.concatenate(
-            [value[rows] - solution[which] @ own for rows, which, own in halves]
-        )
-        tuned = tune(residual)
-        new = tuned.weight(residual)
-        if np.max(np.abs(new - weight)) < _SETTLED:
-            return solution, tuned, rounds, True
-        weight = new
-        # near the end Newton's steps: they know that votes change as residuals do
-        slope = weight if rounds == 1 else np.maximum(tuned.slope(residual), weight / 4)
-    return solution, tuned, most, False
-
-
-def _halves(columns: Array, is_y: NDArray[np.bool_]) -> list[tuple[slice, Codes, Array]]:
-    """Return the rows of either axis, the columns that move it, and these turned, (k, rows)."""
-    first = int((~is_y).sum())
-    found = []
-    for rows in (slice(0, first), slice(first, len(columns))):
-        which = np.flatnonzero(columns[rows].any(axis=0))
-        found.append((rows, which, np.ascontiguousarray(columns[rows][:, which].T)))
-    return found
 
 
 _DAY_S = 86400.0
@@ -267,10 +205,8 @@ def bootstrap(fit: Rt32Fit, draws: int = 300, seed: int = 0) -> Array:
     drawn = np.empty((draws, len(fit.values)))
     for k in range(draws):
         times = np.bincount(rng.integers(count, size=count), minlength=count)[session]
-        change, _, _, _ = settle(
-            fit.columns, fit.residual, fit.stack.is_y, lambda _: fit.tuned, times * fit.prior
-        )
-        drawn[k] = fit.values + change
+        found = settle(fit.design, fit.residual, lambda _: fit.tuned, times * fit.prior)
+        drawn[k] = fit.values + found.values
     return drawn
 
 

@@ -77,8 +77,8 @@ class Tuned:
 
     #: Residuals [rad] -> weights of their squares, one where the vote is full.
     weight: Callable[[Array], Array]
-    #: Residuals [rad] -> the derivative of weight times residual, where it has one.
-    slope: Callable[[Array], Array]
+    #: Residuals [rad], their weights -> the derivative of weight times residual, where it has one.
+    slope: Callable[[Array, Array], Array]
     text: str  #: scale and shape, in words
 
 
@@ -93,7 +93,7 @@ def document(level: float) -> Tune:
         return np.where(np.abs(residual) <= level, 1.0, _DOWNWEIGHT)
 
     # the steps at the level have no slope: `cut_factor` says what that hides
-    tuned = Tuned(weight, weight, f"level {level / DEG:.4f} deg")
+    tuned = Tuned(weight, lambda _, w: w, f"level {level / DEG:.4f} deg")
     return lambda residual: tuned  # noqa: ARG005 - the level is the user's, whatever the residuals
 
 
@@ -101,12 +101,9 @@ def soft_l1(residual: Array) -> Tuned:
     """Return 2 (sqrt(1 + u^2) - 1), u in robust sigmas: a square that goes over into a line."""
     sigma = robust.scale(residual, LEAST)
 
-    def weight(r: Array) -> Array:
-        return np.asarray(1 / np.sqrt(1 + (r / sigma) ** 2))
-
     return Tuned(
-        weight,
-        lambda r: weight(r) / (1 + (r / sigma) ** 2),
+        lambda r: 1 / np.sqrt(1 + (r / sigma) ** 2),
+        lambda _, w: w * w * w,
         f"scale {sigma / ARCSEC:.1f} arcsec",
     )
 
@@ -116,7 +113,7 @@ def huber(residual: Array) -> Tuned:
     corner = _HUBER_CORNER * robust.scale(residual, LEAST)
     return Tuned(
         lambda r: corner / np.maximum(np.abs(r), corner),
-        lambda r: (np.abs(r) <= corner).astype(float),
+        lambda r, _: (np.abs(r) <= corner).astype(float),
         f"corner {corner / ARCSEC:.1f} arcsec",
     )
 
@@ -126,7 +123,7 @@ def student_t(residual: Array) -> Tuned:
     sigma, nu = _likeliest_t(residual)
     return Tuned(
         lambda r: (nu + 1) / (nu + (r / sigma) ** 2),
-        lambda r: (nu + 1) * (nu - (r / sigma) ** 2) / (nu + (r / sigma) ** 2) ** 2,
+        lambda r, _: (nu + 1) * (nu - (r / sigma) ** 2) / (nu + (r / sigma) ** 2) ** 2,
         f"scale {sigma / ARCSEC:.1f} arcsec, {nu:.1f} degrees of freedom",
     )
 
@@ -168,7 +165,9 @@ def variance(residual: Array, tuned: Tuned, prior: Array) -> float:
     """
     weight = tuned.weight(residual)
     psi = weight * residual
-    return float(weight.mean() * np.mean(prior * psi**2) / tuned.slope(residual).mean() ** 2)
+    return float(
+        weight.mean() * np.mean(prior * psi**2) / tuned.slope(residual, weight).mean() ** 2
+    )
 
 
 def cut_factor(residual: Array, level: float) -> float:

@@ -232,7 +232,7 @@ def of_rt32(fit: Rt32Fit, honest: Array) -> tuple[Picture, Story]:
     `honest`: standard errors by whole sessions [rad], shape (P,).
     """
     values = np.nan_to_num(fit.values)
-    curves = [fit.columns[:, k] * value for k, value in enumerate(values)]
+    curves = list((fit.design.columns * values).T)
     before = fit.residual + sum(curves, np.zeros(len(fit.residual)))
     x, y = sides(fit.recordings, fit.stack, before, curves, fit.inside.astype(float))
     layers = tuple(Layer(_name(k)) for k in range(len(values)))

@@ -20,7 +20,7 @@ def test_slope_is_the_derivative_of_weight_times_residual(method):
         return tuned.weight(r) * r
 
     np.testing.assert_allclose(
-        (vote(r + step) - vote(r - step)) / (2 * step), tuned.slope(r), atol=1e-6
+        (vote(r + step) - vote(r - step)) / (2 * step), tuned.slope(r, tuned.weight(r)), atol=1e-6
     )
 
 
