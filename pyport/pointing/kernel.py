@@ -43,7 +43,7 @@ def offsets(az: Array, alt: Array, p: Leaning, *, exact: bool) -> tuple[Array, A
 
 
 def look_up(
-    nodes: tuple[Array, Array], of: Sequence[Array], at: Sequence[Array], out: Sequence[Array]
+    nodes: tuple[Array, Array], of: Array, at: Sequence[Array], out: Sequence[Array]
 ) -> bool:
     """Write what a table's offsets are between its nodes; tell whether that could be done.
 
@@ -52,7 +52,7 @@ def look_up(
     nodes
         The table's two axes, of equal steps, shapes (n,) and (m,).
     of
-        Two offsets at the nodes, shape (n m,) each.
+        Both offsets at the nodes, side by side, shape (n, m, 2).
     at, out
         Two places and the room for two offsets, shape (k,) each.
 
@@ -62,7 +62,7 @@ def look_up(
     """
     if KERNEL is None or min(map(len, nodes)) < 2:
         return False
-    nodes_and_all = (*nodes, *of, *at)
+    nodes_and_all = (*nodes, of.reshape(-1), *at)
     return not KERNEL.look_up(*map(np.ascontiguousarray, nodes_and_all), *out)
 
 

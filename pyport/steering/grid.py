@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +107,11 @@ class Table:
     model: str = ""
     refraction: str = ""
     reading: str = ""
+
+    @cached_property
+    def side_by_side(self) -> Array:
+        """Return both offsets, those of one direction together in memory, shape (n, m, 2)."""
+        return np.stack([self.d_az_deg, self.d_zd_deg], axis=2)
 
     def units(self) -> NDArray[np.int64]:
         """Return both offsets in whole units of 1e-7 deg, shape (2, n, m).

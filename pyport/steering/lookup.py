@@ -58,11 +58,11 @@ def offsets_at(table: Table, az_deg: ArrayLike, zd_deg: ArrayLike) -> tuple[Arra
     nodes = table.grid.az_deg, table.grid.zd_deg
     d_az_deg, d_zd_deg = np.empty(az_deg.shape), np.empty(az_deg.shape)
     az, zd, *out = (one.reshape(-1) for one in (az_deg, zd_deg, d_az_deg, d_zd_deg))
-    of = [np.ascontiguousarray(one).reshape(-1) for one in (table.d_az_deg, table.d_zd_deg)]
-    if kernel.look_up(nodes, of, (az, zd), out):
+    if kernel.look_up(nodes, table.side_by_side, (az, zd), out):
         return d_az_deg[()], d_zd_deg[()]
     _within("azimuth", az_deg, nodes[0])
     _within("zenith distance", zd_deg, nodes[1])
+    of = [np.ascontiguousarray(one).reshape(-1) for one in (table.d_az_deg, table.d_zd_deg)]
     for low in range(0, len(az), BLOCK):
         some = slice(low, low + BLOCK)
         corners = _corners(_place(az[some], nodes[0]), _place(zd[some], nodes[1]), len(nodes[1]))

@@ -29,7 +29,7 @@ ODD = np.array([0.0, -0.0, 1.0, -1.0, np.nan, np.inf, -np.inf, 5e-324, -1e-310, 
 FUNCTIONS = {
     "scattered": ((True, False), lambda n, _: (PARAMETERS, n, n, n, n)),
     "grid": ((True, False), lambda n, k: (PARAMETERS, n, k, n * k, n * k)),
-    "look_up": ((), lambda n, k: (k + 2, 3, 3 * k + 6, 3 * k + 6, n, n, n, n)),
+    "look_up": ((), lambda n, k: (k + 2, 3, 6 * k + 12, n, n, n, n)),
     "gram": ((), lambda n, k: (n * k, n, n, k * k, k)),
     "elementary": ((0, 1, 2, 3, -1, 2**31 - 1), lambda n, _: (n, n, n)),
 }
@@ -107,11 +107,11 @@ def test_whatever_buffers_it_is_given(name):
 def test_a_table_without_extent_holds_no_place(nodes):
     """All places lie beyond a table whose nodes are no axis; nothing is read by them."""
     axis, other = np.array(nodes), np.array([0.0, 1.0])
-    values, at, out = np.zeros(4), np.full(3, nodes[0]), np.full((2, 3), 7.0)
+    values, at, out = np.zeros(8), np.full(3, nodes[0]), np.full((2, 3), 7.0)
     within = np.full(3, 0.5)
 
-    assert compiled.look_up(axis, other, values, values, at, within, out[0], out[1]) == 3
-    assert compiled.look_up(other, axis, values, values, within, at, out[0], out[1]) == 3
+    assert compiled.look_up(axis, other, values, at, within, out[0], out[1]) == 3
+    assert compiled.look_up(other, axis, values, within, at, out[0], out[1]) == 3
 
 
 def endless(size, room):
@@ -141,8 +141,8 @@ def test_more_rows_than_an_int_holds():
     here[: 2**21] = 0.5
     assert compiled.elementary(0, here, here, out) == size
     assert abs(out[-1] - np.sin(0.5)) < 1e-15
-    axis, nodes = np.array([0.0, 1.0]), np.array([3.0, 3.0, 3.0, 3.0])
-    assert compiled.look_up(axis, axis, nodes, nodes, here, here, out, out) == 0
+    axis, nodes = np.array([0.0, 1.0]), np.full(8, 3.0)
+    assert compiled.look_up(axis, axis, nodes, here, here, out, out) == 0
     assert out[-1] == 3.0
 
 

@@ -298,6 +298,9 @@ static size_t grid(int exact, const double *p, size_t columns, const double *az,
     return large;
 }
 
+/* Both offsets of a direction. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
 static size_t look_up(const struct table *t, size_t n, const double *az, const double *zd,
                       double *d_az, double *d_zd)
 {
@@ -328,9 +331,10 @@ static size_t look_up(const struct table *t, size_t n, const double *az, const d
         {
             double u = east[i], v = north[i], both = u * v, next = v - both, over = u - both;
             double here = (1 - u) - next;
-            const double *a = t->az + cell[i], *z = t->zd + cell[i];
-            d_az[low + i] = a[0] * here + a[1] * next + a[t->row] * over + a[t->row + 1] * both;
-            d_zd[low + i] = z[0] * here + z[1] * next + z[t->row] * over + z[t->row + 1] * both;
+            const pair *first = (const pair *)t->offsets + cell[i], *second = first + t->row;
+            pair sum = first[0] * here + first[1] * next + second[0] * over + second[1] * both;
+            d_az[low + i] = sum[0];
+            d_zd[low + i] = sum[1];
         }
     }
     return beyond;

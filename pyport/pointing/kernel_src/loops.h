@@ -16,7 +16,7 @@ enum parameter {
 };
 
 struct table {
-    const double *az, *zd;      /* offsets at the nodes, rows of azimuth */
+    const double *offsets;      /* both at each node, side by side; rows of azimuth */
     ptrdiff_t rows, row;        /* how many rows, and nodes in one */
     double first_az, last_az, first_zd, last_zd;
 };

@@ -164,19 +164,18 @@ static PyObject *grid(PyObject *self, PyObject *args)
 
 static PyObject *look_up(PyObject *self, PyObject *args)
 {
-    PyObject *given[8];
+    PyObject *given[7];
     struct numbers of;
     (void)self;
-    if (!PyArg_ParseTuple(args, "OOOOOOOO", given, given + 1, given + 2, given + 3, given + 4,
-                          given + 5, given + 6, given + 7)
-        || !take(&of, given, 8, 6))
+    if (!PyArg_ParseTuple(args, "OOOOOOO", given, given + 1, given + 2, given + 3, given + 4,
+                          given + 5, given + 6)
+        || !take(&of, given, 7, 5))
         return NULL;
-    size_t rows = size(&of, 0), row = size(&of, 1), n = size(&of, 4), beyond;
-    if (rows < 2 || row < 2 || rows > INT32_MAX / row || !is_product(&of, 2, rows, row)
-        || !is_product(&of, 3, rows, row) || size(&of, 5) != n || size(&of, 6) != n
-        || size(&of, 7) != n)
+    size_t rows = size(&of, 0), row = size(&of, 1), n = size(&of, 3), beyond;
+    if (rows < 2 || row < 2 || rows > INT32_MAX / row || !is_product(&of, 2, rows, 2 * row)
+        || size(&of, 4) != n || size(&of, 5) != n || size(&of, 6) != n)
         return wrong(&of);
-    struct table t = {values(&of, 2), values(&of, 3), (ptrdiff_t)rows, (ptrdiff_t)row,
+    struct table t = {values(&of, 2), (ptrdiff_t)rows, (ptrdiff_t)row,
                       values(&of, 0)[0], values(&of, 0)[rows - 1],
                       values(&of, 1)[0], values(&of, 1)[row - 1]};
     /* a table without extent, or of one that no number holds, has no places in it */
@@ -185,7 +184,7 @@ static PyObject *look_up(PyObject *self, PyObject *args)
           && isfinite((double)row / zd_reach) && isfinite(zd_reach)))
         return answer(&of, n);
     Py_BEGIN_ALLOW_THREADS
-    beyond = chosen->look_up(&t, n, values(&of, 4), values(&of, 5), values(&of, 6), values(&of, 7));
+    beyond = chosen->look_up(&t, n, values(&of, 3), values(&of, 4), values(&of, 5), values(&of, 6));
     Py_END_ALLOW_THREADS
     return answer(&of, beyond);
 }
@@ -446,7 +445,7 @@ static PyMethodDef methods[] = {
      "(exact, p, az, alt, d_az, d_alt), offsets of altitudes times azimuths."},
     {"look_up", look_up, METH_VARARGS,
      "Write offsets between a table's nodes; return how many places lie beyond it.\n\n"
-     "(az nodes, zd nodes, az offsets, zd offsets, az, zd, d_az, d_zd)."},
+     "(az nodes, zd nodes, both offsets at each node side by side, az, zd, d_az, d_zd)."},
     {"gram", gram, METH_VARARGS,
      "Write the products of k columns of n rows, each row so heavy, and those with a target.\n\n"
      "(columns of shape (k, n), weights, target, products of shape (k, k), products with it)."},
@@ -489,7 +488,7 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
     PyObject *module = PyModule_Create(&definition);
-    if (module && PyModule_AddIntConstant(module, "INTERFACE", 5) < 0)
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 6) < 0)
         Py_CLEAR(module);
     return module;
 }
