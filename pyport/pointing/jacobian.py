@@ -82,13 +82,13 @@ def skew_slopes(sine: Array, cosine: Array, sigma: float, beta: float) -> tuple[
     )
 
 
-def exact_slopes(az_south: Array, altitude: Array, p: Array) -> dict[int, Slopes]:
+def exact_slopes(az: Axis, alt: Axis, p: Array) -> dict[int, Slopes]:
     """Return d(d_az, d_alt)/dp for the parameters that the exact form is not linear in.
 
     Parameters
     ----------
-    az_south, altitude
-        True position [rad], shape (n,).
+    az, alt
+        True positions, azimuth from south, shape (n,).
     p
         The twelve parameters [rad].
 
@@ -97,7 +97,6 @@ def exact_slopes(az_south: Array, altitude: Array, p: Array) -> dict[int, Slopes
     dict
         Index of the parameter (2 skew, 3 box, 4 and 5 tilt) to its two slopes, shape (n,) each.
     """
-    az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
     *by_tilt, read = tilt_slopes(az, alt, p[4], p[5])
     by_skew, by_box, by_altitude = skew_slopes(*read, p[2], p[3])
     slopes = {2: by_skew, 3: by_box}

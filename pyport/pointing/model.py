@@ -13,15 +13,26 @@ from pyport.pointing import swift
 from pyport.pointing.approximate import approximate_columns, approximate_offsets
 from pyport.pointing.exact import exact_offsets
 from pyport.pointing.jacobian import exact_slopes
+from pyport.pointing.leaning import Axis
 from pyport.pointing.swift import Columns
 
 
-def linear_columns(at: Circumstances) -> tuple[Columns, Columns]:
-    """Return the approximate form's columns in x and in y; by effects where points are means."""
-    if at.fine is not None:
-        x, y = (dict(enumerate(one.T)) for one in approximate_columns(at))
-        return x, y
-    return swift.approximate_columns(at.az - math.pi, at.el)
+@dataclass(frozen=True)
+class Linear:
+    """The approximate form's columns in x and in y, and the axes that they were made of."""
+
+    az: Axis
+    alt: Axis
+    x: Columns
+    y: Columns
+
+    @classmethod
+    def of(cls, at: Circumstances) -> Linear:
+        """Return them for some pointings; by effects where points are means."""
+        az, alt = Axis.of(at.az - math.pi), Axis.of_altitudes(at.el)
+        if at.fine is None:
+            return cls(az, alt, *swift.approximate_columns(az, alt))
+        return cls(az, alt, *(dict(enumerate(one.T)) for one in approximate_columns(at)))
 
 
 @dataclass(frozen=True)
@@ -45,19 +56,16 @@ class Rt32Model:
                 whole[:, k] = column
         return x, y
 
-    def slopes(
-        self, at: Circumstances, linear: tuple[Columns, Columns] | None = None
-    ) -> tuple[Columns, Columns]:
+    def slopes(self, at: Circumstances, linear: Linear | None = None) -> tuple[Columns, Columns]:
         """Return d(x, y)/dp at these parameters for a fit's next step, columns of zeros left out.
 
         The approximate form is its own derivative; the exact one differs from it in
         the four parameters that it is not linear in. `linear` are the columns of the
         approximate form, where they are at hand.
         """
-        x, y = linear or linear_columns(at)
+        linear = linear or Linear.of(at)
         if not self.exact:
-            return x, y
-        cosine = np.cos(at.el)
-        slopes = exact_slopes(at.az - math.pi, at.el, self.parameters)
-        across = {k: turn * cosine for k, (turn, _) in slopes.items()}
-        return x | across, y | {k: rise for k, (_, rise) in slopes.items()}
+            return linear.x, linear.y
+        slopes = exact_slopes(linear.az, linear.alt, self.parameters)
+        across = {k: turn * linear.alt.cosine for k, (turn, _) in slopes.items()}
+        return linear.x | across, linear.y | {k: rise for k, (_, rise) in slopes.items()}

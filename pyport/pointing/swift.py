@@ -42,16 +42,15 @@ def approximate(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple
     return _by_blocks(_approximate, az_south, altitude, Leaning.of(p, exact=False))
 
 
-def approximate_columns(az_south: Array, altitude: Array) -> tuple[Columns, Columns]:
+def approximate_columns(az: Axis, alt: Axis) -> tuple[Columns, Columns]:
     """Return the offsets on the sky for one radian of each parameter, across and along, (n,) each.
 
     What :func:`pyport.pointing.approximate.approximate_columns` adds up from its effects, of the
     parameters that an axis has anything of.
     """
-    az, alt = Axis.of(az_south), Axis.of_altitudes(altitude)
     double_sine, double_cosine = 2 * az.sine * az.cosine, 1 - 2 * az.sine * az.sine
-    facing = np.where(altitude > np.pi / 2, -1.0, 1.0)
-    one, jumped = np.ones(len(az_south)), has_jumped(az_south, altitude).astype(float)
+    facing = np.where(alt.angle > np.pi / 2, -1.0, 1.0)
+    one, jumped = np.ones(len(az.angle)), has_jumped(az.angle, alt.angle).astype(float)
     across = {0: alt.cosine, 2: alt.sine, 3: one}
     across |= {4: az.sine * alt.sine, 5: -az.cosine * alt.sine}
     across |= {8: double_sine * alt.cosine, 9: double_cosine * alt.cosine}

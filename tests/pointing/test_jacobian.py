@@ -7,6 +7,7 @@ from pyport.angles import DEG
 from pyport.effects import Circumstances
 from pyport.pointing import Rt32Model, exact_offsets, printed
 from pyport.pointing.jacobian import exact_slopes
+from pyport.pointing.leaning import Axis
 
 pytestmark = pytest.mark.usefixtures("both_paths")
 
@@ -25,7 +26,7 @@ def test_slopes_are_central_differences(size, altitudes):
     """Without tilt, with the published one and with one of degrees; in plunge too."""
     az, alt = directions(*altitudes)
     p = printed() * size
-    slopes = exact_slopes(az, alt, p)
+    slopes = exact_slopes(Axis.of(az), Axis.of_altitudes(alt), p)
 
     for k, slope in slopes.items():
         step = np.zeros(12)

@@ -14,6 +14,7 @@ from pyport.angles import DEG, wrap
 from pyport.effects import Circumstances
 from pyport.pointing import approximate_columns, recovered, swift
 from pyport.pointing.exact import exact_offsets, tilted
+from pyport.pointing.leaning import Axis
 
 pytestmark = pytest.mark.usefixtures("both_paths")
 
@@ -109,7 +110,7 @@ def test_columns_are_those_of_the_effects():
     rng = np.random.default_rng(2)
     az, alt = rng.uniform(-90, 450, 500) * DEG, rng.uniform(-5, 95, 500) * DEG
 
-    quick = swift.approximate_columns(az - math.pi, alt)
+    quick = swift.approximate_columns(Axis.of(az - math.pi), Axis.of_altitudes(alt))
 
     for one, other in zip(quick, approximate_columns(Circumstances(az, alt)), strict=True):
         for k, column in enumerate(other.T):

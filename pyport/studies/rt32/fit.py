@@ -18,7 +18,7 @@ from pyport.errors import BadInput
 from pyport.fitting.soundness import doubts
 from pyport.least_squares.gram import inverted
 from pyport.pointing import PARAMETERS, Rt32Model
-from pyport.pointing.model import linear_columns
+from pyport.pointing.model import Linear
 from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.runs.workers import one_thread
 from pyport.studies.rt32.losses import LEVEL, METHODS, BoxStep, Tuned, variance
@@ -141,13 +141,13 @@ def fit_rt32(
         prior = np.where(data.is_y, 1.0, 1 / np.maximum(cosine, _LEAST_COSINE))
     p = np.zeros(size)
     # both forms are the same about zero, where all offsets are zero
-    linear, left = linear_columns(recordings.at), data.value
+    linear, left = Linear.of(recordings.at), data.value
     start: Array | None = None
     turns = _LINEARISATIONS if exact else 1
     for turn in range(turns):
         # On the way votes go on from where they were; at the end they settle from equal ones.
         last = turn == turns - 1
-        x, y = linear
+        x, y = linear.x, linear.y
         if turn > 0:
             model = Rt32Model(p[: len(PARAMETERS)], exact)
             with np.errstate(invalid="ignore"):  # a lean that no mount can have, see below
