@@ -26,8 +26,10 @@ BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
 SCREEN_DPI = 110
 #: Bins of the running mean that shows what a cloud of points follows.
 BINS = 12
-#: So many coefficients fit beside each other with their names.
-MOST_BARS = 40
+#: Where panels stand, in shares of the picture. A layout that measures every label draws twice.
+_MARGINS = {"left": 0.08, "right": 0.985, "top": 0.9, "hspace": 0.36, "wspace": 0.17}
+#: So many coefficients fit beside each other with their names, and so many with level ones.
+MOST_BARS, MOST_LEVEL = 40, 8
 
 
 def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
@@ -45,8 +47,11 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     """Draw a finding: residuals before and after it, and its coefficients or its held-out gain."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 6.4), layout="constrained")
-    grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1])
+    names = [_short(one) for one in finding.parameters]
+    upright = MOST_LEVEL < len(names) <= MOST_BARS
+    figure = Figure(figsize=(10, 6.4))
+    bottom = 0.055 + 0.012 * max(map(len, names)) if upright else 0.085
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1], bottom=bottom, **_MARGINS)
     rows = _rows(diagnosis, finding)
     left = diagnosis.left(diagnosis.after)
     curve = np.zeros_like(left) if finding.curve is None else finding.curve
@@ -63,11 +68,11 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     first.set_ylim(-reach, reach)
     if finding.effect.startswith("scan") and "scan_direction" in diagnosis.setup.recordings.at:
         first.legend(fontsize=8, loc="upper left", ncols=2, framealpha=0.8)
-    bottom = figure.add_subplot(grid[1, :])
-    if 1 < len(finding.parameters) <= MOST_BARS:
-        _coefficients(bottom, finding.parameters)
+    below = figure.add_subplot(grid[1, :])
+    if 1 < len(names) <= MOST_BARS:
+        _coefficients(below, finding.parameters, names, 90 if upright else 0)
     else:
-        _held_out(bottom, diagnosis, rows)
+        _held_out(below, diagnosis, rows)
     figure.suptitle(_title(diagnosis, finding), fontsize=11)
     return figure
 
@@ -144,7 +149,14 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
     return np.array([x[p].mean() for p in parts]), np.array([np.median(y[p]) for p in parts])
 
 
-def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
+def _short(one: Parameter) -> str:
+    """Return what distinguishes a coefficient from the others of its effect."""
+    return one.name.rpartition("[")[2].rstrip("]") or one.name
+
+
+def _coefficients(
+    axes: Axes, parameters: tuple[Parameter, ...], names: list[str], turned: int
+) -> None:
     places = np.arange(len(parameters))
     unit = parameters[0].unit
     size = np.abs([p.value for p in parameters]).max()
@@ -163,8 +175,7 @@ def _coefficients(axes: Axes, parameters: tuple[Parameter, ...]) -> None:
         ecolor=GREY,
         capsize=2,
     )
-    inside = [p.name.rpartition("[")[2].rstrip("]") or p.name for p in parameters]
-    axes.set_xticks(places, inside, rotation=90 if len(parameters) > 8 else 0, fontsize=8)
+    axes.set_xticks(places, names, rotation=turned, fontsize=8)
     axes.set_ylabel(
         f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9
     )
