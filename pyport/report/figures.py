@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
+from pyport.effects.base import THE_HOUR
 from pyport.report import pictures
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     """Draw a finding: residuals before and after it, and its coefficients or its held-out gain."""
     from matplotlib.figure import Figure
 
-    names = [_short(one) for one in finding.parameters]
+    parameters = comparable(finding.parameters)
+    names = distinguishing(parameters)
     upright = MOST_LEVEL < len(names) <= MOST_BARS
     figure = Figure(figsize=(10, 6.4))
     bottom = 0.055 + 0.012 * max(map(len, names)) if upright else 0.085
@@ -70,7 +72,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
         first.legend(fontsize=8, loc="upper left", ncols=2, framealpha=0.8)
     below = figure.add_subplot(grid[1, :])
     if 1 < len(names) <= MOST_BARS:
-        _coefficients(below, finding.parameters, names, 90 if upright else 0)
+        _coefficients(below, parameters, names, 90 if upright else 0)
     else:
         _held_out(below, diagnosis, rows)
     figure.suptitle(_title(diagnosis, finding), fontsize=11)
@@ -90,28 +92,36 @@ def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
 def _follows(
     diagnosis: Diagnosis, finding: Finding, curve: Array, rows: NDArray[np.intp]
 ) -> tuple[str, Array]:
-    """Return the column that the effect follows best: its label and values (m,)."""
+    """Return the column that drives the effect, or that it follows best: label and values (m,)."""
     at, row = diagnosis.setup.recordings.at, diagnosis.setup.stack.row
+    driver = _driver(diagnosis, finding)
     choices = {"el": at.el, "az": at.az}
-    choices |= {
-        name: np.asarray(at.column(name), float) for name in ("hour_angle", "time") if name in at
-    }
+    more = [name for name in ("hour_angle", "time", driver) if name in at]
+    choices |= {name: np.asarray(at.column(name), float) for name in more}
+    choices = {name: one for name, one in choices.items() if np.isfinite(one[row][rows]).all()}
     best, share = "el", -1.0
     for name, values in choices.items():
-        spread = values[row][rows]
-        if not np.isfinite(spread).all():
-            continue
-        explained = _explained(spread, curve[rows])
+        explained = _explained(values[row][rows], curve[rows])
         if explained > share + 0.02:
             best, share = name, explained
-    if finding.effect.startswith("scan") and "hour_angle" in choices:
-        best = "hour_angle"
+    if driver in choices:
+        best = driver
     if best == "time":
         return "time since the first recording [h]", (
             choices[best][row] - np.min(choices[best])
         ) / 3600
     words, unit, scale = shown(best)
-    return f"{words} [{unit}]", choices[best][row] / scale
+    return f"{words} [{unit}]" if unit else words, choices[best][row] / scale
+
+
+def _driver(diagnosis: Diagnosis, finding: Finding) -> str:
+    """Return the column that a finding is to be seen against by its physics; "" where none is."""
+    if finding.effect.startswith("scan"):
+        return "hour_angle"
+    if finding.choice is None:
+        return ""
+    effect = diagnosis.after.choices[finding.choice].candidate.effect
+    return "time" if effect.changes_with or effect.driver == THE_HOUR else effect.driver or ""
 
 
 def _explained(values: Array, curve: Array) -> float:
@@ -149,9 +159,18 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
     return np.array([x[p].mean() for p in parts]), np.array([np.median(y[p]) for p in parts])
 
 
-def _short(one: Parameter) -> str:
-    """Return what distinguishes a coefficient from the others of its effect."""
-    return one.name.rpartition("[")[2].rstrip("]") or one.name
+def comparable(parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
+    """Return the coefficients that stand on one axis: of the unit that most of them have."""
+    units = [one.unit for one in parameters]
+    return tuple(one for one in parameters if one.unit == max(units, key=units.count))
+
+
+def distinguishing(parameters: tuple[Parameter, ...]) -> list[str]:
+    """Return what distinguishes coefficients: their antennas or sessions, or else their names."""
+    owners = [one.name.partition("[")[2].rstrip("]") for one in parameters]
+    if len(set(owners)) == len(owners):
+        return owners
+    return [one.name.partition("[")[0].replace("_", " ") for one in parameters]
 
 
 def _coefficients(
@@ -176,9 +195,9 @@ def _coefficients(
         capsize=2,
     )
     axes.set_xticks(places, names, rotation=turned, fontsize=8)
-    axes.set_ylabel(
-        f"{parameters[0].name.partition('[')[0].replace('_', ' ')} [{name}]", fontsize=9
-    )
+    axes.set_xlim(-0.6, len(places) - 0.4)
+    kinds = {one.name.partition("[")[0].replace("_", " ") for one in parameters}
+    axes.set_ylabel(f"{kinds.pop() if len(kinds) == 1 else 'coefficient'} [{name}]", fontsize=9)
     axes.set_title("coefficients with one-sigma errors", fontsize=10)
 
 

@@ -1,0 +1,38 @@
+"""Pictures of findings: what stands on one axis, and what it is called."""
+
+import pytest
+
+from pyport.diagnosis.naming.finding import Parameter
+from pyport.report.figures import comparable, distinguishing
+
+
+def parameters(*given):
+    """Return coefficients of names and units."""
+    return tuple(Parameter(name, 1.0, 0.1, unit) for name, unit in given)
+
+
+def test_a_period_does_not_stand_on_the_axis_of_amplitudes():
+    """Coefficients in minutes and in arcsec share no axis; most are in arcsec."""
+    some = parameters(("period", "min"), ("amplitude_xel", "arcsec"), ("amplitude_el", "arcsec"))
+
+    assert comparable(some) == some[1:]
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (("tilt[C01]", "tilt[C02]"), ["C01", "C02"]),
+        (("offset_xel[since 2013]", "offset_el[since 2013]"), ["offset xel", "offset el"]),
+        (("amplitude_xel", "amplitude_el"), ["amplitude xel", "amplitude el"]),
+        (("tilt[a[b]]",), ["a[b"]),
+    ],
+)
+def test_coefficients_are_called_by_what_distinguishes_them(names, expected):
+    """Antennas and sessions where they differ, else the names."""
+    assert distinguishing(parameters(*((name, "arcsec") for name in names))) == expected
+
+
+def test_nothing_is_called_nothing():
+    """A finding without coefficients has no names."""
+    assert comparable(()) == ()
+    assert distinguishing(()) == []
