@@ -66,6 +66,8 @@ class Problem:
         and effects that these recordings cannot show.
     data
         All their columns and, last, the residuals, shape (m, K + 1).
+    added
+        Columns that refinements brought, which stand behind those K, shape (m, k).
     blocks, block
         The blocks, and the one (antenna in a session) of each reading, shape (m,).
     session
@@ -105,6 +107,7 @@ class Problem:
     anew: dict[tuple[object, ...], tuple[list[Anew], tuple[object, ...]]] = field(
         default_factory=dict, repr=False, compare=False
     )
+    added: Array | None = None
 
     @property
     def parts(self) -> tuple[Series, ...]:
@@ -112,9 +115,27 @@ class Problem:
         return self.frame.parts
 
     @property
-    def columns(self) -> Array:
-        """Return the columns of everything that may be fitted, shape (m, K)."""
-        return self.data[:, :-1]
+    def size(self) -> int:
+        """Return how many columns there are of everything that may be fitted."""
+        return self.data.shape[1] - 1 + (0 if self.added is None else self.added.shape[1])
+
+    @cached_property
+    def whole(self) -> Array:
+        """Return the columns of everything that may be fitted and the residuals, (m, size + 1)."""
+        if self.added is None:
+            return self.data
+        return np.concatenate([self.data[:, :-1], self.added, self.data[:, -1:]], axis=1)
+
+    def picked(self, which: Codes) -> Array:
+        """Return some of the columns, shape (m, k)."""
+        first = self.data.shape[1] - 1
+        if self.added is None or max(which, default=0) < first:
+            return self.data.take(which, axis=1)
+        before = which < first
+        out = np.empty((len(self.data), len(which)))
+        out[:, before] = self.data[:, which[before]]
+        out[:, ~before] = self.added[:, which[~before] - first]
+        return out
 
     @cached_property
     def residual(self) -> Array:
@@ -122,9 +143,12 @@ class Problem:
         return np.ascontiguousarray(self.data[:, -1])
 
     def with_columns(self, more: Array) -> Problem:
-        """Return the case with further columns, shape (m, k), behind those that it has."""
-        whole = np.concatenate([self.columns, more, self.data[:, -1:]], axis=1)
-        return replace(self, data=whole)
+        """Return the case with further columns, shape (m, k), behind those that it has.
+
+        All columns are put together where all are whitened: most refinements are tried, not taken.
+        """
+        added = more if self.added is None else np.concatenate([self.added, more], axis=1)
+        return replace(self, added=added)
 
     @cached_property
     def possible(self) -> tuple[Array, ...]:
@@ -138,7 +162,7 @@ class Problem:
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""
         some = [np.zeros(0, np.intp), *(one.columns for one in candidates)]
-        columns = self.columns[:, np.concatenate(some)]
+        columns = self.picked(np.concatenate(some))
         found = []
         for part in self.parts:
             own = columns[part.rows]
@@ -154,16 +178,19 @@ class Problem:
 
         `of` stands for other columns than the design's: whitened ones, shape (M, K + 1).
         """
-        source = self.columns if of is None else of
-        block = np.resize(self.block, len(source))
-        out = [np.zeros((len(source), 0))]
+        rows = len(self.data if of is None else of)
+        block = np.resize(self.block, rows)
+        out = [np.zeros((rows, 0))]
         for chosen in choices:
             groups = self.blocks.groups(chosen.scope)
             own = chosen.candidate.columns
-            # `take` would copy all of an array that lies column by column.
-            columns = source.take(own, axis=1) if source.flags.c_contiguous else source[:, own]
+            if of is None:
+                columns = self.picked(own)
+            else:
+                # `take` would copy all of an array that lies column by column.
+                columns = of.take(own, axis=1) if of.flags.c_contiguous else of[:, own]
             width = columns.shape[1]
-            wide = np.zeros((len(source), width * (int(groups.max()) + 1)))
+            wide = np.zeros((rows, width * (int(groups.max()) + 1)))
             places = groups[block][:, None] * width + np.arange(width)
             np.put_along_axis(wide, places, columns, axis=1)
             out.append(wide)

@@ -153,7 +153,7 @@ def refine(
     # A drift pulls as a step does: what was found as if there were none is weighed with it.
     which = list(plain.candidate.coefficients)
     found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one, _ in tried]
-    old = setup.columns[:, plain.candidate.columns]
+    old = setup.picked(plain.candidate.columns)
     before, *gains = _gains(setup, weighed, chosen, [old, *found])
     best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
     more = gains[best] / max(before, 1e-300)
@@ -161,7 +161,7 @@ def refine(
     if more <= 1:
         return setup, plain, 1.0, 0.0
     better, columns = tried[best][0], found[best]
-    start = setup.columns.shape[1]
+    start = setup.size
     candidate = replace(
         plain.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
     )
@@ -231,7 +231,7 @@ def past_outliers(
         since, of_order = float(moments[n - 1] + moments[n]) / 2, effect.changes_with == "order"
         step = epoch_step(since, catalogue(at.mount)[effect.id], of_order=of_order)
         columns = setup.stack.columns(step, at)[:, list(one.candidate.coefficients)]
-        own = setup.columns.shape[1] + np.arange(columns.shape[1])
+        own = setup.size + np.arange(columns.shape[1])
         setup = setup.with_columns(columns)
         moved.append(replace(one, candidate=replace(one.candidate, effect=step, columns=own)))
     return setup, moved

@@ -187,7 +187,7 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
 def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     needed = threshold(outcome.last, FAMILY_ERROR)
-    powers = np.einsum("mk,mk->k", setup.columns, setup.columns) / len(setup.columns)
+    powers = np.einsum("mk,mk->k", setup.whole, setup.whole)[:-1] / len(setup.whole)
     limits: dict[str, float] = {}
     for trial in outcome.last:
         known = float(np.trace(trial.information))

@@ -203,7 +203,7 @@ def _whitened(
     """Return the whitened columns of the model and the data, and the choices of those columns."""
     choices = (*setup.base, *chosen)
     needed = [one.candidate.columns for one in choices]
-    columns = setup.columns[:, np.concatenate([np.zeros(0, np.intp), *needed])]
+    columns = setup.picked(np.concatenate([np.zeros(0, np.intp), *needed]))
     data = np.concatenate([columns, setup.residual[:, None]], axis=1)
     starts = np.cumsum([0, *map(len, needed)])
     own = [

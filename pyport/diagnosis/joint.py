@@ -198,7 +198,7 @@ def disagreements(
     both = [
         one
         for one in choices
-        for columns in [setup.columns[:, one.candidate.columns]]
+        for columns in [setup.picked(one.candidate.columns)]
         if np.any(columns[is_y] != 0) and np.any(columns[~is_y] != 0)
     ]
     if not both:

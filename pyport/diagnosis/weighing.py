@@ -72,7 +72,7 @@ def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = Tr
     See `noise` for `searching`.
     """
     covariance = noise(setup, chosen, searching=searching)
-    return _weighed(setup, chosen, covariance, covariance.whiten(setup.data))
+    return _weighed(setup, chosen, covariance, covariance.whiten(setup.whole))
 
 
 @stage("whitening")
@@ -92,10 +92,10 @@ def weigh_model(
 
 def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chosen]) -> Array:
     """Return some choices' columns and the data, whitened, all others zero, (M, K + 1)."""
-    size = setup.columns.shape[1]
+    size = setup.size
     columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
     own = np.unique(np.concatenate(columns))
-    data = np.concatenate([setup.columns[:, own], setup.residual[:, None]], axis=1)
+    data = np.concatenate([setup.picked(own), setup.residual[:, None]], axis=1)
     # Column by column in memory: no page of those that stay zero is touched.
     white = np.zeros((covariance.means.stop, size + 1), order="F")
     white[:, np.append(own, size)] = covariance.whiten(data)
@@ -170,7 +170,7 @@ def _common_excess(
     columns = setup.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
     means = covariance.means
-    one = covariance.whiten(np.ones((len(setup.columns), 1)))[means, 0]
+    one = covariance.whiten(np.ones((len(setup.residual), 1)))[means, 0]
     return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
 
 
@@ -213,7 +213,7 @@ def shown_beside(
     """Return what the data show of each candidate beside the model and what is chosen: `shown`."""
     model = setup.expanded((*setup.base, *chosen), of=weighed.white)
     places = [one.columns for one in candidates]
-    own = weighed.covariance.whiten(setup.columns[:, np.concatenate(places)])
+    own = weighed.covariance.whiten(setup.picked(np.concatenate(places)))
     both = np.concatenate([own, weighed.white[:, -1:]], axis=1)
     left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
     length = np.linalg.norm(own, axis=0)

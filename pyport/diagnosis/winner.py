@@ -307,11 +307,11 @@ def without_idle(
 
 def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
     """Add a choice; earlier ones whose every curve it can draw make way for it."""
-    columns = setup.columns[:, new.candidate.columns]
+    columns = setup.picked(new.candidate.columns)
     groups = setup.blocks.groups(new.scope)
     kept = []
     for one in chosen:
-        own = setup.columns[:, one.candidate.columns]
+        own = setup.picked(one.candidate.columns)
         left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
         inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
         # Blocks that share a coefficient of the new choice must share one of the old, too.

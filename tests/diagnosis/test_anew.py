@@ -35,7 +35,7 @@ def test_what_is_left_out_chooses_nothing(outcome):
     hidden = setup.session == 2
     covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
     data = np.where(hidden, 4000 * ARCSEC, setup.residual)
-    absurd = replace(setup, data=np.column_stack([setup.columns, data]), anew={})
+    absurd = replace(setup, data=np.column_stack([setup.whole[:, :-1], data]), added=None, anew={})
     as_it_is = columns_anew(setup, weighed, covariance, outcome.chosen)
     beside_absurd = columns_anew(absurd, weighed, covariance, outcome.chosen)
 

@@ -93,7 +93,7 @@ def test_what_is_left_out_chooses_no_period(swinging):
     hidden = np.arange(len(setup.residual)) % 10 == 3
     seen = replace(covariance, weights=np.where(hidden, 0.0, covariance.weights))
     data = np.where(hidden, 0.01, setup.residual)
-    absurd = replace(setup, data=np.column_stack([setup.columns, data]))
+    absurd = replace(setup, data=np.column_stack([setup.whole[:, :-1], data]), added=None)
     effect = one.candidate.effect
     fresh, other = (oscillations.again(each, seen, (), effect) for each in (setup, absurd))
 
@@ -141,7 +141,7 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
     }
     setup = case((bent | SWINGS)[kind])
     near = oscillation(PERIOD_S / times)
-    place = np.arange(setup.columns.shape[1], setup.columns.shape[1] + 4)
+    place = np.arange(setup.size, setup.size + 4)
     one = Chosen(Candidate(near, place, (0, 1, 2, 3)), "all")
     setup = oscillations.widened(setup, one)
     scene = SimpleNamespace(

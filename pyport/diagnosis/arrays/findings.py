@@ -170,7 +170,7 @@ def _own(
     antennas = setup.blocks.antenna[setup.block]
     rows = np.isin(antennas, standing)
     of_antenna = dict(zip(parts.antennas, value, strict=True))
-    column = setup.columns[:, chosen.candidate.columns[0]]
+    column = setup.picked(chosen.candidate.columns[:1])[:, 0]
     curve = column * np.array([of_antenna.get(str(name), 0.0) for name in antennas])
     seen = visible(setup, scene.weighed, curve)
     called = turns.name(step.winner, step.trials, step.beside)
@@ -201,7 +201,7 @@ def _shared(
     several = len(parts.sessions) > 1
     sessions = setup.blocks.session[setup.block] if several else np.zeros(len(setup.block), int)
     amount = parts.common[np.unique(sessions, return_inverse=True)[1]]
-    curve = setup.columns[:, chosen.candidate.columns[0]] * amount
+    curve = setup.picked(chosen.candidate.columns[:1])[:, 0] * amount
     seen = visible(setup, scene.weighed, curve)
     partner = _partner(scene, chosen.candidate)
     ratio = _ratio(setup, partner, chosen.candidate)
@@ -258,11 +258,11 @@ def taken_apart(scene: Scene, choice: int) -> Split | None:
 
 def _partner(scene: Scene, candidate: Candidate) -> Candidate:
     """Return the effect that all antennas would share and that draws the same curve, if any."""
-    column = scene.setup.columns[:, candidate.columns[0]]
+    column = scene.setup.picked(candidate.columns[:1])[:, 0]
     for other in scene.setup.candidates:
         if other.effect.common == "antenna" or len(other.columns) != 1:
             continue
-        rival = scene.setup.columns[:, other.columns[0]]
+        rival = scene.setup.picked(other.columns[:1])[:, 0]
         product = abs(float(column @ rival))
         if product > PARALLEL * np.linalg.norm(column) * np.linalg.norm(rival):
             return other
@@ -271,8 +271,8 @@ def _partner(scene: Scene, candidate: Candidate) -> Candidate:
 
 def _ratio(setup: Problem, partner: Candidate, candidate: Candidate) -> float:
     """Return how many of the candidate's units one unit of the partner's coefficient is worth."""
-    column = setup.columns[:, candidate.columns[0]]
-    return float(setup.columns[:, partner.columns[0]] @ column / (column @ column))
+    column = setup.picked(candidate.columns[:1])[:, 0]
+    return float(setup.picked(partner.columns[:1])[:, 0] @ column / (column @ column))
 
 
 def _gain_of(step: Step, chosen: Chosen, called: turns.Name) -> Evidence:

@@ -127,7 +127,7 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     candidate = replace(
         old.candidate,
         effect=jump_above(found.edge, found.soft),
-        columns=np.array([setup.columns.shape[1]]),
+        columns=np.array([setup.size]),
     )
     setup = setup.with_columns(columns)
     new = Chosen(candidate, old.scope, found.spread)

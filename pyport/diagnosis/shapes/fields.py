@@ -251,7 +251,7 @@ def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     # Of unit rms, so that a coefficient is the size of what it stands for.
     unit = np.sqrt(np.mean(columns**2, axis=0))
     columns = columns / unit
-    places = np.arange(setup.columns.shape[1], setup.columns.shape[1] + columns.shape[1])
+    places = np.arange(setup.size, setup.size + columns.shape[1])
     wider = setup.with_columns(columns)
     candidate = as_candidate(worth, places, unit)
     new = Chosen(candidate, "all")

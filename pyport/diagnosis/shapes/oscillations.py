@@ -136,7 +136,7 @@ def _refined(
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
     effect = _effect(setup, scan, period, wanders=peak.wanders)
     kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
-    start = setup.columns.shape[1]
+    start = setup.size
     candidate = Candidate(
         effect,
         np.arange(start, start + len(kept)),

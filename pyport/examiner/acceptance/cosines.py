@@ -71,7 +71,7 @@ def largest(setup: Problem, made: Made, some: Sequence[Candidate]) -> tuple[floa
     form = left(np.stack(made.signature)[axis, row])
     best = (0.0, "none")
     for one in some:
-        before = setup.columns[:, one.columns]
+        before = setup.picked(one.columns)
         beside = left(before)
         size = np.linalg.norm(beside, axis=0)
         seen = size > _LEAST * np.linalg.norm(before, axis=0)
