@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
+from pyport.least_squares.gram import AT_A_TIME
 from pyport.noise.series import Departures, Noise, Possible, Series
 from pyport.noise.whitening import (
     centring,
@@ -30,8 +31,6 @@ from pyport.thresholds import OUTLIER_WEIGHT
 
 #: A direction of the departures that adds less than this share to the variance is left out.
 NEGLIGIBLE = 1e-4
-#: Rows of whitened columns that are worked on at a time: fewer stay in the processor's cache.
-AT_A_TIME = 512
 
 
 @dataclass(frozen=True)

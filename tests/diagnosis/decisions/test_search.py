@@ -618,7 +618,7 @@ def test_a_limit_is_the_size_at_which_half_would_be_seen(scale):
     """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain that is needed is 6.6."""
     drawn = np.random.default_rng(0).chisquare(1, 30000)
     one = trial(sigma=scale / np.sqrt(10), drawn=drawn, noise_dof=10**6)
-    problem = setup(columns=np.full((10, 1), 2.0))
+    problem = setup(whole=np.full((10, 2), 2.0))
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
     assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(6.635 / 10), rel=0.06)
@@ -630,7 +630,7 @@ def test_what_rounding_alone_sees_has_no_limit():
     blind = trial("skew", sigma=1e101, drawn=drawn)
     own = trial("tilt", drawn=drawn, scope="antenna")
     found = diagnose._limits(
-        setup(columns=np.ones((10, 1))), SimpleNamespace(last=(trial(drawn=drawn), blind, own))
+        setup(whole=np.ones((10, 2))), SimpleNamespace(last=(trial(drawn=drawn), blind, own))
     )
 
     assert list(found) == ["refraction"]
@@ -752,7 +752,7 @@ def proposed(monkeypatch, evidences, **more):
     ]
     problem = setup(
         base=tuple(base),
-        columns=columns,
+        picked=lambda which: columns[:, which],
         residual=data,
         frame=SimpleNamespace(departures=more.get("departures", ())),
         expanded=lambda _, of: np.zeros((len(of), 1)),
