@@ -201,6 +201,26 @@ def test_products_are_those_of_whitened_columns(level, rows, mostly_zero, full, 
     np.testing.assert_allclose(products, white.T @ white, rtol=1e-9, atol=1e-11)
 
 
+def test_products_are_the_same_bits_on_every_instruction_set():
+    """Wider registers hold more columns, and each column's sum is added up in the same order."""
+    best = compiled.level()
+    rng = np.random.default_rng(9)
+    columns = rng.normal(size=(150, 50))
+    columns[:, :30] *= rng.random((150, 30)) < 0.1
+    given = kernel.Columns.of(columns, 30)
+    variance, time = rng.uniform(0.5, 2, 150), np.sort(rng.uniform(0, 1e4, 150))
+    found = {}
+    try:
+        for name in compiled.levels():
+            compiled.choose(name)
+            found[name] = kernel.products(given, variance, time, ((0.7, 30.0), (4.5, 3e4)))[1]
+    finally:
+        compiled.choose(best)
+
+    first, *others = found.values()
+    assert all(np.array_equal(first, one) for one in others)
+
+
 def test_variances_that_are_none_are_left_to_numpy():
     """A covariance that is not positive definite, and rows that there are not."""
     columns, time = np.ones((3, 2)), np.arange(3.0)
