@@ -141,8 +141,8 @@ def elsewhere(recorded: dict[str, Any]) -> list[str]:
         "## On other processors, and without the newest instructions",
         "",
         "`PYPORT_KERNEL=AVX2 NPY_DISABLE_CPU_FEATURES='X86_V4 AVX512_ICL' make bench-record` holds",
-        "a processor to what an older one has; the last run of each kind is kept here. What is",
-        "promised above was measured on one processor alone.",
+        "a processor to what an older one has; the last run of each kind is kept here, with the",
+        "program of its day. What was measured above holds for its processor alone.",
         "",
     ]
     for one in others:
