@@ -168,7 +168,7 @@ def comparable(parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
 def distinguishing(parameters: tuple[Parameter, ...]) -> list[str]:
     """Return what distinguishes coefficients: their antennas or sessions, or else their names."""
     owners = [one.name.partition("[")[2].rstrip("]") for one in parameters]
-    if len(set(owners)) == len(owners):
+    if all(owners) and len(set(owners)) == len(owners):
         return owners
     return [one.name.partition("[")[0].replace("_", " ") for one in parameters]
 

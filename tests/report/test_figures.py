@@ -25,6 +25,7 @@ def test_a_period_does_not_stand_on_the_axis_of_amplitudes():
         (("offset_xel[since 2013]", "offset_el[since 2013]"), ["offset xel", "offset el"]),
         (("amplitude_xel", "amplitude_el"), ["amplitude xel", "amplitude el"]),
         (("tilt[a[b]]",), ["a[b"]),
+        (("drift_xel", "drift_el[C01]"), ["drift xel", "drift el"]),
     ],
 )
 def test_coefficients_are_called_by_what_distinguishes_them(names, expected):
