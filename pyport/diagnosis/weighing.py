@@ -25,7 +25,6 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, reweighed
 from pyport.noise.series import Noise
 from pyport.runs.stages import stage
-from pyport.runs.workers import side_by_side
 from pyport.thresholds import ENOUGH_ANTENNAS
 
 DRAWS = 300
@@ -149,14 +148,20 @@ def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -
     return setup.known[key][1]
 
 
-def _noise_alike(setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen]) -> Covariance:
-    """Estimate the likeliest noise beside some effects, outliers and tails as beside others."""
-    key = (*_key(like, searching=False), *_key(chosen, searching=False))
+def _noise_alike(
+    setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen], *, departing: bool = True
+) -> Covariance:
+    """Estimate the noise beside some effects, outliers and tails as beside others.
+
+    Beside what is `departing` the likeliest drift; where nothing is, all drifts that are likely
+    must do together what departures would.
+    """
+    key = (departing, *_key(like, searching=False), *_key(chosen, searching=False))
     if key not in setup.known:
         design = setup.expanded([*setup.base, *chosen])
-        found = estimate(
-            setup.residual, design, setup.frame, like=noise(setup, like, searching=False)
-        )
+        frame = setup.frame if departing else replace(setup.frame, departures=())
+        known = noise(setup, like, searching=False)
+        found = estimate(setup.residual, design, frame, like=known, averaged=not departing)
         setup.known[key] = (*like, *chosen), found
     return setup.known[key][1]
 
@@ -226,8 +231,8 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     """Return twice the log of how much likelier the data are with an effect than without.
 
     The coefficients of the effect come from one normal of the best width, those of everything
-    else from a flat prior; the variances of scatter, drift and departures are the likeliest in
-    either world, outliers and tails those of the world with the effect.
+    else from a flat prior; scatter, drift and departures are estimated in either world, outliers
+    and tails are those of the world with the effect.
 
     Parameters
     ----------
@@ -241,11 +246,10 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
     value, after = setup.residual, (*others, one)
-    noises = [
-        noise(setup, after, searching=False),
-        *side_by_side(lambda chosen: _noise_alike(setup, chosen, after), (after, tuple(others))),
-    ]
-    noises += [replace(one, departures=()) for one in noises if one.departures]
+    noises = [noise(setup, after, searching=False), _noise_alike(setup, others, after)]
+    if noises[1].departures:
+        # What walks on from night to night may have been taken for nights that depart.
+        noises.append(_noise_alike(setup, others, after, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
     found = [_lack(covariance, model, own, value) for covariance in noises]
     without = min(lack for lack, _ in found)

@@ -54,7 +54,7 @@ class Winner:
     """What a turn adds: its trial, the case with its columns, the choice.
 
     `price` is what its choice among its family costs, a refined moment or edge included.
-    `beside` is what it was tried in where that is not the turn's: its columns joined the case.
+    `beside` is what it was tried in where that is not the turn's: a wave's columns joined the case.
     `rivals` are the other changes, each with the evidence that the noise leaves it.
     """
 
@@ -156,19 +156,20 @@ def confirmed_changes(
     Only those that promise more than `above` beside noise that holds still: steps at their best
     moment, for hours beside it a drift does as well.
     """
+    waves = [] if OSCILLATION in banned else _oscillating(setup, weighed, chosen, above)
+    # What wins must be told from a wave: its columns stand in the case of every change.
+    wider, beside = (waves[0].setup, waves[0].beside) if waves else (setup, None)
     still, best = proposed(setup, weighed, chosen, trials, banned)
-    moved = [_refined(setup, still, chosen, trial) for trial in best]
+    moved = [_refined(wider, still, chosen, trial) for trial in best]
 
     def sure_of(one: Winner) -> Winner:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
-        return replace(one, trial=replace(one.trial, evidence=sure, gain=sure))
+        return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
 
     least = max(CONVINCING, above)
     found = side_by_side(sure_of, [one for one in moved if one.trial.evidence > least])
-    if OSCILLATION not in banned:
-        found += _oscillating(setup, weighed, chosen, above)
-    return found
+    return [*found, *waves]
 
 
 def _oscillating(

@@ -21,7 +21,7 @@ from pyport.thresholds import ENOUGH
 #: below 1e-5.
 BEYOND = 24.0
 #: Strengths of a drift over the span of the recordings, in units of the scatter of pointings.
-RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5, 4.5)
+RATIOS = (0.15, 0.25, 0.4, 0.6, 0.9, 1.4, 2.5, 4.5, 8.0, 14.0)
 #: The shortest memory is so many steps between pointings, the longest so many times their span:
 #: from there on a drift is a random walk, and a longer memory the same.
 SHORTEST_MEMORY, LONGEST_MEMORY = 2.0, 3.0

@@ -102,6 +102,8 @@ def estimate(
     given: Frame,
     shapes: Sequence[Array] | None = None,
     like: Covariance | None = None,
+    *,
+    averaged: bool = True,
 ) -> Covariance:
     """Estimate the covariance of readings about a model.
 
@@ -119,8 +121,9 @@ def estimate(
         noise must not contain what they explain. None for a final fit.
     like
         A covariance whose weights, precision, tails and coupling hold: only how much there is
-        of scatter, drift and departures is estimated, the likeliest, so that likelihoods can be
-        compared.
+        of scatter, drift and departures is estimated, so that likelihoods can be compared.
+    averaged
+        Whether drifts stand as likely as each is, or the likeliest alone.
     """
     parts = given.parts
     floors = _floors(value, given)
@@ -135,7 +138,7 @@ def estimate(
     # Noise beside everything that could be found is noise beside the model and those columns.
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
-    beyond = BEYOND if like is None else within_reach(grid)
+    beyond = BEYOND if averaged else within_reach(grid)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
     for _ in range(TURNS):
         found = departures.estimate(covariance, value, wide, given.possible)
@@ -160,7 +163,7 @@ def estimate(
             )
         starts = [one.best for one in drafts]
         chances = [beside(drafts, parts, n) for n in range(len(parts))]
-        if like is not None:
+        if not averaged:
             chances = [likeliest(one) for one in chances]
         noises = [
             replace(one.noise(chance, floors[part.is_y]), centred=given.centred)

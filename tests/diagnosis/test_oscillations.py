@@ -202,6 +202,31 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     assert independent + 2 < asked[0] < independent + 6
 
 
+def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
+    """Its columns stand in the case of the step, where its name is resampled."""
+    both = lambda at: SWINGS["held"](at) + 9.0 * (NIGHT > 1)  # noqa: E731
+    setup = case(both)
+    weighed = weigh(setup)
+    beside = weighed.evidence.beside([setup.part(one) for one in setup.base])
+    trials = winner.trials_of(setup, beside)
+    monkeypatch.setattr(
+        winner,
+        "confirmed",
+        lambda _, __, one, ___: {"epoch_offset": 50.0, OSCILLATION: 20.0}.get(
+            one.candidate.effect.id, 0.0
+        ),
+    )
+    wins = winner.winner_of(setup, weighed, (), trials, 0.0, beside=beside, mismatch=False)
+    (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
+    own = setup.stack.columns(rival.candidate.effect, setup.recordings.at)
+
+    assert wins.chosen.candidate.effect.id == "epoch_offset"
+    np.testing.assert_array_equal(
+        wins.setup.picked(rival.candidate.columns), own[:, list(rival.candidate.coefficients)]
+    )
+    assert wins.beside.share(wins.trial, rival) < 0.5
+
+
 def test_nights_at_equal_intervals_leave_the_period_open():
     """How many periods went by between them is not known: that is part of the error."""
     equal = 1.2e9 + NIGHT * 4 * 86400.0 + (TIME - TIME[120 * NIGHT]) / 8

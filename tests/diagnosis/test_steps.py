@@ -101,20 +101,26 @@ def drawn(evidence):
 
 
 @pytest.mark.parametrize(
-    ("evidence", "least", "most"), [(60.0, 38, 40), (15.0, 30, 39), (8.0, 14, 28), (3.0, 0, 9)]
+    ("evidence", "least", "most"), [(100.0, 38, 40), (15.0, 30, 39), (8.0, 14, 28), (3.0, 0, 9)]
 )
 def test_what_the_noise_cannot_do_decides_whether_a_step_comes_back(evidence, least, most):
     """Not its gain, most of which the noise could have had."""
     found = drawn(evidence)
 
     assert least <= found.kept <= most
-    assert (found.weak > 0) == (evidence < 60)
+    assert (found.weak > 0) == (evidence < 100)
+
+
+def drifts_of(step):
+    """Return the trials of drifts in a turn."""
+    return [one for one in step.trials if one.candidate.effect.id == "drift"]
 
 
 @pytest.mark.parametrize(("odds", "kept", "instead"), [(50.0, False, True), (-50.0, True, False)])
 def test_only_what_the_noise_cannot_do_competes_with_a_step(monkeypatch, odds, kept, instead):
     """However much another change gains beside the noise that is left."""
     monkeypatch.setattr(verdict, "confirmed", lambda *_: odds)
+    monkeypatch.setattr(verdict, "_rivals", lambda step, _: drifts_of(step)[:1])
     found = drawn(20.0)
 
     assert (found.kept >= 30) == kept

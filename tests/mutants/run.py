@@ -99,7 +99,7 @@ def put_in_place(mutant: Mutant) -> None:
     exec(compile(mutant.text, str(module.__file__), "exec"), vars(new))  # noqa: S102 - a mutant
     for name, was in list(vars(module).items()):
         became = vars(new).get(name)
-        if name.lstrip("_").isupper() and isinstance(was, int | float):
+        if name.lstrip("_").isupper() and isinstance(was, int | float | tuple):
             for other in list(sys.modules.values()):
                 if getattr(other, name, None) is was:
                     setattr(other, name, became)
