@@ -25,6 +25,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimate import estimate, reweighed
 from pyport.noise.series import Noise
 from pyport.runs.stages import stage
+from pyport.runs.workers import side_by_side
 from pyport.thresholds import ENOUGH_ANTENNAS
 
 DRAWS = 300
@@ -246,8 +247,11 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
     value, after = setup.residual, (*others, one)
-    noises = [noise(setup, after, searching=False), _noise_alike(setup, others, after)]
-    if noises[1].departures:
+    noises = [
+        noise(setup, after, searching=False),
+        *side_by_side(lambda chosen: _noise_alike(setup, chosen, after), (after, tuple(others))),
+    ]
+    if noises[-1].departures:
         # What walks on from night to night may have been taken for nights that depart.
         noises.append(_noise_alike(setup, others, after, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
