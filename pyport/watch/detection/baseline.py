@@ -244,20 +244,24 @@ def _drifts(fitted: Fit) -> list[Nuisance]:
     """Return the drifts of either axis, those of similar memory drawn together.
 
     Few memories of a slow drift fit into the past, so that its variance is known from as few
-    deviations: as with departures, it counts for more.
+    deviations: as with departures, it counts for more. One that outlasts the past stands for what
+    it changes within it.
     """
     found = []
     for part, noise in zip(fitted.noise.parts, fitted.noise.noises, strict=True):
         if not noise.drifts:
             continue
+        span = float(np.ptp(part.time)) if part.time is not None else 0.0
         amplitude, memory = np.array(noise.drifts).T
-        for own in np.array_split(np.argsort(memory), min(MOST_DRIFTS, len(memory))):
+        amplitude = amplitude * np.sqrt(np.minimum(1.0, span / memory))
+        memory = np.minimum(memory, span)
+        least = FAINT_DRIFT * (float(amplitude @ amplitude) + noise.between**2)
+        for own in np.array_split(np.argsort(memory, kind="stable"), min(MOST_DRIFTS, len(memory))):
             power = amplitude[own] ** 2
-            if power.sum() < FAINT_DRIFT * (noise.drift**2 + noise.between**2):
+            if power.sum() < least:
                 continue
             middle = float(np.exp(power @ np.log(memory[own]) / power.sum()))
             name = "el" if part.is_y else "xel"
-            span = float(np.ptp(part.time)) if part.time is not None else 0.0
             dof = max(span / middle, LEAST_DOF)
             spread = np.array([[power.sum() * dof / (dof - 2)]])
             found.append(Nuisance(name, "drift", np.zeros(1), spread, middle))
