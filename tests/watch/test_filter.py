@@ -1,6 +1,7 @@
 """The filter and the detector against what they stand for, computed the long way."""
 
 from copy import deepcopy
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,11 @@ from drawn_nights import world
 from scipy.special import logsumexp
 
 from pyport.formats.models import load
+from pyport.noise.series import Noise
 from pyport.recordings.from_table import from_table
 from pyport.watch import steps
 from pyport.watch.detection import antenna, composite, detector, null
-from pyport.watch.detection.baseline import past
+from pyport.watch.detection.baseline import LEAST_DOF, _drifts, past
 from pyport.watch.detection.composite import calibrated
 from pyport.watch.detection.prepare import prepare
 
@@ -173,3 +175,16 @@ def test_the_weights_of_wilder_nights_are_those_of_their_likelihoods(known):
     assert nulls.nights == 1
     np.testing.assert_allclose(nulls.log_weight[:, -1], joint - logsumexp(joint), atol=1e-9)
     assert nulls.log_ratio[-1] == pytest.approx(logsumexp(joint) - log_likelihood[0])
+
+
+def test_a_drift_that_outlasts_the_past_stands_for_what_it_changes_within_it():
+    """However strong it would become: a fainter one of an hour is not left out beside it."""
+    hour, span = 3600.0, 86400.0
+    part = SimpleNamespace(time=np.array([0.0, span]), is_y=True)
+    drifts = ((1.0, hour), (50.0, 400 * span))
+    noise = SimpleNamespace(parts=[part], noises=[Noise(0.0, 1.0, drifts)])
+    short, long = _drifts(SimpleNamespace(noise=noise))
+
+    assert (short.memory_s, long.memory_s) == pytest.approx((hour, span))
+    assert short.covariance[0, 0] == pytest.approx(24 / 22)
+    assert long.covariance[0, 0] == pytest.approx(50.0**2 / 400 * LEAST_DOF / (LEAST_DOF - 2))
