@@ -85,21 +85,10 @@ def _departs(setup: Problem, effect: Effect) -> bool:
 def still_noise(setup: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
-    A longer memory shows within a session by the share of its variance that it changes there.
-    Within a single session nothing drifts.
+    Of a single session nothing drifts.
     """
-    longest = _session_s(setup)
-    noises = tuple(
-        replace(
-            one,
-            drifts=tuple(
-                (amplitude * float(np.sqrt(min(1.0, longest / memory))), min(memory, longest))
-                for amplitude, memory in one.drifts
-                if longest > 0
-            ),
-        )
-        for one in covariance.noises
-    )
+    session = _session_s(setup)
+    noises = tuple(one.shown_within(session) for one in covariance.noises)
     return replace(covariance, noises=noises, departures=())
 
 

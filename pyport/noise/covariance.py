@@ -290,6 +290,12 @@ class Covariance:
         """Tell which readings are no outliers, shape (m,)."""
         return self.weights >= OUTLIER_WEIGHT
 
+    @property
+    def shown(self) -> tuple[Noise, ...]:
+        """Return the noise of each series as it shows within the recordings."""
+        pairs = zip(self.noises, self.parts, strict=True)
+        return tuple(noise.about_mean(part.span) for noise, part in pairs)
+
     @cached_property
     def scatter(self) -> Array:
         """Return the scatter of each reading about the true curve, sessions' own apart [rad]."""

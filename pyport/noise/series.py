@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,11 @@ class Series:
     number: Codes
     antenna: str
     is_y: bool
+
+    @cached_property
+    def span(self) -> float:
+        """Return the time from the first pointing to the last [s], 0 where any is unknown."""
+        return 0.0 if self.time is None else float(np.ptp(self.time))
 
     @cached_property
     def readings(self) -> Codes:
@@ -122,6 +127,30 @@ class Noise:
             return None
         power = np.array([amplitude**2 for amplitude, _ in self.drifts])
         return float(np.exp(power @ np.log([time for _, time in self.drifts]) / power.sum()))
+
+    def shown_within(self, span: float) -> Noise:
+        """Return what shows of the noise within a span [s]: no longer memory, in none no drift.
+
+        A longer memory shows by the share of its variance that it changes there.
+        """
+        drifts = tuple(
+            (amplitude * float(np.sqrt(min(1.0, span / memory))), min(memory, span))
+            for amplitude, memory in self.drifts
+            if span > 0
+        )
+        return replace(self, drifts=drifts)
+
+    def about_mean(self, span: float) -> Noise:
+        """Return the noise with what its drifts move about their mean within a span [s].
+
+        Of unit variance and memory span / x that is 1 - 2 / x + 2 (1 - exp(-x)) / x^2.
+        """
+        drifts = []
+        for amplitude, memory in self.drifts if span > 0 else ():
+            x = max(span / memory, 1e-3)  # Less is lost to rounding; memories are not that long.
+            share = 1 - 2 / x - 2 * float(np.expm1(-x)) / x**2
+            drifts.append((amplitude * float(np.sqrt(share)), min(memory, span)))
+        return replace(self, drifts=tuple(drifts))
 
     @property
     def floor(self) -> float:

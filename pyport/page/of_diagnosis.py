@@ -76,7 +76,7 @@ def picture_of(
 
 def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
     """Return the noise of one axis [rad]: the median over the series on it."""
-    pairs = zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True)
+    pairs = zip(diagnosis.setup.parts, diagnosis.weighed.covariance.shown, strict=True)
     floors = [noise.floor for part, noise in pairs if part.is_y == is_y]
     return float(np.median(floors)) if floors else None
 

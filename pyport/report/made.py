@@ -146,7 +146,7 @@ def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
 
 def _noise(diagnosis: Diagnosis) -> Noise:
     """Return the noise per axis: the median over the antennas, and the longest drift time."""
-    parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.noises, strict=True))
+    parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.covariance.shown, strict=True))
     across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
     times = [noise.time_s for _, noise in parts if noise.time_s is not None]
     does = remarks.departures(diagnosis), remarks.drifts(diagnosis), remarks.by_elevation(diagnosis)

@@ -180,7 +180,7 @@ def test_the_weights_of_wilder_nights_are_those_of_their_likelihoods(known):
 def test_a_drift_that_outlasts_the_past_stands_for_what_it_changes_within_it():
     """However strong it would become: a fainter one of an hour is not left out beside it."""
     hour, span = 3600.0, 86400.0
-    part = SimpleNamespace(time=np.array([0.0, span]), is_y=True)
+    part = SimpleNamespace(span=span, is_y=True)
     drifts = ((1.0, hour), (50.0, 400 * span))
     noise = SimpleNamespace(parts=[part], noises=[Noise(0.0, 1.0, drifts)])
     short, long = _drifts(SimpleNamespace(noise=noise))

@@ -85,7 +85,7 @@ def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     left = setup.residual - diagnosis.after.predicted
     session = setup.recordings.label("session").astype(str)[setup.stack.row]
     found = []
-    for part, noise in zip(setup.parts, diagnosis.weighed.noises, strict=True):
+    for part, noise in zip(setup.parts, diagnosis.weighed.covariance.shown, strict=True):
         white = float(np.hypot(noise.within, noise.between))
         if noise.time_s is None or np.hypot(white, noise.drift) < GROWS * white:
             continue

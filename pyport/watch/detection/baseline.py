@@ -249,12 +249,10 @@ def _drifts(fitted: Fit) -> list[Nuisance]:
     """
     found = []
     for part, noise in zip(fitted.noise.parts, fitted.noise.noises, strict=True):
-        if not noise.drifts:
+        drifts = noise.shown_within(part.span).drifts
+        if not drifts:
             continue
-        span = float(np.ptp(part.time)) if part.time is not None else 0.0
-        amplitude, memory = np.array(noise.drifts).T
-        amplitude = amplitude * np.sqrt(np.minimum(1.0, span / memory))
-        memory = np.minimum(memory, span)
+        amplitude, memory = np.array(drifts).T
         least = FAINT_DRIFT * (float(amplitude @ amplitude) + noise.between**2)
         for own in np.array_split(np.argsort(memory, kind="stable"), min(MOST_DRIFTS, len(memory))):
             power = amplitude[own] ** 2
@@ -262,7 +260,7 @@ def _drifts(fitted: Fit) -> list[Nuisance]:
                 continue
             middle = float(np.exp(power @ np.log(memory[own]) / power.sum()))
             name = "el" if part.is_y else "xel"
-            dof = max(span / middle, LEAST_DOF)
+            dof = max(part.span / middle, LEAST_DOF)
             spread = np.array([[power.sum() * dof / (dof - 2)]])
             found.append(Nuisance(name, "drift", np.zeros(1), spread, middle))
     return found
