@@ -15,7 +15,7 @@ from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part
 from pyport.models.model import Model, Term
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import Frame, frame
+from pyport.noise.estimation.frame import Frame, frame
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Series
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns

@@ -18,11 +18,12 @@ from pyport.diagnosis.naming import findings as reading
 from pyport.diagnosis.naming import guards
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming.finding import Finding, HeldOut
-from pyport.diagnosis.search import Dropped, search, settled
+from pyport.diagnosis.searching.search import search
+from pyport.diagnosis.searching.settling import Dropped, settled
+from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed, threshold
+from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
-from pyport.diagnosis.turns import Outcome, Step, family_p_value, gain_needed, threshold
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
-from pyport.diagnosis.winner import trials_of
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
 from pyport.models.model import Model

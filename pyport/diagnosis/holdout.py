@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.changes import columns_anew
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import HeldOut
+from pyport.diagnosis.searching.changes import columns_anew
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.least_squares import robust
 from pyport.least_squares.gram import Gram, Solution

@@ -17,7 +17,8 @@ from pyport.models.complete import Left, Solved, complete
 from pyport.models.model import Model, Term
 from pyport.noise.coefficients import equal, solve
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import Frame, estimate, frame
+from pyport.noise.estimation.estimate import estimate
+from pyport.noise.estimation.frame import Frame, frame
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
 from pyport.recordings.sky import with_nights
 from pyport.runs.workers import one_thread

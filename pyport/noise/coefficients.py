@@ -19,7 +19,7 @@ from scipy.special import ndtr, stdtrit
 from pyport.angles import Array
 from pyport.least_squares.gram import Solution, inverse_of
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import Frame
+from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Noise
 from pyport.thresholds import TRUST
 

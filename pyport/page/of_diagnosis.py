@@ -6,7 +6,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import Diagnosis
-from pyport.diagnosis.turns import Step
+from pyport.diagnosis.searching.turns import Step
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.files import sha256
 from pyport.fitting.table import MOST_COMBINATIONS

@@ -13,7 +13,7 @@ from scipy.special import logsumexp
 from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.words import number
-from pyport.diagnosis.turns import decide_by
+from pyport.diagnosis.searching.turns import decide_by
 from pyport.watch.detection.antenna import Antenna
 from pyport.watch.detection.changes import Change
 from pyport.watch.detection.composite import log_omitted

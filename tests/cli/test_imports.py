@@ -22,7 +22,7 @@ def test_no_import_leads_up_or_in_a_circle():
     ("module", "other", "said"),
     [
         ("pyport.effects.base", "pyport.diagnosis.case", "pyport.effects.base imports"),
-        ("pyport.noise.estimate", "pyport.steering.grid", "which is not below it"),
+        ("pyport.noise.estimation.estimate", "pyport.steering.grid", "which is not below it"),
         ("pyport.models.model", "pyport.models.toml", "a circle: "),
         ("pyport.attic", "pyport.errors", "attic stands on no floor"),
     ],

@@ -9,8 +9,8 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import holdout
 from pyport.diagnosis.case import prepare
-from pyport.diagnosis.changes import columns_anew
-from pyport.diagnosis.search import search
+from pyport.diagnosis.searching.changes import columns_anew
+from pyport.diagnosis.searching.search import search
 from pyport.formats.models import load
 
 HIDDEN = {

@@ -12,7 +12,7 @@ from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming.remarks import by_elevation
-from pyport.diagnosis.search import Dropped
+from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import axis_rms, sky_rms
 from pyport.fitting.table import as_json, text

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis import holdout, winner
+from pyport.diagnosis import holdout
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import findings
+from pyport.diagnosis.searching import winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.empirical.fields import OSCILLATION, oscillation

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis import changes, joint
-from pyport.diagnosis import search as searching
+from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming import verdict
+from pyport.diagnosis.searching import changes, settling
+from pyport.diagnosis.searching import search as searching
 from pyport.formats.models import load
 
 NIGHTS, EACH = 6, 50
@@ -87,7 +88,7 @@ def test_a_large_step_makes_no_outliers(step_arcsec, seed):
 @cache
 def found_with_drifts():
     """Return the scene of a step, its place among the choices, and its turn."""
-    outcome, _ = searching.settled(searching.search(told(12, 1).setup))
+    outcome, _ = settling.settled(searching.search(told(12, 1).setup))
     fit = joint.fit(outcome.setup, outcome.weighed, outcome.chosen)
     where = scenes.scene(outcome.setup, outcome, fit, 0)
     return where, len(outcome.setup.base), outcome.steps[0]

@@ -10,7 +10,8 @@ from scipy.stats import t as student
 from pyport.noise import coefficients
 from pyport.noise.coefficients import solve, tempered
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import estimate, frame
+from pyport.noise.estimation.estimate import estimate
+from pyport.noise.estimation.frame import frame
 from pyport.noise.series import Departures, Noise, Series, series
 from pyport.recordings.schema import stack
 from tests.noise.test_estimate import recordings

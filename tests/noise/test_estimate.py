@@ -8,9 +8,11 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
-from pyport.noise import departures, drift
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimate import _moderated, estimate, frame, reweighed
+from pyport.noise.estimation import departures, drift
+from pyport.noise.estimation.estimate import estimate, reweighed
+from pyport.noise.estimation.frame import frame
+from pyport.noise.estimation.pooling import moderated
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Noise, series
 from pyport.recordings.schema import Recordings, stack
@@ -180,7 +182,7 @@ def test_an_antenna_of_copies_borrows_the_scatter_of_repeats():
     axis = SimpleNamespace(is_y=True, rows=np.arange(40), readings=np.full(20, 2))
     noises = [Noise(within, 30 * ARCSEC, dof=100.0) for within in (1e-12, *[12 * ARCSEC] * 7)]
 
-    found = _moderated(noises, [axis] * 8)
+    found = moderated(noises, [axis] * 8)
 
     assert found[0].within == pytest.approx(12 * ARCSEC * np.sqrt(6 / 26), rel=0.05)
     assert found[1].within == pytest.approx(12 * ARCSEC)

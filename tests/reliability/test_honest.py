@@ -18,7 +18,7 @@ from pyport.diagnosis.naming.finding import Stability
 from pyport.diagnosis.naming.guards import carriers
 from pyport.diagnosis.naming.remarks import warnings
 from pyport.diagnosis.naming.verdict import DRAWS, judged, stability
-from pyport.diagnosis.search import search
+from pyport.diagnosis.searching.search import search
 from pyport.formats.models import load
 from pyport.report.finding import finding_of
 from pyport.report.folder import text as in_words

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis import turns
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.joint import sigmas, visible
@@ -26,7 +25,8 @@ from pyport.diagnosis.naming.scene import (
     scaled,
     size,
 )
-from pyport.diagnosis.turns import Step
+from pyport.diagnosis.searching import turns
+from pyport.diagnosis.searching.turns import Step
 from pyport.thresholds import SEVERAL, SIGNIFICANT
 
 

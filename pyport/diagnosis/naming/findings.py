@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.diagnosis import turns
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
@@ -28,10 +27,11 @@ from pyport.diagnosis.naming.scene import (
     size,
 )
 from pyport.diagnosis.naming.verdict import honest
+from pyport.diagnosis.searching import turns
+from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.shapes.edges import curve_points
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.oscillations import likeliest_period
-from pyport.diagnosis.turns import Step
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.runs.stages import stage

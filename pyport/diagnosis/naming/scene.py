@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis import holdout, turns
+from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
-from pyport.diagnosis.turns import Outcome, Step, agrees
+from pyport.diagnosis.searching import turns
+from pyport.diagnosis.searching.turns import Outcome, Step, agrees
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination

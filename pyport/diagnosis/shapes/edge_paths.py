@@ -18,8 +18,8 @@ from scipy.special import expit
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.searching.turns import Outcome
 from pyport.diagnosis.shapes.edges import LEVELS, Sky, sky_of
-from pyport.diagnosis.turns import Outcome
 from pyport.diagnosis.weighing import weigh_alike
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.least_squares.gram import inverted

@@ -19,10 +19,10 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.naming.finding import Interval
+from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
+from pyport.diagnosis.searching.winner import predicts, trials_of
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
-from pyport.diagnosis.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
-from pyport.diagnosis.winner import predicts, trials_of
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.fitting.combinations import HIDDEN
 from pyport.least_squares.gram import inverted, spanned

@@ -17,6 +17,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.searching.confirming import beside_model
 from pyport.diagnosis.shapes.periods import (
     OVERSAMPLED,
     Peak,
@@ -27,7 +28,6 @@ from pyport.diagnosis.shapes.periods import (
     stretches_of,
     view_of,
 )
-from pyport.diagnosis.weighing import beside_model
 from pyport.effects.base import Effect
 from pyport.effects.empirical.fields import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance

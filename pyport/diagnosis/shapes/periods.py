@@ -13,7 +13,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.weighing import beside_model
+from pyport.diagnosis.searching.confirming import beside_model
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.thresholds import (

@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from pyport.diagnosis.case import prepare
-from pyport.diagnosis.turns import family_p_value
+from pyport.diagnosis.searching.turns import family_p_value
+from pyport.diagnosis.searching.winner import confirmed_changes, trials_of
 from pyport.diagnosis.weighing import weigh
-from pyport.diagnosis.winner import confirmed_changes, trials_of
 from pyport.examiner import program
 from pyport.examiner.nulls import nulls
 from pyport.examiner.scores import Share, clustered, counted

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
-from pyport.diagnosis import holdout, search
+from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import scene
-from pyport.diagnosis.turns import Outcome
+from pyport.diagnosis.searching import settling
+from pyport.diagnosis.searching.turns import Outcome
 from pyport.least_squares.gram import Solution
 
 
@@ -261,10 +262,10 @@ def settled(monkeypatch, rms, evidences, error=None, stretches=20):
         told = rms[key(before)], rms[key(after)]
         return SimpleNamespace(rms=lambda: told, counted=None, fall_sigma=sigma)
 
-    monkeypatch.setattr(search, "unseen", of)
-    monkeypatch.setattr(search, "weigh_model", lambda *_, **__: None)
-    monkeypatch.setattr(search.holdout, "folds", lambda *_: None)
-    found = search._worst(
+    monkeypatch.setattr(settling, "unseen", of)
+    monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
+    monkeypatch.setattr(settling.holdout, "folds", lambda *_: None)
+    found = settling._worst(
         Outcome(setup(), tuple(one.chosen for one in steps), steps, None, 0.001, ())
     )
     return found and found[0].candidate.effect.id
@@ -329,10 +330,10 @@ def test_members_of_a_family_are_tried_beside_noise_of_their_own(monkeypatch, be
     first = trial("azimuth_harmonics", 100.0, of=candidate("azimuth_harmonics", choices=3))
     other = trial("azimuth_harmonics", 100.0 - behind, of=candidate("azimuth_harmonics", choices=3))
     monkeypatch.setattr(
-        search, "likeliest", lambda _s, _o, members: asked.append(members) or members[-1]
+        settling, "likeliest", lambda _s, _o, members: asked.append(members) or members[-1]
     )
     one = step(first, trials=[other])
-    end = search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    end = settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert bool(asked) == tried
     assert (end.chosen[0].candidate is other.candidate) == tried
@@ -343,9 +344,9 @@ def test_a_member_that_draws_the_same_curve_is_not_tried(monkeypatch, share, tri
     """It leaves the same noise."""
     asked = []
     some = [trial("refraction", 100.0 - n, of=candidate("refraction", choices=6)) for n in (0, 1)]
-    monkeypatch.setattr(search, "likeliest", lambda *given: asked.append(given) or given[-1][0])
+    monkeypatch.setattr(settling, "likeliest", lambda *given: asked.append(given) or given[-1][0])
     one = replace(step(some[0], trials=some[1:]), beside=beside(refraction=share))
-    search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert bool(asked) == tried
 
@@ -358,10 +359,10 @@ def test_three_members_at_most_are_tried(monkeypatch):
         for n in range(9)
     ]
     monkeypatch.setattr(
-        search, "likeliest", lambda _s, _o, members: asked.extend(members) or members[0]
+        settling, "likeliest", lambda _s, _o, members: asked.extend(members) or members[0]
     )
     one = step(some[0], trials=some[1:])
-    search._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert len(asked) == 3
 

@@ -8,11 +8,11 @@ import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis import turns
 from pyport.diagnosis.naming import guards, scene
 from pyport.diagnosis.naming import verdict as resampling
 from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.naming.verdict import judged
+from pyport.diagnosis.searching import turns
 from pyport.effects import CATALOGUE, Coefficient
 
 

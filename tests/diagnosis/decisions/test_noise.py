@@ -11,9 +11,10 @@ from diagnosis.decisions.stubs import candidate
 from pyport.angles import DEG
 from pyport.diagnosis.case import Problem
 from pyport.effects import Circumstances
-from pyport.noise import common_mode, departures, drift, estimate, likelihood, scatter
+from pyport.noise import common_mode, scatter
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
+from pyport.noise.estimation import departures, drift, estimate, first, likelihood, pooling
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Noise, Possible, Series
 from pyport.noise.whitening import variance_of_means
@@ -580,9 +581,7 @@ def test_what_remains_of_drifts_where_coefficients_are_estimated():
 def test_one_direction_for_four_pointings_is_projected_out(pointings_, shapes, taken):
     """And thirty at most."""
     rng = np.random.default_rng(0)
-    found = estimate._rich(
-        np.ones((pointings_, 1)), rng.normal(size=(pointings_, shapes)), pointings_
-    )
+    found = first._rich(np.ones((pointings_, 1)), rng.normal(size=(pointings_, shapes)), pointings_)
 
     assert found.shape[1] == 1 + min(taken, shapes)
     np.testing.assert_allclose(found.T @ found, np.eye(found.shape[1]), atol=1e-9)
@@ -593,14 +592,14 @@ def test_eight_slow_directions_at_most_are_projected_out():
     time = np.linspace(0, np.pi, 400)
     slow = np.stack([np.cos(k * time) for k in range(1, 20)], axis=1)
 
-    assert estimate._rich(np.ones((400, 1)), slow, 400).shape[1] == 1 + 8
+    assert first._rich(np.ones((400, 1)), slow, 400).shape[1] == 1 + 8
 
 
 def noisy(antennas, quiet=1.0, dof=10.0):
     """Return the noises of an array in which one antenna is quieter than the others."""
     parts = [series(3, antenna=f"A{n}", start=3 * n) for n in range(antennas)]
     noises = [Noise(0.0, quiet if n == 0 else 4.0, dof=dof) for n in range(antennas)]
-    return estimate._moderated(noises, parts)
+    return pooling.moderated(noises, parts)
 
 
 def test_a_quiet_antenna_is_drawn_to_the_array():

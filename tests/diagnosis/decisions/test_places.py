@@ -8,11 +8,12 @@ from diagnosis.decisions.stubs import setup
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.diagnosis import candidates, changes, joint
+from pyport.diagnosis import candidates, joint
 from pyport.diagnosis.arrays import findings, lasting, places, repeat
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.finding import Evidence, Finding, Where
+from pyport.diagnosis.searching import changes
 from pyport.diagnosis.shapes import boxes, edges, fields
 from pyport.diagnosis.shapes.boxes import Field
 from pyport.diagnosis.weighing import View

@@ -8,12 +8,13 @@ import pytest
 from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
 from scipy.stats import chi2
 
-from pyport.diagnosis import case, changes, diagnose, search, turns, weighing, winner
+from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import remarks
+from pyport.diagnosis.searching import changes, confirming, search, turns, winner
+from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed, threshold
+from pyport.diagnosis.searching.winner import Winner
 from pyport.diagnosis.shapes import fields
-from pyport.diagnosis.turns import Outcome, family_p_value, gain_needed, threshold
-from pyport.diagnosis.winner import Winner
 from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
 
@@ -453,9 +454,11 @@ def test_an_effect_pays_for_being_one_of_many():
     some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
     problem = setup(candidates=some)
 
-    assert weighing._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
-    assert weighing._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(3))
-    assert weighing._among(problem, Chosen(some[3], "all")) == pytest.approx(2 * np.log(len(NAMES)))
+    assert confirming._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
+    assert confirming._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(3))
+    assert confirming._among(problem, Chosen(some[3], "all")) == pytest.approx(
+        2 * np.log(len(NAMES))
+    )
 
 
 def test_departures_as_wide_as_the_scatter_are_half_as_probable():
@@ -463,7 +466,7 @@ def test_departures_as_wide_as_the_scatter_are_half_as_probable():
     noise = SimpleNamespace(between=3.0, within=4.0)
     known = SimpleNamespace(noises=[noise], departures=[SimpleNamespace(sigma=5.0)])
 
-    assert weighing._improbable(known) == pytest.approx(2 * np.log(2))
+    assert confirming._improbable(known) == pytest.approx(2 * np.log(2))
 
 
 def test_evidence_beside_a_model_is_that_of_dense_algebra():
@@ -476,7 +479,7 @@ def test_evidence_beside_a_model_is_that_of_dense_algebra():
         noises=[SimpleNamespace(between=2.0, within=0.0)],
         departures=[],
     )
-    lack, gained = weighing._lack(plain, model, own, value)
+    lack, gained = confirming._lack(plain, model, own, value)
     basis = np.linalg.qr(model)[0]
     left = (value - basis @ (basis.T @ value)) / 2
     wanted = 30 * np.log(4) + np.linalg.slogdet(model.T @ model / 4)[1] + left @ left

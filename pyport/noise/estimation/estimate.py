@@ -7,93 +7,35 @@ noise what its candidates could explain; a final fit does not.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 
 from pyport.angles import Array
 from pyport.least_squares import robust
 from pyport.least_squares.gram import spanned
-from pyport.least_squares.robust import Refit, most_different
-from pyport.noise import departures, scatter
+from pyport.least_squares.robust import Refit
+from pyport.noise import scatter
 from pyport.noise.covariance import Covariance, both_axes
-from pyport.noise.drift import BEYOND, beside, draft, grid_of, likeliest, within_reach
-from pyport.noise.likelihood import Departing
-from pyport.noise.series import Departures, Noise, Possible, Series, series
-from pyport.noise.whitening import OUTLIER
-from pyport.recordings.schema import Recordings, Stack
+from pyport.noise.estimation import departures
+from pyport.noise.estimation.drift import BEYOND, beside, draft, grid_of, likeliest, within_reach
+from pyport.noise.estimation.first import LEAST, first
+from pyport.noise.estimation.frame import Frame, floors_of
+from pyport.noise.estimation.likelihood import Departing
+from pyport.noise.estimation.pooling import moderated
+from pyport.noise.series import Noise, Possible, Series
 from pyport.thresholds import (
-    ENOUGH_ANTENNAS,
     ENOUGH_SQUARES,
     FEWEST,
     FIRST_REACH,
-    PER_SHAPE,
-    PRIOR_DOF,
     SIGNIFICANT,
 )
 
-#: No reading has less weight than this: its deviation can still be told from its whitened one.
-LEAST = 2 * OUTLIER
 #: Directions of the departures that add less than this to the variance of unit scatter do not
 #: matter beside a drift.
 FAINT = 0.03
 #: Turns in which departures, drift and scatter are estimated beside each other.
 TURNS = 2
-#: No more shapes than this: the most different ones draw what the others can.
-MOST_SHAPES = 30
-#: A shape that keeps less of its length beside those taken out is none of its own.
-DIFFERENT = 0.05
-#: A column whose neighbours in time are this much alike is slow: a drift could pass for it.
-SLOW = 0.9
-#: So many of the slow ones are taken out: more would leave nothing to tell a drift by.
-MOST_SLOW = 8
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What the estimate of a covariance needs of the recordings, whatever is fitted.
-
-    Attributes
-    ----------
-    parts
-        The series.
-    departures
-        The departures that sessions and sources could show.
-    drivers
-        What the scatter may follow, for each reading: shape (m, k) each.
-    recorded
-        Recorded variance of each reading over its axis's median, (m,), None without any.
-    centred
-        Whether a drift is counted from its mean. On a mount that turns over no zero is a constant
-        in its second angle, so that a drift would pass for what is; on others the model has one.
-    rounding
-        Scatter that the recorded digits make in either axis, before a model was taken off [rad].
-    """
-
-    parts: tuple[Series, ...]
-    departures: tuple[Departures, ...]
-    drivers: tuple[scatter.Driver, ...]
-    recorded: Array | None
-    centred: bool = False
-    rounding: tuple[float, ...] = (0.0, 0.0)
-
-    @cached_property
-    def possible(self) -> Possible:
-        """Return the departures as their estimate needs them."""
-        return Possible(self.departures, self.parts)
-
-
-def frame(recordings: Recordings, data: Stack) -> Frame:
-    """Return the frame of some recordings."""
-    return Frame(
-        tuple(series(recordings, data)),
-        departures.possible(recordings, data),
-        tuple(replace(one, columns=one.columns[data.row]) for one in scatter.drivers(recordings)),
-        scatter.recorded(recordings, data),
-        recordings.at.mount.turns_over,
-        tuple(robust.rounding(one[np.isfinite(one)]) for one in (recordings.x, recordings.y)),
-    )
 
 
 def estimate(
@@ -126,11 +68,11 @@ def estimate(
         Whether drifts stand as likely as each is, or the likeliest alone.
     """
     parts = given.parts
-    floors = _floors(value, given)
-    first = _first(value, design, given, shapes)
-    residual, columns = first.residual, first.columns
+    floors = floors_of(value, given)
+    looked = first(value, design, given, shapes)
+    residual, columns = looked.residual, looked.columns
     if like is None:
-        covariance = _white(parts, first.weights, residual, floors)
+        covariance = _white(parts, looked.weights, residual, floors)
         if given.recorded is not None:
             covariance = _by_recorded(covariance, residual, given.recorded)
     else:
@@ -170,7 +112,7 @@ def estimate(
             for one, chance, part in zip(drafts, chances, parts, strict=True)
         ]
         covariance = replace(
-            covariance, noises=tuple(_moderated(noises, parts)), starts=tuple(starts)
+            covariance, noises=tuple(moderated(noises, parts)), starts=tuple(starts)
         )
         if like is None:
             covariance = _scattered(covariance, value, wide, given, floors)
@@ -178,33 +120,6 @@ def estimate(
             covariance = _with_tails(covariance, like)
     found = departures.estimate(covariance, value, wide, given.possible)
     return replace(covariance, departures=found)
-
-
-@dataclass(frozen=True)
-class _First:
-    """A first look: robust weights and residuals of the readings (m,), columns of each series."""
-
-    weights: Array
-    residual: Array
-    columns: list[Array]
-
-
-def _first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None) -> _First:
-    floors = _floors(value, given)
-    weights, residual = np.ones(len(value)), np.zeros(len(value))
-    columns = []
-    for n, part in enumerate(given.parts):
-        # What never changes is no drift, whether the model has a constant or lacks one.
-        own = np.concatenate([design[part.rows], np.ones((len(part.rows), 1))], axis=1)
-        if shapes is None:
-            own = spanned(own[:, own.any(axis=0)])[0]
-        else:
-            own = _rich(own, shapes[n], int(part.pointing.max()) + 1)
-        columns.append(own)
-        weights[part.rows], residual[part.rows], _ = robust.weights(
-            own, value[part.rows], FIRST_REACH, floors[part.is_y]
-        )
-    return _First(np.maximum(weights, LEAST), residual, columns)
 
 
 def _white(
@@ -340,96 +255,10 @@ def reweighed(covariance: Covariance, value: Array, model: Array, given: Frame) 
     For data whose noise is known and whose outliers are looked for anew.
     """
     weights = covariance.weights.copy()
-    floors = _floors(value, given)
+    floors = floors_of(value, given)
     for part in covariance.parts:
         own = model[part.rows]
         weights[part.rows] = robust.weights(
             spanned(own[:, own.any(axis=0)])[0], value[part.rows], FIRST_REACH, floors[part.is_y]
         )[0]
     return replace(covariance, weights=weights)
-
-
-def _floors(value: Array, given: Frame) -> dict[bool, float]:
-    """Return the scatter that rounding makes in either axis [rad]."""
-    of_axis = np.zeros(len(value), bool)
-    for part in given.parts:
-        of_axis[part.rows] = part.is_y
-    return {
-        is_y: max(robust.rounding(value[of_axis == is_y]), given.rounding[is_y])
-        for is_y in (False, True)
-    }
-
-
-def _moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
-    """Draw the noise of antennas with few recordings toward what is usual in the array.
-
-    A scale from few deviations is a rough one, and one that comes out small by
-    chance makes its antenna outvote all others. The variances are averaged
-    with the array's median, which counts as `PRIOR_DOF` deviations (Smyth 2004).
-    """
-    found = list(noises)
-    for is_y in (False, True):
-        own = [n for n, part in enumerate(parts) if part.is_y == is_y]
-        if len(own) < ENOUGH_ANTENNAS:
-            continue
-        found = _repeating(found, parts, own)
-        usual = float(np.median([found[n].floor for n in own]))
-        for n in own:
-            noise = found[n]
-            if noise.floor > usual or noise.floor == 0:
-                continue
-            more = _shrunk(noise.floor, noise.dof, usual) / noise.floor
-            found[n] = replace(
-                noise,
-                within=noise.within * more,
-                between=noise.between * more,
-                drifts=tuple((amplitude * more, time) for amplitude, time in noise.drifts),
-                dof=noise.dof + PRIOR_DOF,
-            )
-    return found
-
-
-def _repeating(noises: Sequence[Noise], parts: Sequence[Series], own: Sequence[int]) -> list[Noise]:
-    """Shrink the scatter of an antenna's repeated readings toward the array's median, likewise.
-
-    Repeated readings that are copies of one another do not determine it.
-    """
-    found = list(noises)
-    repeated = [n for n in own if noises[n].within > 0]
-    if len(repeated) < ENOUGH_ANTENNAS:
-        return found
-    usual = float(np.median([noises[n].within for n in repeated]))
-    for n in repeated:
-        within = noises[n].within
-        if within < usual:
-            spare = len(parts[n].rows) - len(parts[n].readings)
-            found[n] = replace(noises[n], within=_shrunk(within, spare, usual))
-    return found
-
-
-def _shrunk(scatter: float, dof: float, usual: float) -> float:
-    """Return a scatter from so many deviations, shrunk toward the array's median."""
-    return float(np.sqrt((dof * scatter**2 + PRIOR_DOF * usual**2) / (dof + PRIOR_DOF)))
-
-
-def _rich(base: Array, shapes: Array, pointings: int) -> Array:
-    """Return the base and the main directions of what the candidates could add to it.
-
-    The directions come from the geometry alone, never from the data, so that
-    the noise is not whittled down by the search. The result is orthonormal.
-    """
-    base = base[:, np.any(base != 0, axis=0)]
-    orthonormal = spanned(base)[0]
-    room = max(0, min(pointings // PER_SHAPE, pointings // 2 - orthonormal.shape[1]))
-    new = shapes - orthonormal @ (orthonormal.T @ shapes)
-    left = np.linalg.norm(new, axis=0)
-    kept = left > 1e-3 * np.linalg.norm(shapes, axis=0)
-    if room == 0 or not kept.any():
-        return orthonormal
-    new = new[:, kept] / left[kept]
-    room = min(room, MOST_SHAPES)
-    slow = np.einsum("nk,nk->k", new[1:], new[:-1]) > SLOW
-    first = most_different(new[:, slow], min(room // 2, MOST_SLOW), DIFFERENT)
-    rest = new[:, ~slow] - first @ (first.T @ new[:, ~slow])
-    second = most_different(rest, room - first.shape[1], DIFFERENT)
-    return np.concatenate([orthonormal, first, second], axis=1)

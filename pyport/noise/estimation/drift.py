@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.noise.likelihood import Departing, Likelihood, likelihood_of
+from pyport.noise.estimation.likelihood import Departing, Likelihood, likelihood_of
 from pyport.noise.series import Noise, Series
 from pyport.thresholds import ENOUGH
 

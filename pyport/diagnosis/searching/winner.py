@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis import turns
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.changes import proposed, refine
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
+from pyport.diagnosis.searching import turns
+from pyport.diagnosis.searching.changes import proposed, refine
+from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import oscillations
-from pyport.diagnosis.weighing import WhitenedData, confirmed, weigh
+from pyport.diagnosis.weighing import WhitenedData, weigh
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE

@@ -1,0 +1,1 @@
+"""The search for what is missing: turn by turn, confirmed, and settled as a whole."""

@@ -1,0 +1,147 @@
+"""Confirming: an effect against the noise that would do without it, either estimated anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.evidence import at_best, shown
+from pyport.diagnosis.weighing import key_of, noise
+from pyport.least_squares.gram import spanned
+from pyport.noise.covariance import Covariance
+from pyport.noise.estimation.estimate import estimate
+from pyport.runs.stages import stage
+from pyport.runs.workers import side_by_side
+
+
+def _noise_alike(
+    setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen], *, departing: bool = True
+) -> Covariance:
+    """Estimate the noise beside some effects, outliers and tails as beside others.
+
+    Beside what is `departing` the likeliest drift; where nothing is, all drifts that are likely
+    must do together what departures would.
+    """
+    key = (departing, *key_of(like, searching=False), *key_of(chosen, searching=False))
+    if key not in setup.known:
+        design = setup.expanded([*setup.base, *chosen])
+        frame = setup.frame if departing else replace(setup.frame, departures=())
+        known = noise(setup, like, searching=False)
+        found = estimate(setup.residual, design, frame, like=known, averaged=not departing)
+        setup.known[key] = (*like, *chosen), found
+    return setup.known[key][1]
+
+
+@stage("confirming")
+def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: float) -> float:
+    """Return twice the log of how much likelier the data are with an effect than without.
+
+    The coefficients of the effect come from one normal of the best width, those of everything
+    else from a flat prior; scatter, drift and departures are estimated in either world, outliers
+    and tails are those of the world with the effect.
+
+    Parameters
+    ----------
+    setup
+        The case.
+    others, one
+        What else is fitted, and the effect.
+    price
+        What its choice among its family costs.
+    """
+    model = setup.expanded((*setup.base, *others))
+    own = setup.expanded([one])
+    value, after = setup.residual, (*others, one)
+    noises = [
+        noise(setup, after, searching=False),
+        *side_by_side(lambda chosen: _noise_alike(setup, chosen, after), (after, tuple(others))),
+    ]
+    if noises[-1].departures:
+        # What walks on from night to night may have been taken for nights that depart.
+        noises.append(_noise_alike(setup, others, after, departing=False))
+    # Either world has the likeliest of them: what one estimate misses is no evidence.
+    found = [_lack(covariance, model, own, value) for covariance in noises]
+    without = min(lack for lack, _ in found)
+    with_it = min(lack - gained for lack, gained in found)
+    return without - with_it - price - _among(setup, one)
+
+
+def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
+    """Return the member of a family that makes the data likeliest, each beside its own noise."""
+    model = setup.expanded((*setup.base, *others))
+
+    def worth(one: Chosen) -> float:
+        whole = noise(setup, (*others, one), searching=False)
+        lack, gained = _lack(whole, model, setup.expanded([one]), setup.residual)
+        return gained - lack
+
+    return max(members, key=worth)
+
+
+def _among(setup: Problem, one: Chosen) -> float:
+    """Return what it costs that an effect is one of many.
+
+    Changes with time are among each other, a source's place is among them too, and all else is
+    among all else.
+    """
+    own = one.candidate.effect
+    ids = {
+        effect.id
+        for effect in (each.effect for each in setup.candidates)
+        if confounded(setup, effect) == confounded(setup, own)
+        and (own.belongs_to or not effect.belongs_to)
+    }
+    return 2 * float(np.log(max(len(ids), 1)))
+
+
+def _improbable(covariance: Covariance) -> float:
+    """Return minus twice the log of the prior of the departures' standard deviations.
+
+    Half-Cauchy, as wide as the scatter from pointing to pointing (Gelman 2006, Bayesian
+    Analysis 1, 515): of four nights three of which agree one has changed, rather than that all
+    nights scatter by what it changed.
+    """
+    usual = float(np.mean([one.between**2 + one.within**2 for one in covariance.noises]))
+    return sum(2 * float(np.log1p(one.sigma**2 / usual)) for one in covariance.departures)
+
+
+def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tuple[float, float]:
+    """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence."""
+    white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
+    p = model.shape[1]
+    lack, basis, left = beside_model(covariance, white[:, :p], white[:, -1])
+    rest = white[:, p:-1] - basis @ (basis.T @ white[:, p:-1])
+    size = np.linalg.norm(white[:, p:-1], axis=0)
+    return lack, at_best(*shown(rest, size, left))[0]
+
+
+def beside_model(covariance: Covariance, model: Array, value: Array) -> tuple[float, Array, Array]:
+    """Return minus twice the restricted log-likelihood of a noise, and what a model leaves.
+
+    Parameters
+    ----------
+    covariance
+        The noise.
+    model, value
+        The model's columns (M, p) and the data (M,), whitened by it.
+
+    Returns
+    -------
+    lack
+        With the departures' prior.
+    basis, left
+        Orthonormal directions of the model, and the data without them, shape (M,).
+    """
+    basis, strength, length = spanned(model)
+    left = value - basis @ (basis.T @ value)
+    lack = (
+        covariance.log_determinant
+        + _improbable(covariance)
+        + 2 * float(np.log(strength).sum())
+        + float(left @ left)
+    )
+    return lack + 2 * float(np.log(length[length > 0]).sum()), basis, left

@@ -1,0 +1,173 @@
+"""Settling: what a search found once more as a whole, beside the noise that is left.
+
+The search tests each effect as it joins; what joins later may make it useless, and the sum may
+predict worse than its parts. Whatever does not pay on data left out, in the scheme that suits it,
+is dropped and listed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pyport.diagnosis import holdout
+from pyport.diagnosis.case import Chosen, confounded
+from pyport.diagnosis.holdout import unseen
+from pyport.diagnosis.searching import turns
+from pyport.diagnosis.searching.changes import past_outliers
+from pyport.diagnosis.searching.confirming import likeliest
+from pyport.diagnosis.searching.turns import TIE, Outcome
+from pyport.diagnosis.searching.winner import trials_of
+from pyport.diagnosis.weighing import weigh, weigh_model
+from pyport.runs.stages import stage
+from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS
+
+#: Members of a family that are tried beside noise of their own, at most.
+MOST_NOISES = 3
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """An effect that was looked at and dropped: what it was, and why."""
+
+    effect: str
+    variant: str
+    reason: str
+
+
+@stage("settling findings")
+def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
+    """Weigh with the final noise, and drop what does not predict unseen data better.
+
+    One at a time; then, while the whole predicts worse than the model alone, the weakest.
+    """
+    outcome = _of_moments(_of_families(outcome))
+    dropped: list[Dropped] = []
+    while True:
+        weighed = weigh(outcome.setup, outcome.chosen, searching=False)
+        outcome = replace(outcome, weighed=weighed)
+        worst = _worst(outcome)
+        if worst is None:
+            return _held_to_the_end(outcome), tuple(dropped)
+        one, reason = worst
+        effect = one.candidate.effect
+        dropped.append(Dropped(effect.id, effect.variant, reason))
+        outcome = outcome.without(one)
+
+
+def _held_to_the_end(outcome: Outcome) -> Outcome:
+    """Hold each lasting effect against its rivals once more, beside the final noise.
+
+    The noise in which it was found had grown to hold what it explains, and told it from its
+    rivals less well than the noise that is left.
+    """
+    setup, weighed, steps = outcome.setup, outcome.weighed, []
+    for step in outcome.steps:
+        one = step.chosen
+        refined = one.candidate is not step.winner.candidate
+        effect = one.candidate.effect
+        if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
+            steps.append(step)
+            continue
+        others = outcome.others(one)
+        beside = weighed.evidence.beside([setup.part(each) for each in (*setup.base, *others)])
+        own = beside.trials([(one.candidate, one.scope)])
+        if own:
+            trials = tuple(trials_of(setup, beside))
+            step = replace(  # noqa: PLW2901 - the same turn beside the final noise
+                step, winner=own[0], trials=trials, before=others, beside=beside
+            )
+        steps.append(step)
+    return replace(outcome, steps=tuple(steps))
+
+
+def _of_families(outcome: Outcome) -> Outcome:
+    """Choose the members of families anew, each beside the noise that it leaves.
+
+    The search holds all members against one noise, which may have grown to hold what the right
+    one explains.
+    """
+    setup = outcome.setup
+    for one in outcome.chosen:
+        step = outcome.step_of(one)
+        if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
+            continue
+        if confounded(setup, one.candidate.effect):
+            continue
+        same = [
+            each
+            for each in step.trials
+            if each.candidate.effect.id == one.candidate.effect.id
+            and each.scope == one.scope
+            and each.candidate is not one.candidate
+            and each.evidence > step.winner.evidence - OUT_OF_REACH
+        ]
+        same.sort(key=lambda each: -round(each.evidence, TIE))
+        others = turns.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]
+        members = [one, *(Chosen(each.candidate, each.scope) for each in others)]
+        best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
+        if best is not one:
+            winner = next(each for each in same if each.candidate is best.candidate)
+            new = replace(step, winner=winner, chosen=best)
+            outcome = replace(
+                outcome,
+                chosen=tuple(best if each is one else each for each in outcome.chosen),
+                steps=tuple(new if each is step else each for each in outcome.steps),
+            )
+    return outcome
+
+
+def _of_moments(outcome: Outcome) -> Outcome:
+    """Choose the moments of steps anew where the readings next to them became outliers."""
+    for one in outcome.chosen:
+        setup, moved = past_outliers(outcome.setup, outcome.weighed, one)
+        if not moved:
+            continue
+        best = likeliest(setup, outcome.others(one), [one, *moved])
+        outcome = replace(
+            outcome,
+            setup=setup,
+            chosen=tuple(best if each is one else each for each in outcome.chosen),
+            steps=tuple(
+                replace(each, chosen=best) if each.chosen is one else each for each in outcome.steps
+            ),
+        )
+    return outcome
+
+
+def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
+    """Return the choice that is to be dropped, and why; None where all of them pay.
+
+    Of several that do harm the one with the least evidence: the others may do it through it.
+    """
+    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
+    idle: list[tuple[Chosen, str]] = []
+    for one in chosen:
+        partition = holdout.folds(setup, weighed, (one,))
+        found = unseen(setup, (weighed, weighed), outcome.others(one), chosen, partition)
+        before, after = found.rms()
+        if before - after <= PAYS * (found.fall_sigma(found.counted, FEWEST) or 0.0):
+            by = 100 * abs(before - after) / max(before, 1e-300)
+            how = f"worse with it, by {by:.2g} per cent"
+            if before > after:
+                how = f"better with it by {by:.2g} per cent, less than the error of that"
+            idle.append((one, f"data left out are predicted {how}"))
+    if idle:
+        return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
+    if chosen and (weakest := _harm_to_all(outcome)) is not None:
+        return weakest, "with everything found data left out are predicted worse than by the model"
+    return None
+
+
+def _harm_to_all(outcome: Outcome) -> Chosen | None:
+    """Return the choice that all others do best without, where all do no better than the model."""
+    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
+    alone = weigh_model(setup, (), searching=False)
+    partition = holdout.folds(setup, weighed, chosen)
+
+    def rms_with(some: tuple[Chosen, ...]) -> tuple[float, float]:
+        return unseen(setup, (alone, weighed), (), some, partition).rms()
+
+    before, after = rms_with(chosen)
+    if after < before:
+        return None
+    return min(chosen, key=lambda one: rms_with(outcome.others(one))[1])

@@ -1,0 +1,1 @@
+"""How the noise is estimated: in turns, each part by its restricted likelihood."""
