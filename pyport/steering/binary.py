@@ -26,7 +26,7 @@ import datetime as dt
 import os
 import struct
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -99,8 +99,23 @@ def map_binary(path: str | Path) -> Mapped:
     BadInput
         The file is no such table, is of another version, cut short, or damaged.
     """
-    data = Path(path).read_bytes()
-    if len(data) < HEADER.size + _CRC.size or not data.startswith(MAGIC):
+    found = _checked(path)
+    shape = found.units.shape
+    units = np.memmap(path, dtype="<i4", mode="r", offset=HEADER.size, shape=shape)
+    return replace(found, units=units)
+
+
+def read_binary(path: str | Path) -> Table:
+    """Read a table; raises `BadInput` as :func:`map_binary` does."""
+    found = _checked(path)
+    d_az_deg, d_zd_deg = found.units / round(1 / found.unit_deg)
+    return Table(found.grid, d_az_deg, d_zd_deg, found.model, found.refraction, found.reading)
+
+
+def _checked(path: str | Path) -> Mapped:
+    """Return a table as it was read, every byte of it checked."""
+    data = memoryview(Path(path).read_bytes())
+    if len(data) < HEADER.size + _CRC.size or data[: len(MAGIC)] != MAGIC:
         raise BadInput("is no binary steering table: it does not begin with PYPORTST", path)
     _, version, length, n, m, *rest = HEADER.unpack_from(data)
     if version != VERSION:
@@ -108,20 +123,13 @@ def map_binary(path: str | Path) -> Mapped:
     expected = HEADER.size + 8 * n * m + _CRC.size
     if length != HEADER.size or n < 1 or m < 1 or len(data) != expected:
         raise BadInput(f"is {len(data)} bytes long, its header promises {expected}", path)
-    if zlib.crc32(data[: -_CRC.size]) != _CRC.unpack(data[-_CRC.size :])[0]:
+    body, crc = data[: -_CRC.size], data[-_CRC.size :]
+    if zlib.crc32(body) != _CRC.unpack(crc)[0]:
         raise BadInput("is damaged: its checksum does not fit its content", path)
     az_first, az_step, zd_first, zd_step, unit_deg, model, refraction, _, _, reading = rest
     grid = Grid(az_first + az_step * np.arange(n), zd_first + zd_step * np.arange(m))
-    units = np.memmap(path, dtype="<i4", mode="r", offset=HEADER.size, shape=(2, n, m))
+    units = np.frombuffer(body[HEADER.size :], "<i4").reshape(2, n, m)
     return Mapped(grid, units, unit_deg, _plain(model), _plain(refraction), _plain(reading))
-
-
-def read_binary(path: str | Path) -> Table:
-    """Read a table; raises `BadInput` as :func:`map_binary` does."""
-    mapped = map_binary(path)
-    d_az_deg, d_zd_deg = mapped.units / round(1 / mapped.unit_deg)
-    names = mapped.model, mapped.refraction, mapped.reading
-    return Table(mapped.grid, d_az_deg, d_zd_deg, *names)
 
 
 def _stored(table: Table, path: str | Path) -> bytes:

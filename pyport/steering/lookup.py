@@ -56,7 +56,9 @@ def offsets_at(table: Table, az_deg: ArrayLike, zd_deg: ArrayLike) -> tuple[Arra
         np.asarray(az_deg, dtype=float), np.asarray(zd_deg, dtype=float)
     )
     nodes = table.grid.az_deg, table.grid.zd_deg
-    d_az_deg, d_zd_deg = np.empty(az_deg.shape), np.empty(az_deg.shape)
+    # One piece of memory: two are given back to the system, which fills them anew each time.
+    both = np.empty((2, *az_deg.shape))
+    d_az_deg, d_zd_deg = both[0, ...], both[1, ...]
     az, zd, *out = (one.reshape(-1) for one in (az_deg, zd_deg, d_az_deg, d_zd_deg))
     if kernel.look_up(nodes, table.side_by_side, (az, zd), out):
         return d_az_deg[()], d_zd_deg[()]

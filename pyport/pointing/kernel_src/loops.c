@@ -298,8 +298,8 @@ static size_t grid(int exact, const double *p, size_t columns, const double *az,
     return large;
 }
 
-/* Both offsets of a direction. */
-typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+/* From one number to another by a share: at either end exactly what stands there. */
+#define BETWEEN(from, to, share) FUSED(share, to, FUSED(-(share), from, from))
 
 static size_t look_up(const struct table *t, size_t n, const double *az, const double *zd,
                       double *d_az, double *d_zd)
@@ -329,10 +329,10 @@ static size_t look_up(const struct table *t, size_t n, const double *az, const d
         }
         for (size_t i = 0; i < some; i++)
         {
-            double u = east[i], v = north[i], both = u * v, next = v - both, over = u - both;
-            double here = (1 - u) - next;
-            const pair *first = (const pair *)t->offsets + cell[i], *second = first + t->row;
-            pair sum = first[0] * here + first[1] * next + second[0] * over + second[1] * both;
+            const double *here = t->offsets + 2 * (size_t)cell[i], *next = here + 2 * t->row;
+            double along[4], sum[2];
+            EACH for (int c = 0; c < 4; c++) along[c] = BETWEEN(here[c], next[c], east[i]);
+            EACH for (int c = 0; c < 2; c++) sum[c] = BETWEEN(along[c], along[2 + c], north[i]);
             d_az[low + i] = sum[0];
             d_zd[low + i] = sum[1];
         }
