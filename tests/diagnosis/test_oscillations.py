@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.angles import ARCSEC
 from pyport.diagnosis import holdout
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
@@ -15,8 +16,10 @@ from pyport.diagnosis.naming import findings
 from pyport.diagnosis.searching import winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
+from pyport.effects.circumstances import OVER
 from pyport.effects.empirical.fields import OSCILLATION, oscillation
 from pyport.formats.models import load
+from pyport.mounts import KINDS
 
 HOUR = 3600.0
 PERIOD_S = 1.0 * HOUR
@@ -257,3 +260,27 @@ def test_period_amplitude_and_phase_are_reported():
     off = (told["phase_el"].value - phase + 180) % 360 - 180
     assert abs(off) < 4 * told["phase_el"].sigma < 40
     assert "period 59.99" in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reversing", [False, True])
+def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(reversing):
+    """What shakes the sky keeps it, what the second axis does changes it with the pier's side."""
+    rng = np.random.default_rng(3)
+    over = rng.random(480) < 0.5
+    side = np.where(over, -1.0, 1.0) if reversing else 1.0
+    wave = side * 5 * np.sin(2 * np.pi * TIME / PERIOD_S + 1)
+    given = made(pier_side=np.where(over, OVER, "east"))
+    x, y = 5 * rng.normal(size=(2, 480)) * ARCSEC
+    given = replace(given, at=replace(given.at, mount=KINDS["german"]), x=x, y=y + wave * ARCSEC)
+    setup = prepare(given, load("equatorial"), seed=1)
+    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+    x, y = setup.stack.columns(one.candidate.effect, setup.recordings.at)[:, 2:].T
+
+    assert one.candidate.effect.member["period_s"] == pytest.approx(PERIOD_S, rel=0.01)
+    assert ("reversing" in one.candidate.effect.member) == reversing
+    assert one.candidate.choices >= 2 * round(periods.scan_of(setup).coherent)
+    of_y = setup.stack.is_y
+    both = np.stack([x[of_y], y[of_y]], axis=1)
+    left = wave - both @ np.linalg.lstsq(both, wave, rcond=None)[0]
+    assert left.std() < 0.2 * wave.std()

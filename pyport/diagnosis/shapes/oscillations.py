@@ -53,34 +53,41 @@ def proposed(
     The case that it belongs to is `widened` by it. `present` is the noise of the turn; nothing is
     proposed that is worth no more than `above`.
     """
-    scan = scan_of(setup)
-    if scan is None or any(one.candidate.effect.id == OSCILLATION for one in chosen):
+    scans = [scan for one in _ways(setup) if (scan := scan_of(setup, reversing=one)) is not None]
+    if not scans or any(one.candidate.effect.id == OSCILLATION for one in chosen):
         return None
-    noises = [_with_drift(present, share, scan.longest) for share in SHARES_OF_DRIFT]
-    views = [view_of(setup, scan, noise, chosen) for noise in noises]
-    least = min(view.lack for view in views)
+    noises = [_with_drift(present, share, scans[0].longest) for share in SHARES_OF_DRIFT]
+    each = [[view_of(setup, scan, noise, chosen) for noise in noises] for scan in scans]
+    least = min(view.lack for view in each[0])
     found = [
-        (peak.worth - view.lack + least, peak, noise)
+        (peak.worth - view.lack + least, peak, scan, noise)
+        for scan, views in zip(scans, each, strict=True)
         for noise, view, peaks in zip(noises, views, peaks_of(scan, views), strict=True)
         for peak in peaks
     ]
-    worth, best, _ = max(found, key=lambda one: one[0])
-    if worth <= max(CONVINCING, above) or best.period_s > scan.longest:
+    worth, best, scan, _ = max(found, key=lambda one: one[0])
+    price = 2 * float(np.log(len(scans)))
+    if worth - price <= max(CONVINCING, above) or best.period_s > scan.longest:
         return None
     refined = []
-    for wanders in {peak.wanders for _, peak, _ in found}:
+    for wanders in {peak.wanders for _, peak, *_ in found}:
         own = [one for one in found if one[1].wanders == wanders]
-        was, peak, noise = max(own, key=lambda one: one[0])
+        was, peak, scan, noise = max(own, key=lambda one: one[0])
         if peak.period_s <= scan.longest:
-            one, evidence = _refined(setup, scan, noise, chosen, peak)
+            one, evidence = _refined(setup, scan, noise, chosen, peak, len(scans))
             refined.append((was + evidence - peak.evidence, one))
     return max(refined, key=lambda one: one[0])[1]
 
 
+def _ways(setup: Problem) -> tuple[bool, ...]:
+    """Return whether waves may change their sign with the side of the pier: not, or either way."""
+    at = setup.recordings.at
+    return (False, True) if at.mount.turns_over and len(np.unique(at.side)) > 1 else (False,)
+
+
 def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
     """Return an oscillation of the same kind with the period that readings of weight prefer."""
-    scan = scan_of(setup)
-    assert scan is not None  # noqa: S101 - it was found in it
+    scan = _scan_of(setup, one)
     wanders = _wanders(one)
     view = view_of(setup, scan, covariance, others)
     peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders)
@@ -115,8 +122,9 @@ def _effect(
     """Return the oscillation of a period, its sine counted from the middle of the recordings."""
     time = clock(setup.recordings.at)[setup.stack.row]
     since = float(np.round((time.min() + time.max()) / 2))
+    reversing = bool((scan.sign < 0).any())
     if not wanders:
-        return oscillation(period_s, since)
+        return oscillation(period_s, since, reversing=reversing)
     stretch, count = stretches_of(scan, period_s, periods or PERIODS_FREE)
     begin, end = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(begin, stretch, time)
@@ -125,13 +133,16 @@ def _effect(
     found: list[Stretch] = [
         (float(one), float(other)) for one, other in zip(begin[enough], end[enough], strict=True)
     ]
-    return oscillation(period_s, since, found)
+    return oscillation(period_s, since, found, reversing=reversing)
 
 
 def _refined(
-    setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak
+    setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak, ways: int
 ) -> tuple[Chosen, float]:
-    """Return the oscillation at the best period near a peak, and its evidence."""
+    """Return the oscillation at the best period near a peak, one of so many ways to sign it.
+
+    And its evidence.
+    """
     first = _effect(setup, scan, peak.period_s, wanders=peak.wanders)
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
     effect = _effect(setup, scan, period, wanders=peak.wanders)
@@ -141,7 +152,7 @@ def _refined(
         effect,
         np.arange(start, start + len(kept)),
         tuple(int(one) for one in kept),
-        max(1, round(peak.choices)),
+        max(1, round(peak.choices * ways)),
         of_time=True,
     )
     return Chosen(candidate, "all"), evidence
@@ -180,6 +191,13 @@ def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effec
     # With V = rest prior rest' + 1 the prediction is prior rest' V^-1 of the data.
     inner = np.eye(len(prior)) + rest.T @ rest @ prior
     return np.asarray(columns @ (prior @ np.linalg.solve(inner, rest.T @ waves.left)))
+
+
+def _scan_of(setup: Problem, effect: Effect) -> Scan:
+    """Return the readings as the search met them that found an oscillation."""
+    scan = scan_of(setup, reversing="reversing" in effect.member)
+    assert scan is not None  # noqa: S101 - it was found in it
+    return scan
 
 
 def _wanders(effect: Effect) -> bool:
@@ -226,8 +244,7 @@ class _Waves:
 
 
 def _waves(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect) -> _Waves:
-    scan = scan_of(setup)
-    assert scan is not None  # noqa: S101 - an oscillation was found in it
+    scan = _scan_of(setup, effect)
     model = noise.whiten(setup.expanded((*setup.base, *chosen)))
     white = noise.whiten(setup.residual[:, None])[:, 0]
     _, basis, left = beside_model(noise, model, white)

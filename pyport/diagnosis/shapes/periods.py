@@ -69,6 +69,8 @@ class Scan:
     ----------
     time, session, is_y
         Of each reading: time since the first [s], number of its session, axis; shape (m,).
+    sign
+        What a wave is multiplied by: -1 where it changes with the side of a pier, shape (m,).
     begin, length
         Of each session [s], shape (S,).
     shortest, longest
@@ -78,6 +80,7 @@ class Scan:
     time: Array
     session: Codes
     is_y: Codes
+    sign: Array
     begin: Array
     length: Array
     shortest: float
@@ -89,8 +92,11 @@ class Scan:
         return max(1.0, float(np.ptp(self.time)) * (1 / self.shortest - 1 / self.longest))
 
 
-def scan_of(setup: Problem) -> Scan | None:
-    """Return the readings for a search; None where no period could be seen."""
+def scan_of(setup: Problem, *, reversing: bool = False) -> Scan | None:
+    """Return the readings for a search; None where no period could be seen.
+
+    `reversing`: for waves that change their sign where the mount has turned over.
+    """
     at = setup.recordings.at
     if setup.blocks.antennas > 1 or "time" not in at:
         return None
@@ -110,7 +116,8 @@ def scan_of(setup: Problem) -> Scan | None:
     if longest < 2 * shortest:
         return None
     is_y = setup.stack.is_y.astype(np.intp)
-    return Scan(time, session, is_y, begin, length, shortest, longest)
+    side = np.broadcast_to(at.side if reversing else 1.0, len(at))
+    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest)
 
 
 @dataclass(frozen=True)
@@ -144,7 +151,8 @@ def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chos
     model = setup.expanded((*setup.base, *chosen))
     periods = np.geomspace(scan.shortest, scan.longest, SPECTRUM)
     phase = 2 * np.pi * scan.time[:, None] / periods
-    data = np.concatenate([model, setup.residual[:, None], np.cos(phase), np.sin(phase)], axis=1)
+    waves = scan.sign[:, None] * np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    data = np.concatenate([model, setup.residual[:, None], waves], axis=1)
     white = noise.whiten(data)
     p = model.shape[1]
     lack, _, left = beside_model(noise, white[:, :p], white[:, p])
@@ -153,7 +161,8 @@ def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chos
     series = np.resize(2 * scan.session + scan.is_y, len(white))
     information = np.zeros((2 * len(scan.length), SPECTRUM))
     np.add.at(information, series, power)
-    return View(lack, noise.unwhiten(left[:, None])[:, 0], np.log(periods), information)
+    pull = scan.sign * noise.unwhiten(left[:, None])[:, 0]
+    return View(lack, pull, np.log(periods), information)
 
 
 def peaks_of(scan: Scan, views: Sequence[View]) -> list[list[Peak]]:

@@ -226,7 +226,11 @@ Stretch = tuple[float, float]
 
 
 def oscillation(
-    period_s: float, since_s: float = 0.0, stretches_s: Sequence[Stretch] | None = None
+    period_s: float,
+    since_s: float = 0.0,
+    stretches_s: Sequence[Stretch] | None = None,
+    *,
+    reversing: bool = False,
 ) -> Effect:
     """Return an oscillation of the zeros.
 
@@ -239,6 +243,8 @@ def oscillation(
     stretches_s
         Where its phase wanders: times in each of which amplitude and phase are free. None where
         they hold throughout.
+    reversing
+        Whether it changes its sign where the mount has turned over, as what the second axis does.
 
     Raises
     ------
@@ -251,7 +257,9 @@ def oscillation(
     def basis(at: Circumstances) -> tuple[Array, Array]:
         time = at.numbers("time")
         phase = 2 * np.pi * (time - since_s) / period_s
-        sine, cosine = np.sin(phase), np.cos(phase)
+        # What acts in the axes changes its sign there: twice is not at all.
+        sign = 1.0 if reversing or at.sky is None else at.sky.side
+        sine, cosine = sign * np.sin(phase), sign * np.cos(phase)
         inside = [np.ones(len(at), bool)] if stretches_s is None else _inside(time, stretches_s)
         columns = ((one * sine, one * cosine) for one in inside)
         waves = [wave for pair in columns for wave in pair]
@@ -260,6 +268,7 @@ def oscillation(
     labels = [""] if stretches_s is None else [f"[{n + 1}]" for n in range(len(stretches_s))]
     counted = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
     wanders = "" if stretches_s is None else f", its phase free in {len(labels)} stretches of time"
+    sides = ", its sign changing with the side of the pier" if reversing else ""
     return Effect(
         OSCILLATION,
         "something hunts or is switched by turns: a servo, a heater, an air conditioner",
@@ -271,7 +280,7 @@ def oscillation(
             for wave in ("sine", "cosine")
         ),
         basis,
-        variant=f"period {period_s / 60:.4g} min{wanders or counted}",
+        variant=f"period {period_s / 60:.4g} min{wanders or counted}{sides}",
         profile=_members,
         acts_in=AXES,
         pattern="a wave in time, of one period",
@@ -280,7 +289,8 @@ def oscillation(
         parameter=period_s,
         changes_with="time" if stretches_s is None else "stretch",
         member={"period_s": period_s, "since_s": since_s}
-        | ({} if stretches_s is None else {"stretches_s": [list(one) for one in stretches_s]}),
+        | ({} if stretches_s is None else {"stretches_s": [list(one) for one in stretches_s]})
+        | ({"reversing": True} if reversing else {}),
         make=oscillation,
     )
 

@@ -86,9 +86,9 @@ def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_
     """
     best = periods.Peak(5 * HOUR, 100.0, 1.0, wanders=False)
     shares = []
-    monkeypatch.setattr(
-        oscillations, "scan_of", lambda _: SimpleNamespace(longest=longest_h * HOUR)
-    )
+    scan = SimpleNamespace(longest=longest_h * HOUR)
+    monkeypatch.setattr(oscillations, "_ways", lambda _: (False,))
+    monkeypatch.setattr(oscillations, "scan_of", lambda *_, **__: scan)
     monkeypatch.setattr(oscillations, "_with_drift", lambda _, share, __: shares.append(share))
     monkeypatch.setattr(oscillations, "view_of", lambda *_: SimpleNamespace(lack=0.0))
     monkeypatch.setattr(oscillations, "peaks_of", lambda _, views: [[best]] * len(views))
