@@ -135,10 +135,14 @@ def read_raw(path: Path, given: FileOptions = NOTHING) -> Raw:
     raw = tables.read(path, given.format, given.columns, given.mapping)
     try:
         naming.refuse_keys(given.keys, "--set ")
-        naming.refuse_keys(raw.meta, "header key ")
         naming.refuse_columns(raw.columns)
     except BadInput as error:
         raise raw.error(error.message) from None
+    for key in raw.meta:
+        try:
+            naming.refuse_keys([key], "header key ")
+        except BadInput as error:
+            raise raw.error(error.message, key=key) from None
     return masked(replace(raw, meta=raw.meta | dict(given.keys)))
 
 

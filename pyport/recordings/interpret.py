@@ -142,7 +142,7 @@ def _key(raw: Raw, key: str, largest: float) -> float | None:
         value = np.nan
     if not abs(value) <= largest:
         raise raw.error(
-            f"{key} is {text!r}, expected a number between {-largest:g} and {largest:g}"
+            f"{key} is {text!r}, expected a number between {-largest:g} and {largest:g}", key=key
         )
     return value
 
@@ -151,7 +151,7 @@ def azimuth_from_south(raw: Raw) -> bool:
     """Tell whether the file counts azimuth from south through west."""
     zero = raw.meta.get("azimuth_zero", "north").lower()
     if zero not in {"north", "south"}:
-        raise raw.error(f"azimuth_zero is {zero!r}, expected north or south")
+        raise raw.error(f"azimuth_zero is {zero!r}, expected north or south", key="azimuth_zero")
     return zero == "south"
 
 

@@ -84,10 +84,11 @@ def mount_of(raw: Raw, quantities: Collection[str]) -> Mount:
     words = [ALSO.get(word, word) for word in declared(raw.meta)]
     if wrong := [word for word in words if word not in MOUNTS and word not in KINDS]:
         known = ", ".join((*KINDS, *MOUNTS))
-        raise raw.error(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}")
+        raise raw.error(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}", key=MOUNT)
     kinds = [KINDS[word] for word in words if word in KINDS]
     if len(kinds) > 1:
-        raise raw.error(f"{MOUNT} is {kinds[0].id} and {kinds[1].id}, expected one of them")
+        both = f"{kinds[0].id} and {kinds[1].id}"
+        raise raw.error(f"{MOUNT} is {both}, expected one of them", key=MOUNT)
     there = {one for one in ALL_NAMES if one.offsets & set(quantities)}
     if kinds:
         mount = kinds[0]

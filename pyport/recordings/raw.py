@@ -158,10 +158,13 @@ class Raw:
     #: (NaN for blank).
     columns: Mapping[str, NDArray[Any] | TextColumn]
     line: NDArray[np.int64]  #: the line (or row) of each cell, shape (n,)
+    #: Key -> its line in the file.
+    key_line: Mapping[str, int] = field(default_factory=dict)
 
-    def error(self, message: str, row: int | None = None) -> BadInput:
-        """Return an error that names the file and the row's line, or the header's."""
-        return BadInput(message, self.file, self.header_line if row is None else self.line[row])
+    def error(self, message: str, row: int | None = None, *, key: str = "") -> BadInput:
+        """Return an error that names the file and the line: the row's, the key's or the header's."""
+        header = self.key_line.get(key, self.header_line)
+        return BadInput(message, self.file, header if row is None else self.line[row])
 
     def words(self, name: str) -> NDArray[np.str_]:
         """Return a column as text without surrounding blanks.

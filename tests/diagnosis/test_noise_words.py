@@ -50,6 +50,7 @@ def test_what_nights_do_is_a_size(wandering):
     said = "Night-to-night scatter of the zero in elevation"
     assert said in " ".join(in_words(report_of(wandering)).split())
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
+    assert "nights differ in the zero in elevation by " in told(report_of(wandering))["verdict"]
 
 
 @pytest.mark.slow

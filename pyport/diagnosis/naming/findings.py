@@ -93,7 +93,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     one = len(called.members) == 1 and not called.others
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
-        axes(setup, seen),
+        # Where other terms move to make room for it, it is not.
+        axes(setup, np.where(curve != 0, seen, 0.0)),
         moved_antennas(scene, curve),
         chosen.candidate.region,
         curve=curve_points(chosen.candidate),

@@ -207,8 +207,20 @@ def nothing(diagnosis: Diagnosis) -> str:
     if diagnosis.too_few is not None:
         return f"{diagnosis.too_few.sentence}{more}"
     if diagnosis.p_value > FAMILY_ERROR:
-        return f"Nothing is missing that these recordings could show{more}"
+        return f"Nothing is missing that these recordings could show{more}{_hides(diagnosis)}"
     return (
         "What is left does not look like the noise that was assumed, but nothing that was tried "
         "predicts unseen data better"
     )
+
+
+def _hides(diagnosis: Diagnosis) -> str:
+    """Return what counts as noise though it changes with time, the largest departure and drifts."""
+    departing = [one for one in departures(diagnosis) if one["of"] == "session"]
+    largest = sorted(departing, key=lambda one: -one["sigma_arcsec"])[:1]
+    said = [f"the {one['term']} by {one['sigma_arcsec']:.2g} arcsec" for one in largest]
+    noise = ["nights differ in " + one for one in said]
+    noise += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g} arcsec" for one in drifts(diagnosis)]
+    if not noise:
+        return ""
+    return f"; a change with time would have to stand out of the noise: {', '.join(noise)}"

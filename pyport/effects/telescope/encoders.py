@@ -16,8 +16,9 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
-#: A harmonic of azimuth can be told from anything else only over this much of the circle. [rad]
-COVERAGE = np.radians(180)
+#: All harmonics of azimuth can be told from anything else where sectors of half the circle were
+#: visited, some of them over this much of it: an X-Y mount turns through no more than 160 deg. [rad]
+HALF, COVERAGE = np.radians(180), np.radians(150)
 #: The circle is counted in sectors of this width. [rad]
 SECTOR = np.radians(10)
 #: On a coarse grid the circle is covered where azimuths are no further apart, and a harmonic is
@@ -32,13 +33,13 @@ def harmonics(at: Circumstances) -> list[int]:
     """
     az = at.az % (2 * np.pi)
     sectors = len(np.unique(np.floor(az / SECTOR)))
-    if sectors * SECTOR >= COVERAGE:
+    if sectors * SECTOR >= HALF:
         return list(HARMONICS)
     distinct = np.unique(az)
     gaps = np.diff(distinct, append=distinct[:1] + 2 * np.pi)
     told = [k for k in HARMONICS if TO_A_WAVE * k <= sectors]
     if not told or gaps[gaps <= APART].sum() < COVERAGE:
-        raise MissingColumn("azimuths over half of the circle")
+        raise MissingColumn("azimuths over 150 deg of the circle")
     return told
 
 

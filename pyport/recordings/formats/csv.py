@@ -212,6 +212,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     """
     text = read_text(path)
     meta: dict[str, str] = {}
+    key_line: dict[str, int] = {}
     skipped = size = 0
     header = ""
     for header in map(operator.itemgetter(0), _LINE.finditer(text)):
@@ -219,6 +220,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
             pair = comment(header)
             if pair is not None:
                 meta[pair[0]] = pair[1]
+                key_line[pair[0]] = skipped + 1
         elif header.strip():
             break
         skipped += 1
@@ -230,7 +232,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     body = text[size if names else size + len(header) :]
     plain = plain_columns(body.encode(), columns, above)
     if plain is not None:
-        return Raw(path, meta, max(above, 1), *plain)
+        return Raw(path, meta, max(above, 1), *plain, key_line)
     rows, lines = _rows(text, above, path)
     told = "as named" if names else "as in the header"
     for row, line in zip(rows, lines, strict=True):
@@ -241,7 +243,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
         raise BadInput("no rows below the column names", path, above)
     cells = [np.array(column, object) for column in zip(*rows, strict=True)]
     named = dict(zip(columns, cells, strict=True))
-    return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64))
+    return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64), key_line)
 
 
 def _names(header: str, path: Path, line: int) -> list[str]:
