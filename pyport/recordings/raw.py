@@ -162,7 +162,7 @@ class Raw:
     key_line: Mapping[str, int] = field(default_factory=dict)
 
     def error(self, message: str, row: int | None = None, *, key: str = "") -> BadInput:
-        """Return an error that names the file and the line: the row's, the key's or the header's."""
+        """Return an error that names the file and the line of the row, the key or the header."""
         header = self.key_line.get(key, self.header_line)
         return BadInput(message, self.file, header if row is None else self.line[row])
 

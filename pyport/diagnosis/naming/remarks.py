@@ -218,9 +218,9 @@ def _hides(diagnosis: Diagnosis) -> str:
     """Return what counts as noise though it changes with time, the largest departure and drifts."""
     departing = [one for one in departures(diagnosis) if one["of"] == "session"]
     largest = sorted(departing, key=lambda one: -one["sigma_arcsec"])[:1]
-    said = [f"the {one['term']} by {one['sigma_arcsec']:.2g} arcsec" for one in largest]
-    noise = ["nights differ in " + one for one in said]
-    noise += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g} arcsec" for one in drifts(diagnosis)]
-    if not noise:
+    said = [f"nights differ in the {one['term']} by {one['sigma_arcsec']:.2g}" for one in largest]
+    said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in drifts(diagnosis)]
+    if not said:
         return ""
-    return f"; a change with time would have to stand out of the noise: {', '.join(noise)}"
+    noise = " and ".join(f"{one} arcsec" for one in said)
+    return f"; a change with time would have to stand out of the noise: {noise}"

@@ -106,8 +106,9 @@ def test_a_search_that_stopped_there_says_so(turns, warned):
 @pytest.mark.parametrize(
     ("p_value", "clear"), [(0.0105, True), (0.0095, False), (0.006, False), (0.015, True)]
 )
-def test_silence_is_no_all_clear_where_something_is_left(p_value, clear):
+def test_silence_is_no_all_clear_where_something_is_left(monkeypatch, p_value, clear):
     """Up to a p-value of one in a hundred what is left does not look like the noise."""
+    monkeypatch.setattr(remarks, "_hides", lambda _: "")
     done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
 
     assert remarks.nothing(done).startswith("Nothing is missing") == clear
