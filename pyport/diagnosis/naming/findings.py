@@ -89,7 +89,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= MOST_MEMBERS
-    named = effect.physical and few and all(one.passed for one in checks)
+    refuting = [one.words for one in checks if not one.passed]
+    named = effect.physical and few and not refuting
     one = len(called.members) == 1 and not called.others
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
@@ -119,7 +120,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         partial=_partial(setup, curve),
         variant=effect.variant,
         heldout=heldout,
-        looks_like=None if named else words.looks_like(effect, called),
+        looks_like=None if named else words.looks_like(effect, called, refuting),
         decide_by=turns.decide_by(called.members, called.others) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
         curve=seen,

@@ -20,7 +20,7 @@ from pyport.diagnosis.searching.turns import Outcome, Step, agrees
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination
-from pyport.least_squares.gram import Gram
+from pyport.least_squares.gram import Gram, Part
 from pyport.thresholds import AXIS_SHARE, GROSS, REFUTES, SAME_STRENGTH
 
 
@@ -180,37 +180,67 @@ class Check:
 
 
 def halves(setup: Problem, weighed: WhitenedData, joint: Joint, choice: int) -> list[Check]:
-    """Compare an effect's strength in halves of the data, with everything else refitted.
+    """Compare an effect's strength in halves of the data, and in the session that differs most."""
+    split, sessions = _halves(setup), _sessions(setup)
+    found = _strengths(setup, weighed, joint, choice, split | sessions)
+    apart = sorted(sessions.keys() & found, key=lambda one: (-found[one].sigmas, one))
+    told = [*(one for one in split if one in found), *apart[:1]]
+    return [_compared(label, found[label]) for label in told]
 
-    The fitted curve of the effect gets a second coefficient that acts in one
-    half only; one means the same strength, so the second must come out zero.
+
+@dataclass(frozen=True)
+class Strength:
+    """By what share an effect is stronger in some of the readings, and its sigma."""
+
+    extra: float
+    sigma: float
+
+    @property
+    def sigmas(self) -> float:
+        """Return how far from none that is."""
+        return abs(self.extra) / self.sigma
+
+
+def _strengths(
+    setup: Problem,
+    weighed: WhitenedData,
+    joint: Joint,
+    choice: int,
+    masks: dict[str, NDArray[np.bool_]],
+) -> dict[str, Strength]:
+    """Return an effect's strength in parts of the data, everything else refitted.
+
+    The fitted curve of the effect gets a second coefficient that acts in one part only; of the
+    same strength, that is zero.
     """
     curve = contribution(setup, joint, choice)
-    found = []
-    for label, mask in _halves(setup).items():
-        if np.abs(curve[mask]).max(initial=0) == 0 or np.abs(curve[~mask]).max(initial=0) == 0:
-            continue
-        others = setup.expanded([c for n, c in enumerate(joint.choices) if n != choice])
-        columns = np.concatenate(
-            [others, curve[:, None], (curve * mask)[:, None], setup.residual[:, None]], axis=1
-        )
-        white = weighed.covariance.whiten(columns)
-        found.append(_compare(white, label))
-    return [check for check in found if check is not None]
-
-
-def _compare(white: Array, label: str) -> Check | None:
-    from pyport.least_squares.gram import Part
-
+    parts = {one: curve * mask for one, mask in masks.items() if curve[mask].any()}
+    parts = {one: part for one, part in parts.items() if (part != curve).any()}
+    others = setup.expanded([c for n, c in enumerate(joint.choices) if n != choice])
+    columns = [others, np.stack([curve, *parts.values(), setup.residual], axis=1)]
+    white = weighed.covariance.whiten(np.concatenate(columns, axis=1))
     gram = Gram.of(white, np.zeros(len(white), np.intp), 1)
-    size = white.shape[1] - 1
-    solution = gram.solve([Part(np.arange(size), np.zeros(1, np.intp))])
-    if not solution.known[-2:].all():
-        return None
-    extra, sigma = solution.values[-1], float(np.sqrt(solution.covariance[-1, -1]))
-    differs = abs(extra) > REFUTES * sigma and abs(extra) > SAME_STRENGTH
-    words = f"strength in {label}: {1 + extra:+.2f} +- {sigma:.2f} of the rest's"
+    base = np.arange(others.shape[1] + 1)
+    found = {}
+    for n, label in enumerate(parts, start=len(base)):
+        solution = gram.solve([Part(np.append(base, n), np.zeros(1, np.intp))])
+        if solution.known[-2:].all():
+            sigma = float(np.sqrt(solution.covariance[-1, -1]))
+            found[label] = Strength(float(solution.values[-1]), sigma)
+    return found
+
+
+def _compared(label: str, found: Strength) -> Check:
+    differs = found.sigmas > REFUTES and abs(found.extra) > SAME_STRENGTH
+    words = f"strength in {label}: {1 + found.extra:+.2f} +- {found.sigma:.2f} of the rest's"
     return Check(not differs, words)
+
+
+def _sessions(setup: Problem) -> dict[str, NDArray[np.bool_]]:
+    """Return the readings of each session."""
+    session = setup.session
+    names = setup.recordings.label("session").astype(str)[setup.stack.row]
+    return {f"session {names[session == one][0]}": session == one for one in np.unique(session)}
 
 
 def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:

@@ -96,12 +96,13 @@ def _inside(parameter: Parameter) -> str:
     return parameter.name.rpartition("[")[2].rstrip("]")
 
 
-def looks_like(effect: Effect, called: Name) -> str:
-    """Describe a shape that has no name, with the nearest effect."""
+def looks_like(effect: Effect, called: Name, refuting: Sequence[str]) -> str:
+    """Describe a shape that has no name, with what refutes its own and the nearest effect."""
     shape = effect.variant or effect.id
     runner = called.runner_up
     nearest = "" if runner is None else f"; the nearest effect is {runner.candidate.effect.id}"
-    return f"{effect.sentence} ({shape}){nearest}"
+    but = f", but {' and '.join(refuting)}" if refuting else ""
+    return f"{effect.sentence} ({shape}){but}{nearest}"
 
 
 def two_axes_sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) -> str:

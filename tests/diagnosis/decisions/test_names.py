@@ -177,12 +177,9 @@ def test_other_causes_may_bend_a_known_size_by_a_factor_of_two(value, sigma, see
 )
 def test_strengths_in_two_halves_refute_a_name(extra, sigma, passed):
     """A second coefficient in one half must come out zero within four sigma, or small."""
-    size = 1 / sigma
-    white = np.zeros((4, 3))
-    white[0] = [size, 0.0, size]
-    white[1] = [0.0, size, extra * size]
+    found = scene.Strength(extra, sigma)
 
-    assert scene._compare(white, "the later half").passed == passed
+    assert scene._compared("the later half", found).passed == passed
 
 
 NAMED = Finding(
