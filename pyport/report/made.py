@@ -158,7 +158,7 @@ def _noise(diagnosis: Diagnosis) -> Noise:
         tuple(Departure(**one) for one in does[0]),
         tuple(Drift(**one) for one in does[1]),
         tuple(Growth(**one) for one in does[2]),
-        tuple(remarks.sentences(*does, diagnosis.setup.recordings.meta)),
+        tuple(remarks.sentences(*does, remarks.uneven(diagnosis), diagnosis.setup.recordings.meta)),
     )
 
 

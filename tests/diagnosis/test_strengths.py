@@ -8,20 +8,25 @@ from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
+from pyport.report.made import report_of
 
-NIGHT = np.arange(450) // 150
+
+def diagnosed(nights, there, wave):
+    """Return the diagnosis of 450 readings of some nights, a wave in azimuth in some of them."""
+    night = np.arange(450) * nights // 450
+    made = recordings(
+        450,
+        11,
+        x=lambda at: 12 * np.cos(at.el) * np.sin(wave * at.az) * np.isin(night, there),
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + 86400.0 * night + 120.0 * (np.arange(450) % 150),
+    )
+    return diagnose(made, load("altaz"))
 
 
 def found(there):
     """Return what is found where an encoder is off centre in some of three nights."""
-    made = recordings(
-        450,
-        11,
-        x=lambda at: 12 * np.cos(at.el) * np.sin(at.az) * np.isin(NIGHT, there),
-        session=np.char.add("n", NIGHT.astype(str)),
-        time=1.2e9 + 86400.0 * NIGHT + 120.0 * (np.arange(450) % 150),
-    )
-    return diagnose(made, load("altaz")).findings
+    return diagnosed(3, there, 1).findings
 
 
 @pytest.mark.slow
@@ -41,3 +46,16 @@ def test_what_every_session_has_keeps_its_name():
 
     assert one.effect == "azimuth_eccentricity"
     assert any(check.startswith("strength in session n") for check in one.checks)
+
+
+@pytest.mark.slow
+def test_a_session_that_scatters_more_is_said():
+    """Of nine the fifth has a wave of its own: nothing lasts, and that is no all-clear."""
+    one = report_of(diagnosed(9, [4], 2))
+    said = "catter in cross-elevation is "
+
+    (sentence,) = [words for words in one.noise.sentences if f"S{said}" in words]
+    assert sentence.endswith("arcsec in n4")
+    assert f"s{said}" in one.verdict
+    even = report_of(diagnosed(9, [], 2))
+    assert not any(" arcsec in n" in words for words in (*even.noise.sentences, even.verdict))

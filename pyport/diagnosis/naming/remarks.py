@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
 from pyport.fitting.soundness import doubts
-from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
+from pyport.least_squares import robust
+from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
 #: Scatter that differs by less than a quarter between low and high, or that a drift widens by
@@ -108,6 +109,35 @@ def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return found
 
 
+def uneven(diagnosis: Diagnosis) -> list[str]:
+    """Return a sentence for each axis of a single antenna in which one session scatters more.
+
+    Everything found fitted; only where its scatter is larger by a quarter, and by more than chance.
+    """
+    setup = diagnosis.setup
+    session, axis = setup.session, setup.stack.is_y.astype(int)
+    if setup.blocks.antennas > 1 or len(np.unique(session)) < 2:
+        return []
+    left = setup.residual - diagnosis.after.predicted
+    names = setup.recordings.label("session").astype(str)[setup.stack.row]
+    found = []
+    for is_y, name in enumerate(setup.recordings.at.mount.names):
+        own = (axis == is_y) & diagnosis.weighed.used
+        sizes, counts = {}, {}
+        for one in np.unique(session[own]):
+            some = left[own & (session == one)]
+            sizes[one], counts[one] = robust.scale(some - np.median(some)), len(some)
+        most = max(sizes, key=lambda one: sizes[one], default=None)
+        if most is None or len(sizes) < 2 or counts[most] < FEWEST:
+            continue
+        usual = float(np.median([size for one, size in sizes.items() if one != most]))
+        more = np.log(sizes[most] / max(usual, 1e-300))
+        if more > max(np.log(GROWS), REFUTES / np.sqrt(2 * counts[most])):
+            said = f"{sizes[most] / ARCSEC:.2g} arcsec in {names[session == most][0]}"
+            found.append(f"Scatter in {name} is {usual / ARCSEC:.2g} arcsec, but {said}")
+    return found
+
+
 def _of_drift(one: dict[str, Any]) -> str:
     several = one["lowest_session"] != one["highest_session"]
     if one["memory_s"] is None:
@@ -131,11 +161,13 @@ def sentences(
     departing: Sequence[dict[str, Any]],
     drifting: Sequence[dict[str, Any]],
     growing: Sequence[dict[str, Any]],
+    more: Sequence[str],
     meta: Mapping[str, str],
 ) -> list[str]:
     """Return a sentence for everything that the noise does beyond scattering evenly.
 
-    What `departures`, `drifts` and `by_elevation` return, and the header of the recordings.
+    What `departures`, `drifts`, `by_elevation` and `uneven` return, and the header of the
+    recordings.
     """
     said = [
         f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
@@ -149,6 +181,7 @@ def sentences(
         f"{one['high_el_deg']:.0f} deg"
         for one in growing
     ]
+    said += more
     if SESSIONS in meta:
         said.append(f"Sessions are not recorded: they are taken from {meta[SESSIONS]}")
     if ORDER in meta:
@@ -215,12 +248,21 @@ def nothing(diagnosis: Diagnosis) -> str:
 
 
 def _hides(diagnosis: Diagnosis) -> str:
-    """Return what counts as noise though it changes with time, the largest departure and drifts."""
-    departing = [one for one in departures(diagnosis) if one["of"] == "session"]
+    """Return what counts as noise though it is none: departures, drifts, a session of its own."""
+    scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
+    usual = float(np.median(scatter)) / ARCSEC
+    departing = [
+        one
+        for one in departures(diagnosis)
+        if one["of"] == "session" and np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
+    ]
     largest = sorted(departing, key=lambda one: -one["sigma_arcsec"])[:1]
     said = [f"nights differ in the {one['term']} by {one['sigma_arcsec']:.2g}" for one in largest]
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in drifts(diagnosis)]
-    if not said:
-        return ""
-    noise = " and ".join(f"{one} arcsec" for one in said)
-    return f"; a change with time would have to stand out of the noise: {noise}"
+    told = []
+    if said:
+        noise = " and ".join(f"{one} arcsec" for one in said)
+        told.append(f"a change with time would have to stand out of the noise: {noise}")
+    alone = "which is worth a diagnosis of its own"
+    told += [f"{one[0].lower()}{one[1:]}, {alone}" for one in uneven(diagnosis)]
+    return "".join(f"; {one}" for one in told)
