@@ -7,6 +7,7 @@ import pytest
 from diagnosis.made import recordings
 
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming.remarks import uneven
 from pyport.formats.models import load
 from pyport.report.made import report_of
 
@@ -59,3 +60,17 @@ def test_a_session_that_scatters_more_is_said():
     assert f"s{said}" in one.verdict
     even = report_of(diagnosed(9, [], 2))
     assert not any(" arcsec in n" in words for words in (*even.noise.sentences, even.verdict))
+
+
+@pytest.mark.slow
+def test_nights_of_one_row_tell_no_scatter():
+    """Beside thirty of them one night of many is none that scatters more."""
+    night = np.minimum(np.arange(150), 30)
+    made = recordings(
+        150,
+        11,
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + 86400.0 * night + 120.0 * np.maximum(np.arange(150) - 30, 0),
+    )
+
+    assert uneven(diagnose(made, load("altaz"))) == []

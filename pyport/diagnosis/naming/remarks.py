@@ -123,16 +123,16 @@ def uneven(diagnosis: Diagnosis) -> list[str]:
     found = []
     for is_y, name in enumerate(setup.recordings.at.mount.names):
         own = (axis == is_y) & diagnosis.weighed.used
-        sizes, counts = {}, {}
-        for one in np.unique(session[own]):
-            some = left[own & (session == one)]
-            sizes[one], counts[one] = robust.scale(some - np.median(some)), len(some)
-        most = max(sizes, key=lambda one: sizes[one], default=None)
-        if most is None or len(sizes) < 2 or counts[most] < FEWEST:
+        there, counts = np.unique(session[own], return_counts=True)
+        counted = dict(zip(there[counts >= FEWEST], counts[counts >= FEWEST], strict=True))
+        each = {one: left[own & (session == one)] for one in counted}
+        sizes = {one: robust.scale(some - np.median(some)) for one, some in each.items()}
+        if len(sizes) < 2:
             continue
+        most = max(sizes, key=lambda one: sizes[one])
         usual = float(np.median([size for one, size in sizes.items() if one != most]))
         more = np.log(sizes[most] / max(usual, 1e-300))
-        if more > max(np.log(GROWS), REFUTES / np.sqrt(2 * counts[most])):
+        if more > max(np.log(GROWS), REFUTES / np.sqrt(2 * counted[most])):
             said = f"{sizes[most] / ARCSEC:.2g} arcsec in {names[session == most][0]}"
             found.append(f"Scatter in {name} is {usual / ARCSEC:.2g} arcsec, but {said}")
     return found
