@@ -106,9 +106,8 @@ def test_the_examiner_draws_judges_and_scores():
         f"examiner/sealed/{name}.py" for name in ("protocol", "scoring/judge", "scoring/score")
     } <= {*found}
     assert "examiner/worlds/kinds.py" in found
-    assert not {f"examiner/sealed/{name}.py" for name in ("scoring/page", "scoring/figures")} & {
-        *found
-    }
+    pages = {f"examiner/sealed/scoring/{name}.py" for name in ("page", "sections", "figures")}
+    assert not pages & {*found}
 
 
 SAMPLE = '''
