@@ -57,7 +57,7 @@ def test_what_nights_do_is_a_size(wandering):
 def test_what_drifts_is_said_with_its_memory(drifting):
     """In arcseconds and hours, with the nights furthest from usual; the steady axis is not.
 
-    Eight nights do not tell twelve hours from a walk, which would come further if it went on.
+    Eight nights do not distinguish twelve hours from a walk, which would drift further later on.
     """
     (one,) = told(report_of(drifting))["noise"]["drifts"]
     (said,) = [words for words in report_of(drifting).noise.sentences if "drifts" in words]

@@ -264,7 +264,7 @@ def test_period_amplitude_and_phase_are_reported():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reversing", [False, True])
-def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(reversing):
+def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(monkeypatch, reversing):
     """What shakes the sky keeps it, what the second axis does changes it with the pier's side."""
     rng = np.random.default_rng(3)
     over = rng.random(480) < 0.5
@@ -284,3 +284,6 @@ def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(reversin
     both = np.stack([x[of_y], y[of_y]], axis=1)
     left = wave - both @ np.linalg.lstsq(both, wave, rcond=None)[0]
     assert left.std() < 0.2 * wave.std()
+    monkeypatch.setattr(oscillations, "_ways", lambda _: (reversing,))
+    alone = oscillations.proposed(setup, weigh(setup).covariance, ())
+    assert one.candidate.choices == pytest.approx(2 * alone.candidate.choices, abs=1)

@@ -36,6 +36,9 @@ def test_harmonics_need_much_of_the_circle():
     more = AT.take((AT.az > 90 * DEG) & (AT.az < 249 * DEG))
     assert variants("azimuth_harmonics", more) == ["k = 2", "k = 3", "k = 4"]
 
+    half = AT.take((AT.az > 90 * DEG) & (AT.az < 275 * DEG))
+    assert variants("azimuth_harmonics", half) == [f"k = {k}" for k in range(2, 9)]
+
     at = AT.take((AT.az > 90 * DEG) & (AT.az < 235 * DEG))
 
     for effect in ("azimuth_harmonics", "elevation_harmonics", "azimuth_track"):

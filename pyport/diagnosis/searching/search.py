@@ -1,9 +1,4 @@
-"""The search: add what explains the strongest mismatch, weigh again, until nothing is left.
-
-The search tests each effect as it joins; what joins later may make it useless, and the sum may
-predict worse than its parts. So the whole is fitted once more, and whatever does not pay on data
-left out, in the scheme that suits it, is dropped and listed.
-"""
+"""The search: add what explains the strongest mismatch, weigh again, until nothing is left."""
 
 from __future__ import annotations
 

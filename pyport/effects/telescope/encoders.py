@@ -16,8 +16,8 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
-#: All harmonics of azimuth can be told from anything else where half of the circle was visited,
-#: some over this much of it: an X-Y mount turns through no more than 160 deg. [rad]
+#: Recordings over half of the circle distinguish all harmonics of azimuth from anything else, those
+#: over this much of it some: an X-Y mount turns through no more than 160 deg. [rad]
 HALF, COVERAGE = np.radians(180), np.radians(150)
 #: The circle is counted in sectors of this width. [rad]
 SECTOR = np.radians(10)

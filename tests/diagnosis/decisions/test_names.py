@@ -175,11 +175,40 @@ def test_other_causes_may_bend_a_known_size_by_a_factor_of_two(value, sigma, see
         (0.9, 0.01, False),
     ],
 )
-def test_strengths_in_two_halves_refute_a_name(extra, sigma, passed):
+def test_strengths_in_two_halves_refute_a_name(monkeypatch, extra, sigma, passed):
     """A second coefficient in one half must come out zero within four sigma, or small."""
-    found = scene.Strength(extra, sigma)
+    curve = np.full(2, np.sqrt(2) / sigma)
+    monkeypatch.setattr(scene, "contribution", lambda *_: curve)
+    monkeypatch.setattr(scene, "_halves", lambda _: {"the later half": np.array([False, True])})
+    monkeypatch.setattr(scene, "_sessions", lambda _: {})
+    setup = SimpleNamespace(
+        expanded=lambda _: np.zeros((2, 0)), residual=curve * [1.0, 1.0 + extra]
+    )
+    weighed = SimpleNamespace(covariance=SimpleNamespace(whiten=lambda columns: columns))
+    (check,) = scene.halves(setup, weighed, SimpleNamespace(choices=[None]), 0)
 
-    assert scene._compared("the later half", found).passed == passed
+    assert check.passed == passed
+    assert check.words == (
+        f"strength in the later half: {1 + extra:+.2f} +- {sigma:.2f} of the rest's"
+    )
+
+
+def test_of_the_sessions_the_one_that_differs_most_is_reported(monkeypatch):
+    """By its sigmas, and one alone: the second has three times the strength of the others."""
+    session = np.repeat(["a", "b", "c"], 4)
+    sessions = {one: session == one for one in "abc"}
+    curve = np.tile([10.0, -10.0], 6)
+    monkeypatch.setattr(scene, "contribution", lambda *_: curve)
+    monkeypatch.setattr(scene, "_halves", lambda _: {})
+    monkeypatch.setattr(scene, "_sessions", lambda _: sessions)
+    setup = SimpleNamespace(
+        expanded=lambda _: np.zeros((12, 0)), residual=curve * np.where(session == "b", 3.0, 1.0)
+    )
+    weighed = SimpleNamespace(covariance=SimpleNamespace(whiten=lambda columns: columns))
+    (check,) = scene.halves(setup, weighed, SimpleNamespace(choices=[None]), 0)
+
+    assert not check.passed
+    assert check.words.startswith("strength in b: +3.00 +- ")
 
 
 NAMED = Finding(
