@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
@@ -113,6 +114,11 @@ class Problem:
     def parts(self) -> tuple[Series, ...]:
         """Return the series that noise is estimated for."""
         return self.frame.parts
+
+    @cached_property
+    def session_names(self) -> NDArray[np.str_]:
+        """Return the name of the session of each reading, shape (m,)."""
+        return self.recordings.label("session").astype(str)[self.stack.row]
 
     @property
     def size(self) -> int:

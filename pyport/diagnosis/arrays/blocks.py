@@ -157,7 +157,7 @@ def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bl
     since = _since(setup, steps(fit))
     zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
     value = setup.residual - shared(setup, fit)
-    session = setup.recordings.label("session").astype(str)[stack.row]
+    session = setup.session_names
     antenna = setup.recordings.label("antenna").astype(str)[stack.row]
     everything = np.stack([value, *columns, *zeros.T], axis=1)
     found = []

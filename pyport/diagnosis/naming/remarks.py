@@ -84,7 +84,7 @@ def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
         return []
     of_order = ORDER in setup.recordings.meta
     left = setup.residual - diagnosis.after.predicted
-    session = setup.recordings.label("session").astype(str)[setup.stack.row]
+    session = setup.session_names
     found = []
     for part, noise in zip(setup.parts, diagnosis.weighed.covariance.shown, strict=True):
         white = float(np.hypot(noise.within, noise.between))
@@ -119,7 +119,7 @@ def uneven(diagnosis: Diagnosis) -> list[str]:
     if setup.blocks.antennas > 1 or len(np.unique(session)) < 2:
         return []
     left = setup.residual - diagnosis.after.predicted
-    names = setup.recordings.label("session").astype(str)[setup.stack.row]
+    names = setup.session_names
     found = []
     for is_y, name in enumerate(setup.recordings.at.mount.names):
         own = (axis == is_y) & diagnosis.weighed.used

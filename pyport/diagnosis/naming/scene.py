@@ -238,8 +238,7 @@ def _compared(label: str, found: Strength) -> Check:
 
 def _sessions(setup: Problem) -> dict[str, NDArray[np.bool_]]:
     """Return the readings of each session."""
-    session = setup.session
-    names = setup.recordings.label("session").astype(str)[setup.stack.row]
+    session, names = setup.session, setup.session_names
     return {f"session {names[session == one][0]}": session == one for one in np.unique(session)}
 
 
