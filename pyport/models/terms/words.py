@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -18,9 +17,6 @@ from pyport.mounts import BY_MODEL
 
 #: Internal units in one of a word's units.
 SCALES = {"arcsec": ARCSEC, "deg": DEG, "": 1.0}
-
-#: Exactly how many arcseconds (of a radian, for what has no unit: none) a unit has.
-ARCSECONDS = {"arcsec": Fraction(1), "deg": Fraction(3600)}
 
 
 @dataclass(frozen=True)

@@ -147,11 +147,6 @@ class Variable:
         """Whether the caller gives it a value that varies."""
         return self.intent in {"in", "inout"} and self.fixed is None
 
-    @property
-    def is_output(self) -> bool:
-        """Whether the routine gives it a value."""
-        return self.intent != "in"
-
 
 @dataclass(frozen=True)
 class Routine:
