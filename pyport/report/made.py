@@ -51,14 +51,14 @@ from pyport.report.typed import (
 def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
     """Return what a diagnosis says; of several antennas with what they share."""
     setup, mount = diagnosis.setup, diagnosis.setup.recordings.at.mount
-    whole = completed(diagnosis)
+    whole, noise = completed(diagnosis), remarks.noise_remarks(diagnosis)
     return Report(
         schema=SCHEMA,
         input=_input(setup.recordings, diagnosis),
         model=Held(setup.model.name, tuple(c.candidate.effect.id for c in setup.base)),
         mount=MountOf(mount.id, dict(zip(("xel", "el"), mount.names, strict=True))),
-        noise=_noise(diagnosis),
-        verdict=None if diagnosis.mismatch else nothing(diagnosis),
+        noise=_noise(diagnosis, noise),
+        verdict=None if diagnosis.mismatch else nothing(diagnosis, noise),
         mismatch=diagnosis.mismatch,
         p_value=diagnosis.p_value,
         detection_limit_arcsec={
@@ -144,21 +144,20 @@ def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
     return replace(told, rows=reduction.rows, used=used, reduction=vars(reduction))
 
 
-def _noise(diagnosis: Diagnosis) -> Noise:
+def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
     """Return the noise per axis: the median over the antennas, and the longest drift time."""
     parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.covariance.shown, strict=True))
     across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
     times = [noise.time_s for _, noise in parts if noise.time_s is not None]
-    does = remarks.departures(diagnosis), remarks.drifts(diagnosis), remarks.by_elevation(diagnosis)
     return Noise(
         _median_floor(across),
         _median_floor(along),
         max(times, default=None),
         parts[0][1].how if parts else "reml",
-        tuple(Departure(**one) for one in does[0]),
-        tuple(Drift(**one) for one in does[1]),
-        tuple(Growth(**one) for one in does[2]),
-        tuple(remarks.sentences(*does, remarks.uneven(diagnosis), diagnosis.setup.recordings.meta)),
+        tuple(Departure(**one) for one in does.departing),
+        tuple(Drift(**one) for one in does.drifting),
+        tuple(Growth(**one) for one in does.growing),
+        tuple(remarks.sentences(does, diagnosis.setup.recordings.meta)),
     )
 
 

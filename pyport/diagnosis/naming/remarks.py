@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +28,23 @@ _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
 GROWS = 1.25
 #: The lowest and the highest share of the readings that are compared.
 END = 0.2
+
+
+@dataclass(frozen=True)
+class NoiseRemarks:
+    """What the noise does beyond scattering evenly: see the functions that return each."""
+
+    departing: Sequence[dict[str, Any]]  #: `departures`
+    drifting: Sequence[dict[str, Any]]  #: `drifts`
+    growing: Sequence[dict[str, Any]]  #: `by_elevation`
+    uneven: Sequence[str]  #: `uneven`
+
+
+def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
+    """Return what the noise of a diagnosis does beyond scattering evenly."""
+    return NoiseRemarks(
+        departures(diagnosis), drifts(diagnosis), by_elevation(diagnosis), uneven(diagnosis)
+    )
 
 
 def departures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -157,31 +175,21 @@ def _of_drift(one: dict[str, Any]) -> str:
     return f"{said}; means of sessions run from {low} to {high} arcsec"
 
 
-def sentences(
-    departing: Sequence[dict[str, Any]],
-    drifting: Sequence[dict[str, Any]],
-    growing: Sequence[dict[str, Any]],
-    more: Sequence[str],
-    meta: Mapping[str, str],
-) -> list[str]:
-    """Return a sentence for everything that the noise does beyond scattering evenly.
-
-    What `departures`, `drifts`, `by_elevation` and `uneven` return, and the header of the
-    recordings.
-    """
+def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
+    """Return a sentence for all that the noise does, and for what the recordings' header tells."""
     said = [
         f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
         f"({len(one['labels'])} {one['of']}s)"
-        for one in departing
+        for one in noise.departing
     ]
-    said += map(_of_drift, drifting)
+    said += map(_of_drift, noise.drifting)
     said += [
         f"Scatter in {one['axis']} is {one['low_arcsec']:.2g} arcsec near "
         f"{one['low_el_deg']:.0f} deg of elevation and {one['high_arcsec']:.2g} near "
         f"{one['high_el_deg']:.0f} deg"
-        for one in growing
+        for one in noise.growing
     ]
-    said += more
+    said += noise.uneven
     if SESSIONS in meta:
         said.append(f"Sessions are not recorded: they are taken from {meta[SESSIONS]}")
     if ORDER in meta:
@@ -229,7 +237,7 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
     )
 
 
-def nothing(diagnosis: Diagnosis) -> str:
+def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     """Return what is said where no finding is: what was looked for, and how little was to be seen.
 
     No finding is no all-clear: few recordings show large effects only, and what is left may not
@@ -240,29 +248,31 @@ def nothing(diagnosis: Diagnosis) -> str:
     if diagnosis.too_few is not None:
         return f"{diagnosis.too_few.sentence}{more}"
     if diagnosis.p_value > FAMILY_ERROR:
-        return f"Nothing is missing that these recordings could show{more}{_hides(diagnosis)}"
+        return (
+            f"Nothing is missing that these recordings could show{more}{_hides(diagnosis, noise)}"
+        )
     return (
         "What is left does not look like the noise that was assumed, but nothing that was tried "
         "predicts unseen data better"
     )
 
 
-def _hides(diagnosis: Diagnosis) -> str:
+def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     """Return what counts as noise though it is none: departures, drifts, a session of its own."""
     scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
     usual = float(np.median(scatter)) / ARCSEC
     departing = [
         one
-        for one in departures(diagnosis)
+        for one in noise.departing
         if one["of"] == "session" and np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
     ]
     largest = sorted(departing, key=lambda one: -one["sigma_arcsec"])[:1]
     said = [f"nights differ in the {one['term']} by {one['sigma_arcsec']:.2g}" for one in largest]
-    said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in drifts(diagnosis)]
+    said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
     told = []
     if said:
-        noise = " and ".join(f"{one} arcsec" for one in said)
-        told.append(f"a change with time would have to stand out of the noise: {noise}")
+        sizes = " and ".join(f"{one} arcsec" for one in said)
+        told.append(f"a change with time would have to stand out of the noise: {sizes}")
     alone = "which is worth a diagnosis of its own"
-    told += [f"{one[0].lower()}{one[1:]}, {alone}" for one in uneven(diagnosis)]
+    told += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
     return "".join(f"; {one}" for one in told)
