@@ -113,7 +113,7 @@ def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(monkeypatch, ga
 def test_the_best_period_is_the_top_of_a_parabola():
     """Its sigma is where twice the log of the likelihood has fallen by one."""
     waves = SimpleNamespace(fit=lambda period: (50 - ((period - 1000.3) / 4) ** 2, None, None))
-    top, sigma, _ = oscillations._top(waves, np.linspace(950, 1050, 11))
+    top, sigma, _ = oscillations.top(waves, np.linspace(950, 1050, 11))
 
     assert (top, sigma) == pytest.approx((1000.3, 4.0), rel=1e-6)
 
