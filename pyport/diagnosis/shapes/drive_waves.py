@@ -43,16 +43,20 @@ FAMILIES = {
 
 
 def is_short(effect: Effect) -> bool:
-    """Tell whether an effect is a wave that is not among the harmonics tried one by one."""
-    return (effect.of or effect.id) in FAMILIES and effect.member["k"] not in HARMONICS
+    """Tell whether an effect is a wave that comes oftener than the harmonics tried one by one."""
+    return (effect.of or effect.id) in FAMILIES and effect.member["k"] > HARMONICS[-1]
 
 
 @dataclass(frozen=True)
 class Way:
-    """A family, and the readings as a search for its periods [deg] meets them."""
+    """A family, and the readings as a search for its periods [deg] meets them.
+
+    `step` is that of the grid [deg] that the angles lie on, 0 where they lie on none.
+    """
 
     effect: Effect
     scan: Scan
+    step: float
 
     def member(self, turns: float) -> Effect:
         """Return the wave that comes so often in a turn."""
@@ -73,18 +77,19 @@ def ways_of(setup: Problem) -> Iterator[Way]:
         return
     families = {one.effect.id for one in setup.candidates}
     at, row = setup.recordings.at, setup.stack.row
-    side = np.broadcast_to(at.side, len(at))[row]
     for effect in catalogue(at.mount).values():
         if effect.id not in families or (effect.of or effect.id) not in FAMILIES:
             continue
         _, along = FAMILIES[effect.of or effect.id]
+        side = np.broadcast_to(at.side, len(at))[row]
         sign = side * (setup.stack.is_y if along else ~setup.stack.is_y * np.cos(at.axes.el[row]))
         angle = angles_of(setup, effect)
-        seen = sign != 0
+        seen = abs(sign) > 0
         if np.count_nonzero(seen) < ENOUGH_SQUARES:
             continue
         begin, length = float(angle.min()), float(np.ptp(angle[seen]))
-        shortest = max(SHORTEST_DEG, 2 * step_of(angle[seen], sign[seen] ** 2))
+        step = step_of(angle[seen], sign[seen] ** 2)
+        shortest = max(SHORTEST_DEG, 2 * step)
         longest = min(360 / (HARMONICS[-1] + 0.5), length / PERIODS_ALONE)
         if longest < 2 * shortest:
             continue
@@ -99,7 +104,7 @@ def ways_of(setup: Problem) -> Iterator[Way]:
             shortest,
             longest,
         )
-        yield Way(effect, scan)
+        yield Way(effect, scan, step)
 
 
 def step_of(angle: Array, weight: Array) -> float:
@@ -107,30 +112,37 @@ def step_of(angle: Array, weight: Array) -> float:
 
     Waves whose frequencies differ by one over the step are alike on it.
     """
-    frequency, sums = _waves(angle - angle.min(), weight, SHORTEST_DEG / 2)
-    alike = np.abs(sums) ** 2 > ALIKE * float(weight.sum()) ** 2
-    first = int(np.argmin(alike))
-    again = np.flatnonzero(alike[first:])
-    return 0.0 if alike.all() or not len(again) else 1 / float(frequency[first + again[0]])
+    frequency, squares = _waves(angle - angle.min(), weight, SHORTEST_DEG / 2)
+    alike = squares > ALIKE * float(weight.sum()) ** 2
+    beyond = int(np.argmin(alike))
+    again = np.flatnonzero(alike[beyond:])
+    if alike.all() or not len(again):
+        return 0.0
+    start = beyond + int(again[0])
+    end = start + int(np.argmin([*alike[start:], False]))
+    about = 1 / float(frequency[start + np.argmax(squares[start:end])])
+    # Frequencies are known to an eighth of a turn over all angles: no step is miscounted.
+    counted = np.round((angle - angle.min()) / about)
+    return float(np.polyfit(counted, angle, 1)[0])
 
 
 def _waves(angle: Array, pull: Array, shortest: float) -> tuple[Array, Array]:
-    """Return frequencies [1/deg] down to a shortest period, and the sums of a pull times a wave."""
+    """Return frequencies [1/deg] down to a shortest period, and squares of a pull times a wave."""
     width = shortest / BINS
     bins = np.round(angle / width).astype(np.intp)
     size = 1 << int(np.ceil(np.log2(OVERSAMPLED * (int(bins.max()) + 1))))
     sums = np.fft.rfft(np.bincount(bins, pull, size))
     frequency = np.fft.rfftfreq(size, width)
     there = frequency <= 1 / shortest
-    return frequency[there], sums[there]
+    return np.asarray(frequency[there], float), np.asarray(np.abs(sums[there]) ** 2, float)
 
 
 def _peak(scan: Scan, view: View) -> Peak:
     """Return the best period [deg] of a wave, longer ones included."""
-    frequency, sums = _waves(scan.time, view.pull, scan.shortest)
-    frequency, sums = frequency[1:], sums[1:]
+    frequency, squares = _waves(scan.time, view.pull, scan.shortest)
+    frequency, squares = frequency[1:], squares[1:]
     information = view.at(1 / frequency).sum(axis=0)
-    gain = np.abs(sums) ** 2 / np.maximum(information, 1e-9 * information.max())
+    gain = squares / np.maximum(information, 1e-9 * information.max())
     return highest(scan, frequency, gain, 2)
 
 
@@ -161,7 +173,7 @@ def proposed(setup: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Cho
 
 def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
     """Return a wave of the same family with the period that readings of weight prefer."""
-    way = next(each for each in ways_of(setup) if each.effect.id == one.id)
+    way = way_of(setup, one)
     peak = _peak(way.scan, view_of(setup, way.scan, noise, others))
     if peak.period > way.scan.longest:
         return one
@@ -170,9 +182,13 @@ def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effe
 
 def sigma_of(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> float:
     """Return the error of how often a wave comes in a turn."""
-    way = next(each for each in ways_of(setup) if each.effect.id == one.id)
-    k = float(one.member["k"])
-    return _refined(setup, noise, others, way, Peak(360 / k, 0.0, 1.0, wanders=False))[1]
+    near = Peak(360 / float(one.member["k"]), 0.0, 1.0, wanders=False)
+    return _refined(setup, noise, others, way_of(setup, one), near)[1]
+
+
+def way_of(setup: Problem, one: Effect) -> Way:
+    """Return the family of a wave that was found, with the readings."""
+    return next(each for each in ways_of(setup) if each.effect.id == one.id)
 
 
 def _refined(

@@ -16,7 +16,8 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
-#: Shortest period of waves that come oftener, whose number is found from the recordings. [deg]
+#: Shortest period of waves that come oftener, whose number is found from the recordings: worms and
+#: teeth of large mounts have a degree or two. [deg]
 SHORTEST_DEG = 1.0
 #: Recordings over half of the circle distinguish all harmonics of azimuth from anything else, those
 #: over this much of it some: an X-Y mount turns through no more than 160 deg. [rad]
@@ -56,7 +57,7 @@ def _family(member: Callable[[float], Effect], at: Circumstances) -> tuple[Effec
 
 def _often(k: float) -> str:
     """Return how often a wave comes: in words, or by its period beyond the harmonics."""
-    return times(int(k)) if k <= HARMONICS[-1] else f"a wave of {360 / k:.4g} deg, {k:.5g}"
+    return times(k) if k <= HARMONICS[-1] else f"a wave of {360 / k:.4g} deg, {k:.5g}"
 
 
 def _with(axis: str, k: float) -> str:
