@@ -84,11 +84,12 @@ def winner_of(
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
-    present noise nothing else is: the noise may have swallowed a change, and no other effect. A
+    present noise only short waves of drives are, whose periods no trial has: the noise may have
+    swallowed a change, and no other effect. A
     change that promises less than a lasting effect gains waits until that effect has failed.
     """
     turn = (setup, weighed, chosen, trials, banned)
-    drives = _of_drives(setup, weighed, chosen, least) if changes else []
+    drives = _of_drives(setup, weighed, chosen, least, banned) if changes else []
     lasting = [*(_lasting(*turn, least, beside) if mismatch else []), *drives]
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     moved = _changes(*turn, lead) if changes else []
@@ -183,12 +184,20 @@ def _oscillating(
 
 
 def _of_drives(
-    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], least: float
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    least: float,
+    banned: Collection[str],
 ) -> list[Winner]:
     """Return the short wave of a drive that is proposed, if any and worth more than the least."""
     one = drive_waves.proposed(setup, weighed.covariance, chosen)
     found = [] if one is None else _of_its_case(setup, chosen, one)
-    return [each for each in found if each.trial.evidence > least]
+    return [
+        each
+        for each in found
+        if each.trial.evidence > least and each.chosen.candidate.effect.id not in banned
+    ]
 
 
 def _of_its_case(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen) -> list[Winner]:
