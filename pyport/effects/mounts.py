@@ -64,10 +64,16 @@ def meaning(effect: Effect, mounts: tuple[str, ...] = ()) -> str:
     return "; ".join([effect.sentence, *more])
 
 
-def times(k: int) -> str:
+def times(k: float) -> str:
     """Return how often in words: once, twice, three times, ..."""
-    words = {1: "once", 2: "twice", 3: "three times", 4: "four times", 5: "five times"}
-    return words.get(k, f"{k} times")
+    words: dict[float, str] = {
+        1: "once",
+        2: "twice",
+        3: "three times",
+        4: "four times",
+        5: "five times",
+    }
+    return words.get(k, f"{k:.5g} times")
 
 
 #: Letters of the axes in a formula, also behind a multiple and in a rate.

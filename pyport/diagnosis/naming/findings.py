@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import Array
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.joint import contribution, excess_of, largest_offset, visible
-from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming import drives, words
+from pyport.diagnosis.naming.drives import of_axis
 from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
 from pyport.diagnosis.naming.scene import (
     Check,
@@ -29,6 +30,7 @@ from pyport.diagnosis.naming.scene import (
 from pyport.diagnosis.naming.verdict import honest
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Step
+from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.oscillations import likeliest_period
@@ -72,11 +74,18 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     seen = visible(setup, scene.weighed, curve)
     effect = chosen.candidate.effect
     of_time = effect.id == OSCILLATION
+    of_drive = drive_waves.is_short(effect)
     parameters = (oscillation_parameters if of_time else parameters_of)(scene, choice)
+    like = None
+    if of_drive:
+        parameters = drives.parameters(scene, choice, parameters)
+        like = drives.alias(effect, drive_waves.way_of(setup, effect).step)
     called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)
     if of_time:
         checks.append(_own_period(scene, chosen))
+    if of_drive:
+        checks.append(drives.throughout(scene, chosen))
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
@@ -91,7 +100,8 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     few = len(called.members) <= MOST_MEMBERS
     refuting = [one.words for one in checks if not one.passed]
     named = effect.physical and few and not refuting
-    one = len(called.members) == 1 and not called.others
+    # A wave looks like another on a grid.
+    one = len(called.members) == 1 and not called.others and not like
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
         # Where other terms move to make room for it, it is not.
@@ -121,10 +131,16 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called, refuting),
-        decide_by=turns.decide_by(called.members, called.others) if named else words.WATCH,
+        decide_by=_decided(called, like) if named else words.WATCH,
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
+
+
+def _decided(called: turns.Name, like: str | None) -> str | None:
+    """Return what distinguishes the names of a finding, and a wave from its like on a grid."""
+    apart = turns.decide_by(called.members, called.others)
+    return "; ".join(filter(None, (apart, like))) or None
 
 
 def _own_period(scene: Scene, chosen: Chosen) -> Check:
@@ -176,23 +192,5 @@ def oscillation_parameters(scene: Scene, choice: int) -> list[Parameter]:
     for axis in ("xel", "el"):
         own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]
         if own:
-            found += _of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
+            found += of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
     return found
-
-
-def _of_axis(axis: str, value: Array, covariance: Array, *, held: bool) -> list[Parameter]:
-    """Return the amplitude in an axis, and the phase where one is `held`."""
-    waves = max(len(value) // 2, 1)
-    size = float(np.sqrt(value @ value / waves))
-    along = value / (waves * max(size, 1e-300))
-    sigma = float(np.sqrt(along @ covariance @ along))
-    if not held:
-        size = float(np.sqrt(max(size**2 - np.trace(covariance) / waves, 0.0)))
-        return [Parameter(f"amplitude_{axis}", size / ARCSEC, sigma / ARCSEC, "arcsec")]
-    across = np.array([-along[1], along[0]])
-    phase = float(np.arctan2(value[1], value[0]))
-    error = float(np.sqrt(across @ covariance @ across)) / max(size, 1e-300)
-    return [
-        Parameter(f"amplitude_{axis}", size / ARCSEC, sigma / ARCSEC, "arcsec"),
-        Parameter(f"phase_{axis}", phase / DEG, min(error, np.pi) / DEG, "deg"),
-    ]

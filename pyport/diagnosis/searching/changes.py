@@ -18,7 +18,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
 from pyport.diagnosis.evidence import CandidateFit, at_best
-from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.shapes.edges import edges_of
 from pyport.diagnosis.weighing import View, WhitenedData, plain_view, shown_beside, whiten_model
 from pyport.effects import Effect, catalogue
@@ -268,6 +268,9 @@ def _anew(
             return Anew(np.zeros((len(curve), 0)), curve)
         columns = setup.stack.columns(fresh, setup.recordings.at)
         return Anew(columns[:, columns.any(axis=0)])
+    if drive_waves.is_short(effect):
+        fresh = drive_waves.again(setup, covariance, others, effect)
+        return Anew(setup.stack.columns(fresh, setup.recordings.at))
     family = [each for each in setup.candidates if each.effect.id == effect.id]
     if len(family) < 2 or one.scope != "all":
         return Anew(setup.expanded([one]))

@@ -127,7 +127,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
             return replace(now, p_value=first, last=trials)
         trial, setup, new = winner.trial, winner.setup, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
-        if confounded(setup, trial.candidate.effect):
+        if winner.beside is not None or confounded(setup, trial.candidate.effect):
             p_value = min(p_value, float(np.exp(-trial.evidence / 2)))
         if not now.steps:
             first = min(first, p_value)

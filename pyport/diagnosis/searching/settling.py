@@ -17,6 +17,7 @@ from pyport.diagnosis.searching.changes import past_outliers
 from pyport.diagnosis.searching.confirming import likeliest
 from pyport.diagnosis.searching.turns import TIE, Outcome
 from pyport.diagnosis.searching.winner import trials_of
+from pyport.diagnosis.shapes.drive_waves import is_short
 from pyport.diagnosis.weighing import weigh, weigh_model
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS
@@ -91,7 +92,7 @@ def _of_families(outcome: Outcome) -> Outcome:
         step = outcome.step_of(one)
         if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
             continue
-        if confounded(setup, one.candidate.effect):
+        if confounded(setup, one.candidate.effect) or is_short(one.candidate.effect):
             continue
         same = [
             each

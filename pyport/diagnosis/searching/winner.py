@@ -14,7 +14,7 @@ from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.changes import proposed, refine
 from pyport.diagnosis.searching.confirming import confirmed
-from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.weighing import WhitenedData, weigh
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
@@ -84,15 +84,17 @@ def winner_of(
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
-    present noise nothing else is: the noise may have swallowed a change, and no other effect. A
+    present noise only short waves of drives are, whose periods no trial has: the noise may have
+    swallowed a change, and no other effect. A
     change that promises less than a lasting effect gains waits until that effect has failed.
     """
     turn = (setup, weighed, chosen, trials, banned)
-    lasting = _lasting(*turn, least, beside) if mismatch else []
-    lead = lasting[0].trial.evidence if lasting else -np.inf
+    drives = _of_drives(setup, weighed, chosen, least, banned) if changes else []
+    lasting = [*(_lasting(*turn, least, beside) if mismatch else []), *drives]
+    lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     moved = _changes(*turn, lead) if changes else []
     if moved and not mismatch:
-        lasting = _lasting(*turn, least, beside)
+        lasting = [*_lasting(*turn, least, beside), *drives]
     found = _first(weighed, chosen, moved, lasting)
     if found is None and changes and lead > -np.inf:
         moved = _changes(*turn, -np.inf)
@@ -178,8 +180,28 @@ def _oscillating(
 ) -> list[Winner]:
     """Return the oscillation that is proposed, if any, as a winner whose period is a new one."""
     one = oscillations.proposed(setup, weighed.covariance, chosen, above)
-    if one is None:
-        return []
+    return [] if one is None else _of_its_case(setup, chosen, one)
+
+
+def _of_drives(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    least: float,
+    banned: Collection[str],
+) -> list[Winner]:
+    """Return the short wave of a drive that is proposed, if any and worth more than the least."""
+    one = drive_waves.proposed(setup, weighed.covariance, chosen)
+    found = [] if one is None else _of_its_case(setup, chosen, one)
+    return [
+        each
+        for each in found
+        if each.trial.evidence > least and each.chosen.candidate.effect.id not in banned
+    ]
+
+
+def _of_its_case(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen) -> list[Winner]:
+    """Return a wave that the noise cannot do as well, as a winner that brings its columns."""
     wider, price = oscillations.widened(setup, one), one.candidate.price
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:

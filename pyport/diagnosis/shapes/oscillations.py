@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -67,13 +68,13 @@ def proposed(
     ]
     worth, best, scan, _ = max(found, key=lambda one: one[0])
     price = 2 * float(np.log(len(scans)))
-    if worth - price <= max(CONVINCING, above) or best.period_s > scan.longest:
+    if worth - price <= max(CONVINCING, above) or best.period > scan.longest:
         return None
     refined = []
     for wanders in {peak.wanders for _, peak, *_ in found}:
         own = [one for one in found if one[1].wanders == wanders]
         was, peak, scan, noise = max(own, key=lambda one: one[0])
-        if peak.period_s <= scan.longest:
+        if peak.period <= scan.longest:
             one, evidence = _refined(setup, scan, noise, chosen, peak, len(scans))
             refined.append((was + evidence - peak.evidence, one))
     return max(refined, key=lambda one: one[0])[1]
@@ -91,7 +92,7 @@ def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one:
     wanders = _wanders(one)
     view = view_of(setup, scan, covariance, others)
     peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders)
-    first = _effect(setup, scan, peak.period_s, wanders=wanders)
+    first = _effect(setup, scan, peak.period, wanders=wanders)
     if wanders:
         return first
     period = likeliest_period(setup, covariance, others, first)[0]
@@ -143,7 +144,7 @@ def _refined(
 
     And its evidence.
     """
-    first = _effect(setup, scan, peak.period_s, wanders=peak.wanders)
+    first = _effect(setup, scan, peak.period, wanders=peak.wanders)
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
     effect = _effect(setup, scan, period, wanders=peak.wanders)
     kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
@@ -171,7 +172,7 @@ def likeliest_period(
     if not _wanders(effect):
         width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
         periods += near_best(waves.scan, view_of(setup, waves.scan, noise, chosen))
-    found = [_top(waves, one * np.exp(width * np.linspace(-1, 1, NEAR))) for one in periods]
+    found = [top(waves, one * np.exp(width * np.linspace(-1, 1, NEAR))) for one in periods]
     period, sigma, evidence = max(found, key=lambda one: one[2])
     chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
     apart = np.array([one[0] - period for one in found])
@@ -266,17 +267,23 @@ def _wandered(setup: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[
     return free, [np.asarray(np.kron(one, np.eye(2)), float) for one in roots]
 
 
-def _top(waves: _Waves, period_s: Array) -> tuple[float, float, float]:
-    """Return the period at the top of a parabola through the best of some, and how sure."""
-    worth = np.array([waves.fit(float(one))[0] for one in period_s])
+class _Fits(Protocol):
+    """What knows the evidence of a period or frequency: the first that `fit` returns."""
+
+    def fit(self, tried: float, /) -> tuple[float, *tuple[object, ...]]: ...
+
+
+def top(waves: _Fits, tried: Array) -> tuple[float, float, float]:
+    """Return the top of a parabola through the best of some periods, its sigma, its evidence."""
+    worth = np.array([waves.fit(float(one))[0] for one in tried])
     best = int(np.argmax(worth))
     some = slice(max(best - 3, 0), best + 4)
-    middle = float(period_s[best])
-    bend, slope, _ = np.polyfit(period_s[some] - middle, worth[some], 2)
+    middle = float(tried[best])
+    bend, slope, _ = np.polyfit(tried[some] - middle, worth[some], 2)
     if bend >= 0:
-        return middle, float(np.ptp(period_s)), float(worth[best])
-    top = np.clip(middle - slope / (2 * bend), period_s[some].min(), period_s[some].max())
-    return float(top), float(np.sqrt(-1 / bend)), float(worth[best])
+        return middle, float(np.ptp(tried)), float(worth[best])
+    highest = np.clip(middle - slope / (2 * bend), tried[some].min(), tried[some].max())
+    return float(highest), float(np.sqrt(-1 / bend)), float(worth[best])
 
 
 def widened(setup: Problem, one: Chosen) -> Problem:

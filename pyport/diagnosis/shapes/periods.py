@@ -44,13 +44,13 @@ _SIZES = np.geomspace(0.02, 1e3, 16)[:, None]
 
 @dataclass(frozen=True)
 class Peak:
-    """The best period of a kind.
+    """The best period of a kind, in the unit of its scan.
 
     `evidence` is twice the log of how much likelier the data are with it, its choice among
     `choices` periods not yet paid.
     """
 
-    period_s: float
+    period: float
     evidence: float
     choices: float
     wanders: bool
@@ -65,16 +65,18 @@ class Peak:
 class Scan:
     """The readings of one antenna as a search for periods meets them.
 
+    Periods of time are in seconds; of a drive, whose waves follow an angle, in degrees.
+
     Attributes
     ----------
     time, session, is_y
-        Of each reading: time since the first [s], number of its session, axis; shape (m,).
+        Of each reading: time since the first, number of its session, axis; shape (m,).
     sign
         What a wave is multiplied by: -1 where it changes with the side of a pier, shape (m,).
     begin, length
-        Of each session [s], shape (S,).
+        Of each session, shape (S,).
     shortest, longest
-        Periods between which one is looked for [s].
+        Periods between which one is looked for.
     """
 
     time: Array
@@ -182,7 +184,11 @@ def _held(scan: Scan, view: View) -> Peak | None:
     found = _gains(scan, view)
     if found is None:
         return None
-    frequency, gain, waves = found
+    return highest(scan, *found)
+
+
+def highest(scan: Scan, frequency: Array, gain: Array, waves: int) -> Peak:
+    """Return the period of the highest gain (F,) of a number of amplitudes, with its price."""
     best = int(np.argmax(gain))
     most = max(float(gain[best]) / waves, 1.0)
     # Of equal information the likeliest variance has a closed form.

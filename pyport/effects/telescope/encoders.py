@@ -16,6 +16,9 @@ _WALLACE = "Wallace, TPOINT Telescope Pointing Analysis System, standard terms"
 
 #: Harmonic numbers that are tried when none is given.
 HARMONICS = range(2, 9)
+#: Shortest period of waves that come oftener, whose number is found from the recordings: worms and
+#: teeth of large mounts have a degree or two. [deg]
+SHORTEST_DEG = 1.0
 #: Recordings over half of the circle distinguish all harmonics of azimuth from anything else, those
 #: over this much of it some: an X-Y mount turns through no more than 160 deg. [rad]
 HALF, COVERAGE = np.radians(180), np.radians(150)
@@ -47,9 +50,21 @@ def _wave(name: str) -> tuple[Coefficient, Coefficient]:
     return Coefficient(f"{name}_sine"), Coefficient(f"{name}_cosine")
 
 
-def _family(member: Callable[[int], Effect], at: Circumstances) -> tuple[Effect, ...]:
+def _family(member: Callable[[float], Effect], at: Circumstances) -> tuple[Effect, ...]:
     """Return a member for each harmonic, where there are azimuths enough."""
     return tuple(map(member, harmonics(at)))
+
+
+def _often(k: float) -> str:
+    """Return how often a wave comes: in words, or by its period beyond the harmonics."""
+    return times(k) if k <= HARMONICS[-1] else f"a wave of {360 / k:.4g} deg, {k:.5g}"
+
+
+def _with(axis: str, k: float) -> str:
+    """Return what an encoder or drive errs with."""
+    if k <= HARMONICS[-1]:
+        return f"a harmonic of {axis}"
+    return f"a period of {360 / k:.4g} deg, as teeth, a worm, a rack or an encoder's lines do"
 
 
 def azimuth_eccentricity(at: Circumstances) -> tuple[Array, Array]:
@@ -58,7 +73,7 @@ def azimuth_eccentricity(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, (cos_e * np.sin(at.az), 0), (cos_e * np.cos(at.az), 0))
 
 
-def azimuth_harmonics(k: int) -> Effect:
+def azimuth_harmonics(k: float) -> Effect:
     """Return the k-th harmonic of the azimuth reading: cos E (sin kA, cos kA) across."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -67,14 +82,14 @@ def azimuth_harmonics(k: int) -> Effect:
 
     return Effect(
         "azimuth_harmonics",
-        "the azimuth encoder or drive errs with a harmonic of azimuth",
+        "the azimuth encoder or drive errs with " + _with("azimuth", k),
         _BORKOWSKI,
         _wave("azimuth_harmonic"),
         basis,
-        variant=f"k = {k}",
+        variant=f"k = {k:.5g}",
         profile=lambda at: _family(azimuth_harmonics, at),
         acts_in=AXES,
-        pattern=f"{times(k)} per turn of azimuth, in azimuth alone",
+        pattern=f"{_often(k)} per turn of azimuth, in azimuth alone",
         formula=("cos E (s sin kA + c cos kA), k >= 2", ""),
         parameter=k,
         member={"k": k},
@@ -82,7 +97,7 @@ def azimuth_harmonics(k: int) -> Effect:
     )
 
 
-def elevation_harmonics(k: int) -> Effect:
+def elevation_harmonics(k: float) -> Effect:
     """Return nodding with the k-th harmonic of azimuth: (sin kA, cos kA) along elevation."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -94,10 +109,10 @@ def elevation_harmonics(k: int) -> Effect:
         _BORKOWSKI,
         _wave("elevation_harmonic"),
         basis,
-        variant=f"k = {k}",
+        variant=f"k = {k:.5g}",
         profile=lambda at: _family(elevation_harmonics, at),
         acts_in=AXES,
-        pattern=f"{times(k)} per turn of azimuth, in elevation alone",
+        pattern=f"{_often(k)} per turn of azimuth, in elevation alone",
         means={
             "wheel-and-track": "the track, not level",
             "bearing": "the azimuth bearing, not flat",
@@ -109,7 +124,7 @@ def elevation_harmonics(k: int) -> Effect:
     )
 
 
-def elevation_encoder_harmonics(k: int) -> Effect:
+def elevation_encoder_harmonics(k: float) -> Effect:
     """Return the k-th harmonic of the elevation reading: (sin kE, cos kE) along elevation."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
@@ -117,14 +132,14 @@ def elevation_encoder_harmonics(k: int) -> Effect:
 
     return Effect(
         "elevation_encoder_harmonics",
-        "the elevation encoder or drive errs with a harmonic of elevation",
+        "the elevation encoder or drive errs with " + _with("elevation", k),
         _GREVE,
         _wave("elevation_encoder_harmonic"),
         basis,
-        variant=f"k = {k}",
+        variant=f"k = {k:.5g}",
         profile=lambda _: tuple(map(elevation_encoder_harmonics, HARMONICS)),
         acts_in=AXES,
-        pattern=f"{times(k)} per turn of elevation, in elevation alone",
+        pattern=f"{_often(k)} per turn of elevation, in elevation alone",
         formula=("", "s sin kE + c cos kE, k >= 2"),
         parameter=k,
         member={"k": k},

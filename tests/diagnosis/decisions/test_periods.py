@@ -7,7 +7,7 @@ import pytest
 from diagnosis.decisions.stubs import ONE_ANTENNA, Columns
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis.naming import findings
+from pyport.diagnosis.naming import drives
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.effects.empirical.fields import oscillation
 from pyport.thresholds import PERIODS_FREE
@@ -113,7 +113,7 @@ def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(monkeypatch, ga
 def test_the_best_period_is_the_top_of_a_parabola():
     """Its sigma is where twice the log of the likelihood has fallen by one."""
     waves = SimpleNamespace(fit=lambda period: (50 - ((period - 1000.3) / 4) ** 2, None, None))
-    top, sigma, _ = oscillations._top(waves, np.linspace(950, 1050, 11))
+    top, sigma, _ = oscillations.top(waves, np.linspace(950, 1050, 11))
 
     assert (top, sigma) == pytest.approx((1000.3, 4.0), rel=1e-6)
 
@@ -149,6 +149,6 @@ def test_a_phase_is_forgotten_in_its_quality_over_pi_periods():
 def test_an_amplitude_is_stated_with_its_phase_where_one_holds(value, held, stated):
     """Of stretches the root mean square, less what errors of half an arcsecond add to it."""
     covariance = (0.5 * ARCSEC) ** 2 * np.eye(len(value))
-    found = findings._of_axis("el", ARCSEC * np.array(value), covariance, held=held)
+    found = drives.of_axis("el", ARCSEC * np.array(value), covariance, held=held)
 
     assert [number for one in found for number in (one.value, one.sigma)] == pytest.approx(stated)

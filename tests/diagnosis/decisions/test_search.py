@@ -251,7 +251,7 @@ def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, 
     assert winner.predicts(None, None, "before", "after", gain) == good
 
 
-def turn(monkeypatch, lasting=(), moved=(), sure=99.0, unseen=lambda _: True, **options):
+def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda _: True, **options):
     """Return who wins a turn among lasting effects and changes."""
     monkeypatch.setattr(
         winner,
@@ -259,6 +259,7 @@ def turn(monkeypatch, lasting=(), moved=(), sure=99.0, unseen=lambda _: True, **
         lambda *given: [one for one in moved if one.trial.gain > given[-1]],
     )
     monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
+    monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(winner, "_confirmed", lambda one, _: sure(one) if callable(sure) else sure)
     monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
     monkeypatch.setattr(
@@ -355,6 +356,27 @@ def test_without_a_mismatch_only_changes_are_looked_for(monkeypatch):
     # Where there is one, what was there all along may pass for it.
     assert turn(monkeypatch, RANKED, [won("epoch_tilt")], mismatch=False) == "refraction"
     assert turn(monkeypatch, (), [won("epoch_tilt")], changes=False) is None
+
+
+@pytest.mark.parametrize(
+    ("sure", "least", "banned", "wins"),
+    [
+        (20.0, 0.0, (), True),
+        (5.0, 0.0, (), False),
+        (20.0, 25.0, (), False),
+        (20.0, 0.0, ("azimuth_harmonics",), False),
+    ],
+)
+def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least, banned, wins):
+    """No trial has its period; it must beat what the noise can do, and the least."""
+    wave = won("azimuth_harmonics", 20.0)
+    monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
+    monkeypatch.setattr(winner, "_of_its_case", lambda *_: [wave])
+    now = SimpleNamespace(covariance=None)
+    drives = winner._of_drives(setup(), now, (), least, banned)
+    found = turn(monkeypatch, drives=drives, sure=sure, mismatch=False)
+
+    assert (found is not None) == wins
 
 
 @pytest.mark.parametrize(("sure", "found"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])

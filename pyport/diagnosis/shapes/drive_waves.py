@@ -1,0 +1,234 @@
+"""Periodic errors of drives: waves in an angle of the mount too short to be tried one by one.
+
+Their period is looked for as that of an oscillation whose phase holds, with an angle for the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import Candidate
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.searching.confirming import beside_model
+from pyport.diagnosis.shapes.oscillations import NEAR, top
+from pyport.diagnosis.shapes.periods import (
+    OVERSAMPLED,
+    Peak,
+    Scan,
+    View,
+    highest,
+    view_of,
+)
+from pyport.effects import catalogue
+from pyport.effects.base import Effect
+from pyport.effects.telescope.encoders import HARMONICS, SHORTEST_DEG
+from pyport.noise.covariance import Covariance
+from pyport.runs.stages import stage
+from pyport.thresholds import ALIKE, CONVINCING, ENOUGH_SQUARES, PERIODS_ALONE
+
+#: Angles are counted in bins of this share of the shortest period: a wave loses 0.6 % there.
+BINS = 16
+#: Of each family whose waves are looked for: whether they follow the second angle, and whether
+#: they act along it.
+FAMILIES = {
+    "azimuth_harmonics": (False, False),
+    "elevation_harmonics": (False, True),
+    "elevation_encoder_harmonics": (True, True),
+}
+
+
+def is_short(effect: Effect) -> bool:
+    """Tell whether an effect is a wave that comes oftener than the harmonics tried one by one."""
+    return (effect.of or effect.id) in FAMILIES and effect.member["k"] > HARMONICS[-1]
+
+
+@dataclass(frozen=True)
+class Way:
+    """A family, and the readings as a search for its periods [deg] meets them.
+
+    `step` is that of the grid [deg] that the angles lie on, 0 where they lie on none.
+    """
+
+    effect: Effect
+    scan: Scan
+    step: float
+
+    def member(self, turns: float) -> Effect:
+        """Return the wave that comes so often in a turn."""
+        assert self.effect.make is not None  # noqa: S101 - it is a family
+        return self.effect.make(k=turns)
+
+
+def angles_of(setup: Problem, effect: Effect) -> Array:
+    """Return the angle that a wave follows, of each reading [deg], shape (m,)."""
+    at = setup.recordings.at.axes
+    second, _ = FAMILIES[effect.of or effect.id]
+    return (at.el if second else at.az)[setup.stack.row] / DEG
+
+
+def ways_of(setup: Problem) -> Iterator[Way]:
+    """Yield the families whose short waves could be seen."""
+    if setup.blocks.antennas > 1:
+        return
+    families = {one.effect.id for one in setup.candidates}
+    at, row = setup.recordings.at, setup.stack.row
+    for effect in catalogue(at.mount).values():
+        if effect.id not in families or (effect.of or effect.id) not in FAMILIES:
+            continue
+        _, along = FAMILIES[effect.of or effect.id]
+        side = np.broadcast_to(at.side, len(at))[row]
+        sign = side * (setup.stack.is_y if along else ~setup.stack.is_y * np.cos(at.axes.el[row]))
+        angle = angles_of(setup, effect)
+        seen = abs(sign) > 0
+        if np.count_nonzero(seen) < ENOUGH_SQUARES:
+            continue
+        begin, length = float(angle.min()), float(np.ptp(angle[seen]))
+        step = step_of(angle[seen], sign[seen] ** 2)
+        shortest = max(SHORTEST_DEG, 2 * step)
+        longest = min(360 / (HARMONICS[-1] + 0.5), length / PERIODS_ALONE)
+        if longest < 2 * shortest:
+            continue
+        whole = np.zeros(len(row), np.intp)
+        scan = Scan(
+            angle - begin,
+            whole,
+            setup.stack.is_y.astype(np.intp),
+            sign,
+            np.zeros(1),
+            np.array([length]),
+            shortest,
+            longest,
+        )
+        yield Way(effect, scan, step)
+
+
+def step_of(angle: Array, weight: Array) -> float:
+    """Return the step [deg] of the grid that angles (n,) lie on; 0 where they lie on none.
+
+    Waves whose frequencies differ by one over the step are alike on it.
+    """
+    frequency, squares = _waves(angle - angle.min(), weight, SHORTEST_DEG / 2)
+    alike = squares > ALIKE * float(weight.sum()) ** 2
+    beyond = int(np.argmin(alike))
+    again = np.flatnonzero(alike[beyond:])
+    if alike.all() or not len(again):
+        return 0.0
+    start = beyond + int(again[0])
+    end = start + int(np.argmin([*alike[start:], False]))
+    about = 1 / float(frequency[start + np.argmax(squares[start:end])])
+    # Frequencies are known to an eighth of a turn over all angles: no step is miscounted.
+    counted = np.round((angle - angle.min()) / about)
+    return float(np.polyfit(counted, angle, 1)[0])
+
+
+def _waves(angle: Array, pull: Array, shortest: float) -> tuple[Array, Array]:
+    """Return frequencies [1/deg] down to a shortest period, and squares of a pull times a wave."""
+    width = shortest / BINS
+    bins = np.round(angle / width).astype(np.intp)
+    size = 1 << int(np.ceil(np.log2(OVERSAMPLED * (int(bins.max()) + 1))))
+    sums = np.fft.rfft(np.bincount(bins, pull, size))
+    frequency = np.fft.rfftfreq(size, width)
+    there = frequency <= 1 / shortest
+    return np.asarray(frequency[there], float), np.asarray(np.abs(sums[there]) ** 2, float)
+
+
+def _peak(scan: Scan, view: View) -> Peak:
+    """Return the best period [deg] of a wave, longer ones included."""
+    frequency, squares = _waves(scan.time, view.pull, scan.shortest)
+    frequency, squares = frequency[1:], squares[1:]
+    information = view.at(1 / frequency).sum(axis=0)
+    gain = squares / np.maximum(information, 1e-9 * information.max())
+    return highest(scan, frequency, gain, 2)
+
+
+@stage("looking for periods")
+def proposed(setup: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
+    """Return the short wave of a drive that is worth a confirmation, if any.
+
+    The case that it belongs to is `widened` by it.
+    """
+    ways = list(ways_of(setup))
+    peaks = [_peak(way.scan, view_of(setup, way.scan, noise, chosen)) for way in ways]
+    found = [
+        (peak.worth, peak, way)
+        for peak, way in zip(peaks, ways, strict=True)
+        if peak.period <= way.scan.longest
+    ]
+    if not found:
+        return None
+    worth, peak, way = max(found, key=lambda one: one[0])
+    if worth - 2 * float(np.log(len(ways))) <= CONVINCING:
+        return None
+    effect = _refined(setup, noise, chosen, way, peak)[0]
+    columns = setup.stack.columns(effect, setup.recordings.at)
+    kept = tuple(int(one) for one in np.flatnonzero(columns.any(axis=0)))
+    places = setup.size + np.arange(len(kept))
+    return Chosen(Candidate(effect, places, kept, max(1, round(peak.choices * len(ways)))), "all")
+
+
+def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
+    """Return a wave of the same family with the period that readings of weight prefer."""
+    way = way_of(setup, one)
+    peak = _peak(way.scan, view_of(setup, way.scan, noise, others))
+    if peak.period > way.scan.longest:
+        return one
+    return _refined(setup, noise, others, way, peak)[0]
+
+
+def sigma_of(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> float:
+    """Return the error of how often a wave comes in a turn."""
+    near = Peak(360 / float(one.member["k"]), 0.0, 1.0, wanders=False)
+    return _refined(setup, noise, others, way_of(setup, one), near)[1]
+
+
+def way_of(setup: Problem, one: Effect) -> Way:
+    """Return the family of a wave that was found, with the readings."""
+    return next(each for each in ways_of(setup) if each.effect.id == one.id)
+
+
+def _refined(
+    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way, peak: Peak
+) -> tuple[Effect, float]:
+    """Return the likeliest wave near a peak, and the error of how often it comes in a turn.
+
+    What sits on the axis comes a whole number of times: such a number stands unless another is
+    better by far.
+    """
+    fit, turns = _beside(setup, noise, chosen, way), 360 / peak.period
+    width = 360 / (OVERSAMPLED * float(way.scan.length[0]))
+    best, sigma, worth = top(fit, turns + width * np.linspace(-1, 1, NEAR))
+    whole = round(best)
+    if fit.fit(whole)[0] > worth - CONVINCING:
+        return way.member(whole), sigma
+    return way.member(best), sigma
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Waves of a family beside a model and a noise: its directions, and the data without them."""
+
+    setup: Problem
+    noise: Covariance
+    way: Way
+    basis: Array
+    left: Array
+
+    def fit(self, turns: float) -> tuple[float, float]:
+        """Return the evidence of a wave that comes so often in a turn, and its best variance."""
+        columns = self.setup.stack.columns(self.way.member(turns), self.setup.recordings.at)
+        white = self.noise.whiten(columns)
+        rest = white - self.basis @ (self.basis.T @ white)
+        power, vectors = np.linalg.eigh(rest.T @ rest)
+        return at_best(np.maximum(power, 0.0), vectors.T @ (rest.T @ self.left))
+
+
+def _beside(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way) -> _Fit:
+    model = setup.expanded((*setup.base, *chosen))
+    white = noise.whiten(np.concatenate([model, setup.residual[:, None]], axis=1))
+    _, basis, left = beside_model(noise, white[:, :-1], white[:, -1])
+    return _Fit(setup, noise, way, basis, left)
