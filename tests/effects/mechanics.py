@@ -1,8 +1,11 @@
 """Cases of what is wrong with the mount, by rotations."""
 
+from dataclasses import replace
+
 import numpy as np
 from effects.cases import AT, Case
 from effects.mount import encoders, from_platform, turned
+from effects.sky import two_turns
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
@@ -72,6 +75,26 @@ MOUNT = [
     ),
     mounted("azimuth_scale", (0.5,), lambda s: {"read_az": lambda a: s * 0.5 * ARCSEC / DEG * a}),
     mounted("elevation_scale", (0.5,), lambda s: {"read_el": lambda e: s * 0.5 * ARCSEC / DEG * e}),
+]
+
+#: The campaign in azimuths over two turns, and the turn of each, counted from north.
+FURTHER = replace(AT, az=two_turns(AT.az))
+TURN = np.floor_divide(np.degrees(FURTHER.az), 360)
+MOUNT += [
+    mounted(
+        "azimuth_turns",
+        (-20.0,),
+        lambda s: {"read_az": lambda _: -s * 20 * ARCSEC * TURN},
+        at=FURTHER,
+    ),
+    # From south every other row is on the second turn; the first is the one before 180 deg.
+    mounted(
+        "azimuth_turns",
+        (-20.0,),
+        lambda s: {"read_az": lambda _: -s * 20 * ARCSEC * (np.arange(len(AT)) % 2 - 1)},
+        at=FURTHER,
+        variant="turns counted from south",
+    ),
 ]
 
 WIND = AT.columns["wind_speed_m_s"]
