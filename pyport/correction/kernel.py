@@ -94,8 +94,10 @@ class Kernel:
         if self.model.given is not None:
             more_x, more_y = self.model.given(Circumstances(az, el, site, columns))
             x, y = x + more_x, y + more_y
-        for start in range(0, len(az), BLOCK) if self.rest else ():
-            rows = slice(start, start + BLOCK)
+        back = any(effect.looks_back for effect, _ in self.rest)
+        size = max(len(az), 1) if back else BLOCK
+        for start in range(0, len(az), size) if self.rest else ():
+            rows = slice(start, start + size)
             these = {name: values[rows] for name, values in columns.items()}
             at = Circumstances(az[rows], el[rows], site, these)
             for effect, values in self.rest:

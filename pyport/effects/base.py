@@ -141,6 +141,8 @@ class Effect:
         How the antennas of an array are compared: `ZERO` is free in every session, for encoders
         are set anew; `LASTING` stays in a mount from day to day; a `STEP` parts the zeros; what is
         `HELD` these three take up as well. "" for what all share, which is taken out first.
+    looks_back
+        Whether its offset in a row depends on what was recorded before: rows then belong together.
     belongs_to
         The label of what is wrong, such as `source`, where that is not the telescope: it must
         come back with the label from one night to another.
@@ -167,6 +169,7 @@ class Effect:
     pattern: str = ""
     means: Mapping[str, str] = field(default_factory=dict)
     belongs_to: str = ""
+    looks_back: bool = False
     in_arrays: str = ""
     acts_in: str = ""
     mounts: tuple[str, ...] = ()

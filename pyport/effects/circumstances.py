@@ -24,6 +24,11 @@ Index = NDArray[np.intp] | NDArray[np.bool_] | slice
 PIER_SIDE, OVER = "pier_side", "west"
 
 
+#: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
+#: than a summer's day.
+NIGHT_GAP_S = 6 * 3600.0
+
+
 def mostly_known(values: Array) -> bool:
     """Tell whether at least half of some numbers are known: of what fewer tell nothing is said."""
     known = np.isfinite(values)

@@ -45,6 +45,7 @@ WHERE = {
     "two epochs": "in two campaigns far apart",
     "one season": "within some weeks",
     "prevailing wind": "in a wind from always the same side",
+    "two turns": "in azimuths over two turns",
     "rotator with elevation": "where the rotator turns as the elevation does",
 }
 
@@ -196,6 +197,13 @@ ALIKE = (
     _nearly("azimuth_zero", "collimation", "wide", _WIDER),
     _nearly("collimation", "skew", "wide", _WIDER),
     _nearly("azimuth_zero", "skew", "narrow", _WIDER, ("collimation",)),
+    _nearly(
+        "azimuth_turns",
+        "azimuth_scale",
+        "two turns",
+        "observe along the whole of one turn: a wrong rate adds up within it, a step does not",
+        ("azimuth_zero",),
+    ),
     # The rail turns both axes; an encoder only one.
     Alike(
         ("azimuth_track", "azimuth_harmonics"),

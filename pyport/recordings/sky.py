@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import RADIANS_PER, Array, Codes, wrap
 from pyport.columns import DIRECTIONS, SPELLED
 from pyport.effects import Circumstances
-from pyport.effects.circumstances import mostly_known
+from pyport.effects.circumstances import NIGHT_GAP_S, mostly_known
 from pyport.recordings.schema import Recordings, group
 
 
@@ -107,9 +107,6 @@ def to_j2000(place: Place, of: Equinox) -> Place:
     return Place(ra + years * pm_ra, dec + years * pm_dec, pm_ra, pm_dec)
 
 
-#: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
-#: than a summer's day.
-NIGHT_GAP_S = 6 * 3600.0
 #: The share of rows along which one coordinate goes on and the other stands still beyond which
 #: they are a table's: a raster has nearly all, places in random order at one elevation a third,
 #: a source that is followed none.

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG, Array
+from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.planning.design import coverage, separation
 from pyport.planning.suggest import directions
-from pyport.recordings.sky import NIGHT_GAP_S
 from pyport.watch.alarms import moment
 from pyport.watch.detection.antenna import Antenna
 from pyport.watch.watch import Seen, Watch

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.arguments import mapping, number
 from pyport.correction.use import PointingModel, model_of
+from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.recordings.from_table import Header, Table, from_table, raw_table
 from pyport.recordings.interpret import interpret
 from pyport.recordings.schema import Recordings
-from pyport.recordings.sky import NIGHT_GAP_S, night_of, with_nights
+from pyport.recordings.sky import night_of, with_nights
 from pyport.runs.workers import one_thread
 from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment

@@ -13,7 +13,8 @@ from pyport.diagnosis.naming import guards
 from pyport.diagnosis.naming.guards import comes_back, night_of
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
-from pyport.recordings.sky import NIGHT_GAP_S, horizon
+from pyport.effects.circumstances import NIGHT_GAP_S
+from pyport.recordings.sky import horizon
 
 DAY_S = 86400.0
 

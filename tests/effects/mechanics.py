@@ -1,8 +1,11 @@
 """Cases of what is wrong with the mount, by rotations."""
 
+from dataclasses import replace
+
 import numpy as np
 from effects.cases import AT, Case
 from effects.mount import encoders, from_platform, turned
+from effects.sky import two_turns
 
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
@@ -74,6 +77,26 @@ MOUNT = [
     mounted("elevation_scale", (0.5,), lambda s: {"read_el": lambda e: s * 0.5 * ARCSEC / DEG * e}),
 ]
 
+#: The campaign in azimuths over two turns, and the turn of each, counted from north.
+FURTHER = replace(AT, az=two_turns(AT.az))
+TURN = np.floor_divide(np.degrees(FURTHER.az), 360)
+MOUNT += [
+    mounted(
+        "azimuth_turns",
+        (-20.0,),
+        lambda s: {"read_az": lambda _: -s * 20 * ARCSEC * TURN},
+        at=FURTHER,
+    ),
+    # From south every other row is on the second turn; the first is the one before 180 deg.
+    mounted(
+        "azimuth_turns",
+        (-20.0,),
+        lambda s: {"read_az": lambda _: -s * 20 * ARCSEC * (np.arange(len(AT)) % 2 - 1)},
+        at=FURTHER,
+        variant="turns counted from south",
+    ),
+]
+
 WIND = AT.columns["wind_speed_m_s"]
 ABOVE_MEAN_K = AT.columns["temperature_c"] - AT.columns["temperature_c"].mean()
 
@@ -84,7 +107,47 @@ def warmed(size):
     return {"read_az": lambda _: 2 * kelvin, "droop": lambda el: -3 * kelvin * np.cos(el)}
 
 
+def steel(hours, step_s=20.0):
+    """Return the temperature of steel that gives its heat to the air, from one row to the next."""
+    air, time = AT.columns["temperature_c"], AT.columns["time"]
+    found = [air[0]]
+    for n in range(1, len(air)):
+        now, apart = found[-1], time[n] - time[n - 1]
+        if apart > 6 * 3600:
+            found.append(air[n])
+            continue
+        steps = max(1, int(apart / step_s))
+        for middle in (np.arange(steps) + 0.5) / steps:
+            toward = air[n - 1] + (air[n] - air[n - 1]) * middle
+            speed = (toward - now) / (hours * 3600 + apart / steps / 2)
+            now += speed * apart / steps
+        found.append(now)
+    return np.array(found)
+
+
+THICK = steel(3)
+COMES_LATE = THICK - AT.columns["temperature_c"].mean()
 WEATHER = [
+    mounted(
+        "temperature",
+        (2.0, -3.0),
+        lambda s: {
+            "beam_left": s * 2 * ARCSEC * COMES_LATE,
+            "droop": lambda _: -s * 3 * ARCSEC * COMES_LATE,
+        },
+        variant="the same everywhere, 3 h late",
+    ),
+    mounted(
+        "temperature",
+        (2.0, -3.0),
+        lambda s: {
+            "read_az": lambda _: 2 * s * ARCSEC * (AT.columns["temperature_c"] - THICK),
+            "droop": lambda el: (
+                -3 * s * ARCSEC * (AT.columns["temperature_c"] - THICK) * np.cos(el)
+            ),
+        },
+        variant="as cos E, thin parts against thick ones 3 h late",
+    ),
     mounted(
         "thermal_tilt",
         (25.0,),
@@ -279,7 +342,14 @@ def above_middle(column):
 
 COLD, CALM = above_middle("temperature_c"), above_middle("wind_speed_m_s")
 HOUR_OF_DAY = 2 * np.pi * (AT.columns["time"] % 86400) / 86400
+LATE = THICK - np.median(AT.columns["temperature_c"])
 DRIVEN = [
+    mounted(
+        "driven_term",
+        (1.5, -2.0),
+        lambda s: {"lean": (s * 1.5 * ARCSEC * LATE, -s * 2.0 * ARCSEC * LATE)},
+        variant="tilt follows temperature_c, 3 h late",
+    ),
     mounted(
         "driven_term",
         (1.5, -2.0),

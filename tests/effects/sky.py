@@ -70,6 +70,11 @@ def campaign(number=400, seed=1, start_s=START_S, nights=NIGHTS):
     return Circumstances(az % (2 * np.pi), el, SITE, columns)
 
 
+def two_turns(az):
+    """Return azimuths from -180 to 540 deg: every other one is a turn further on."""
+    return (az + np.pi) % (2 * np.pi) - np.pi + 2 * np.pi * (np.arange(len(az)) % 2)
+
+
 def without(at, name):
     """Return circumstances that lack a column or header key, under the contract's name."""
     if name == "latitude_deg":

@@ -21,7 +21,7 @@ STABLE = {
     *("servo_lag_azimuth", "servo_lag_elevation", "thermal_tilt", "temperature"),
     *("wind_tilt", "receiver_offset", "beam_squint", "epoch_offset"),
     *("epoch_tilt", "epoch_sag", "drift", "subreflector_jump"),
-    *("nasmyth", "rotator_circle", "driven_term", "oscillation"),
+    *("nasmyth", "rotator_circle", "driven_term", "oscillation", "azimuth_turns"),
 }
 
 #: Radians (or seconds, or none) in one of each unit that a report may show.

@@ -1,8 +1,10 @@
 """The table of effects that look alike is held to the curves that they draw."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from effects.sky import SITE, START_S, campaign, replaced, without
+from effects.sky import SITE, START_S, campaign, replaced, two_turns, without
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE
@@ -83,6 +85,7 @@ def campaigns():
         "two epochs": two_epochs(),
         "one season": one_season,
         "prevailing wind": replaced(at, wind_az=np.full(rows, 4.0)),
+        "two turns": replace(at, az=two_turns(at.az)),
         "rotator with elevation": replaced(at, rotator_deg=at.el / DEG),
     }
 

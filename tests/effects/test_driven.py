@@ -8,6 +8,7 @@ from pyport.diagnosis.candidates import design
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
 from pyport.effects.empirical.driven import MOST_DRIVERS, drivers
+from pyport.effects.telescope.thermal import ways
 from pyport.recordings.schema import Recordings, stack
 
 AT = campaign(120)
@@ -49,7 +50,11 @@ def test_what_moves_telescopes_comes_first():
 
 def test_temperature_drives_here_what_it_does_not_drive_elsewhere():
     """Zeros and sag that follow the air's temperature are `temperature`; the tilt is not."""
-    assert [name for name in members(AT) if "temperature" in name] == ["tilt follows temperature_c"]
+    warm = [name for name in members(AT) if "temperature" in name]
+
+    assert warm[0] == "tilt follows temperature_c"
+    assert all(name.startswith("tilt follows temperature_c") for name in warm)
+    assert len(warm) == len(ways(AT)) == 4
 
 
 def test_unknown_conditions_drive_the_tilt_only():

@@ -22,7 +22,7 @@ def variants(effect, at=AT):
     return [one.variant for one in CATALOGUE[effect].variants(at)]
 
 
-@pytest.mark.parametrize("effect", sorted(set(CATALOGUE) - {"parallax"}))
+@pytest.mark.parametrize("effect", sorted(set(CATALOGUE) - {"parallax", "azimuth_turns"}))
 def test_members_are_few_and_told_apart(effect):
     """No family has more members than a search can bear, and each has a name of its own."""
     names = variants(effect)

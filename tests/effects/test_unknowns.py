@@ -36,6 +36,8 @@ def test_rows_of_unknown_circumstances_show_nothing(effect, column, _):
         full = member.columns(AT)
         np.testing.assert_array_equal(x[blank], 0)
         np.testing.assert_array_equal(y[blank], 0)
+        if member.looks_back:  # what a blank row would have said of the past is gone
+            continue
         np.testing.assert_allclose(x[~blank], full[0][~blank], rtol=1e-12)
         np.testing.assert_allclose(y[~blank], full[1][~blank], rtol=1e-12)
 

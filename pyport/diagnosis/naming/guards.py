@@ -20,7 +20,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
-from pyport.recordings.sky import NIGHT_GAP_S
+from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.thresholds import (
     CARRIERS,
     ENOUGH,

@@ -28,13 +28,14 @@ from pyport.effects.telescope.rotation import (
     angle_columns,
     arc,
 )
-from pyport.effects.telescope.thermal import sun
+from pyport.effects.telescope.thermal import ACTS, AIR, BETWEEN, acting_c, sun, ways
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
 
 _NEEDS = "temperature_c or wind_speed_m_s or humidity_pct or pressure_hpa or sun_el_deg or time_utc"
 
-#: So many conditions are tried. With four terms each that is the 24 members that a search bears.
+#: So many conditions are tried. With four terms each that is the 24 members that a search bears:
+#: the temperature drives one term, in four ways.
 MOST_DRIVERS = 6
 #: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
 FEW_VALUES = 4
@@ -52,7 +53,8 @@ _TERMS: dict[str, tuple[Basis, tuple[str, ...], str]] = {
 #: the same all over the sky, or nearly so as a sag is, and follows such a column names no part
 #: of the telescope: it stays a curve in that column, without a name.
 _BY_ANYTHING = ("tilt",)
-#: What the temperature of the air does to zeros and sag is the effect `temperature`.
+#: What the temperature of the air does to zeros and sag, at once or late, is the effect
+#: `temperature`.
 _BEYOND_TEMPERATURE = ("tilt",)
 
 #: Columns that are no condition: places, times of a scan, and how it was made.
@@ -105,6 +107,7 @@ class Driver:
     follows: str = THE_HOUR  #: the `driver` of the effects
     #: What is taken off the values; None for a median of the recordings at hand, or nothing.
     centre: float | None = None
+    late: tuple[str, float] = (AIR, 0)  #: how the temperature acts, and how many hours late
 
 
 def driven(term: str, driver: Driver) -> Effect:
@@ -136,14 +139,20 @@ def driven(term: str, driver: Driver) -> Effect:
         ),
         driver=driver.follows,
         change_of=term,
-        member={"term": term, "follows": driver.name}
-        | ({} if driver.centre is None else {"centre": driver.centre}),
+        looks_back=driver.late[0] != AIR,
+        member={"term": term, "follows": driver.follows if driver.late[1] else driver.name}
+        | ({} if driver.centre is None else {"centre": driver.centre})
+        | ({"way": driver.late[0], "lag_h": driver.late[1]} if driver.late[1] else {}),
         make=_made,
     )
 
 
-def _made(term: str, follows: str, centre: float | None = None) -> Effect:
+def _made(
+    term: str, follows: str, centre: float | None = None, way: str = AIR, lag_h: float = 0
+) -> Effect:
     """Return the term that a file tells."""
+    if way != AIR:
+        return driven(term, _late(way, lag_h, centre or 0.0))
     if follows == _TIME_OF_DAY.name:
         return driven(term, _TIME_OF_DAY)
     if follows == _SUN:
@@ -152,7 +161,11 @@ def _made(term: str, follows: str, centre: float | None = None) -> Effect:
 
 
 def _driven_terms(at: Circumstances) -> tuple[Effect, ...]:
-    found = tuple(driven(term, one) for one in drivers(at) for term in one.terms)
+    conditions = drivers(at)
+    air = next((one.centre for one in conditions if one.follows == "temperature_c"), None)
+    if air is not None:
+        conditions += [_late(*way, air) for way in ways(at) if way[0] != AIR]
+    found = tuple(driven(term, one) for one in conditions for term in one.terms)
     if not found:
         raise MissingColumn(_NEEDS)
     return found
@@ -204,6 +217,20 @@ def _about(name: str, centre: float, terms: tuple[str, ...] = tuple(_TERMS)) -> 
         terms=terms,
         follows=name,
         centre=centre,
+    )
+
+
+def _late(way: str, lag_h: float, centre: float) -> Driver:
+    """Return what follows the air's temperature late, or how far that is behind."""
+    offset = 0.0 if way == BETWEEN else centre
+    return Driver(
+        f"temperature_c{ACTS[way][0].format(lag_h)}",
+        "K",
+        lambda at: (acting_c(at, way, lag_h) - offset,),
+        terms=_BEYOND_TEMPERATURE,
+        follows="temperature_c",
+        centre=centre,
+        late=(way, lag_h),
     )
 
 

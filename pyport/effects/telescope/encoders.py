@@ -185,6 +185,58 @@ _CUTS: dict[str, Callable[[Array], Array]] = {
 }
 
 
+#: So many rows must stand on each of two turns, in directions that both reach: their scatter is
+#: then known to a sixth, and with it what lies between the turns.
+ON_A_TURN = 20
+#: Where the turns of azimuth are counted from: what a member says, and the azimuth [rad].
+_COUNTED = {"turns counted from north": 0.0, "turns counted from south": np.pi}
+
+
+def turn_of(az: Array, start: float) -> Array:
+    """Return the number of the turn that each azimuth [rad] is on, for turns from a start."""
+    return np.floor((az - start) / (2 * np.pi))
+
+
+def _azimuth_turns(variant: str) -> Effect:
+    start = _COUNTED[variant]
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        return stack(at, (turn_of(at.az, start) * np.cos(at.el), 0))
+
+    return Effect(
+        "azimuth_turns",
+        "the azimuth zero differs from one turn to the next",
+        _WALLACE,
+        (Coefficient("azimuth_zero_per_turn"),),
+        basis,
+        variant=variant,
+        profile=_azimuth_turns_tried,
+        acts_in=AXES,
+        pattern="a step in azimuth from one turn to the next, in azimuth alone",
+        means={"cable-wrap": "the wrap that drags, or a count of turns that is off"},
+        formula=("a n cos E, n the turn that A is on, unwrapped as the cable is", ""),
+        member={"variant": variant},
+        make=_azimuth_turns,
+    )
+
+
+def _azimuth_turns_tried(at: Circumstances) -> tuple[Effect, ...]:
+    """Return the turns as they may be counted, where directions were measured on two of them."""
+    found = [name for name, start in _COUNTED.items() if _twice(at.az, start)]
+    if not found:
+        raise MissingColumn("azimuths over more than a turn")
+    return tuple(map(_azimuth_turns, found))
+
+
+def _twice(az: Array, start: float) -> bool:
+    """Tell whether enough rows stand on each of two turns, in sectors that both reach."""
+    turn, sector = turn_of(az, start), np.floor((az - start) % (2 * np.pi) / SECTOR)
+    reached = np.unique(np.stack([sector, turn]), axis=1)[0]
+    sectors, turns = np.unique(reached, return_counts=True)
+    rows = np.unique(turn[np.isin(sector, sectors[turns > 1])], return_counts=True)[1]
+    return int(np.count_nonzero(rows >= ON_A_TURN)) > 1
+
+
 def elevation_scale(at: Circumstances) -> tuple[Array, Array]:
     """Return s E along elevation."""
     return stack(at, (0, at.el))
@@ -252,6 +304,7 @@ EFFECTS = (
     elevation_harmonics(2),
     elevation_encoder_harmonics(2),
     _azimuth_scale(next(iter(_CUTS))),
+    _azimuth_turns(next(iter(_COUNTED))),
     Effect(
         "elevation_scale",
         "the elevation encoder runs at a wrong rate",

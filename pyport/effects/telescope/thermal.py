@@ -17,6 +17,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
+from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.effects.sky.site import sun
 from pyport.effects.telescope.geometry import tilt
 
@@ -101,30 +102,118 @@ _THROUGH: dict[str, Callable[[Circumstances], Array | float]] = {
     "as sin E": lambda at: np.sin(at.el),
 }
 
+#: Time constants of steel that are tried [h], thin and thick. What steel of any between three
+#: quarters of an hour and five hours draws in a night, one of these draws to a cosine of 0.9.
+STEEL_H = (1, 3)
+#: What bends the structure: the air's temperature, that of steel which comes late, and the
+#: difference between thin parts, which are as warm as the air, and thick ones.
+AIR, STEEL, BETWEEN = "air", "steel", "thin less thick"
+#: What a member is called, and what the offsets show.
+ACTS = {
+    AIR: ("", "in proportion to the air temperature"),
+    STEEL: (", {} h late", "in proportion to the air temperature, some hours late"),
+    BETWEEN: (
+        ", thin parts against thick ones {} h late",
+        "in proportion to how fast the air warms and cools",
+    ),
+}
 
-def _temperature(through: str, reference_c: float | None = None) -> Effect:
-    """Return offsets proportional to the temperature above a reference, the mean by default."""
+
+def acting_c(at: Circumstances, way: str, lag_h: float) -> Array:
+    """Return the temperature, or difference of two, that bends the structure [deg C], (n,)."""
+    air = at.numbers("temperature_c")
+    if way == AIR:
+        return air
+    steel = steel_c(at, lag_h)
+    return steel if way == STEEL else air - steel
+
+
+def steel_c(at: Circumstances, lag_h: float) -> Array:
+    """Return the temperature [deg C] of steel that follows the air, shape (n,).
+
+    It is dT/dt = (T_air - T) / tau, exactly, for air that changes evenly from one recording of an
+    antenna to the next. What the air was before a night is not known, nor over any gap as long as
+    that between two nights: there the steel starts as warm as the air, which is off by less than
+    any other guess. NaN where the air's temperature or the time is unknown.
+
+    Raises `MissingColumn`: the recordings are of one moment, which tells no past.
+    """
+    air, time = at.numbers("temperature_c"), at.numbers("time")
+    known = np.isfinite(air) & np.isfinite(time)
+    if not known.any() or np.ptp(time[known]) == 0:
+        raise MissingColumn("temperature_c of the hours before")
+    antenna = at.columns["antenna"].astype(str) if "antenna" in at else np.full(len(at), "")
+    found = np.full(len(at), np.nan)
+    for name in np.unique(antenna):
+        rows = np.flatnonzero(known & (antenna == name))
+        rows = rows[np.argsort(time[rows], kind="stable")]
+        found[rows] = _low_pass(air[rows], np.diff(time[rows]), lag_h * 3600.0)
+    return found
+
+
+def _low_pass(air: Array, step_s: Array, constant_s: float) -> list[float]:
+    """Return what a low pass of the first order makes of temperatures in order of time."""
+    # Two rows of one moment: the quotient is one in the limit.
+    span = np.maximum(step_s / constant_s, 1e-12)
+    goes_on = step_s <= NIGHT_GAP_S
+    kept = np.where(goes_on, np.exp(-span), 0.0)
+    late = np.where(goes_on, -np.expm1(-span) / span, 0.0)
+    drawn = air[:-1] * (late - kept) + air[1:] * (1 - late)
+    found = air[:1].tolist()
+    for share, toward in zip(kept.tolist(), drawn.tolist(), strict=True):
+        found.append(found[-1] * share + toward)
+    return found
+
+
+def ways(at: Circumstances) -> list[tuple[str, float]]:
+    """Return how the temperature may act, and how many hours late.
+
+    Steel that comes late is thick, for what thin steel draws the air draws as well. It is tried
+    where there is more than one night: in one its temperature is a slow curve, and where that
+    began is not known.
+    """
+    found: list[tuple[str, float]] = [(AIR, 0)]
+    if "time" in at and np.isfinite(time := at.numbers("time")).all() and np.ptp(time) > 0:
+        found += [(BETWEEN, hours) for hours in STEEL_H]
+        if np.diff(np.sort(time)).max() > NIGHT_GAP_S:
+            found.append((STEEL, STEEL_H[-1]))
+    return found
+
+
+def _temperature(
+    through: str, reference_c: float | None = None, way: str = AIR, lag_h: float = 0
+) -> Effect:
+    """Return offsets proportional to a temperature above a reference, the mean by default."""
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        celsius = at.numbers("temperature_c")
-        excess = celsius - (np.nanmean(celsius) if reference_c is None else reference_c)
+        excess = acting_c(at, way, lag_h)
+        if way != BETWEEN:
+            air = at.numbers("temperature_c")
+            excess = excess - (np.nanmean(air) if reference_c is None else reference_c)
         size = excess * _THROUGH[through](at)
         return stack(at, (size, 0), (0, size))
 
+    late, pattern = ACTS[way]
     return Effect(
         "temperature",
         "the structure bends as the air warms and cools",
         _GREVE,
         (Coefficient("temperature_xel", "arcsec/K"), Coefficient("temperature_el", "arcsec/K")),
         basis,
-        variant=through,
+        variant=through + late.format(lag_h),
         profile=_temperatures,
         acts_in=AXES,
-        pattern="in proportion to the air temperature",
+        pattern=pattern,
         needs=("temperature_c",),
-        formula=("c (T - T0), times 1, cos E or sin E", "the same with a coefficient of its own"),
+        formula=(
+            "c (T - T0), c (Ts - T0) or c (T - Ts), tau dTs/dt = T - Ts; times 1, cos E or sin E",
+            "the same with a coefficient of its own",
+        ),
         driver="temperature_c",
-        member={"through": through} | ({} if reference_c is None else {"reference_c": reference_c}),
+        looks_back=way != AIR,
+        member={"through": through}
+        | ({} if reference_c is None else {"reference_c": reference_c})
+        | ({} if way == AIR else {"way": way, "lag_h": lag_h}),
         make=_temperature,
     )
 
@@ -132,7 +221,9 @@ def _temperature(through: str, reference_c: float | None = None) -> Effect:
 def _temperatures(at: Circumstances) -> tuple[Effect, ...]:
     """Return every way that a temperature may act, above the mean of these recordings."""
     reference_c = float(np.nanmean(at.numbers("temperature_c")))
-    return tuple(_temperature(through, reference_c) for through in _THROUGH)
+    return tuple(
+        _temperature(through, reference_c, *way) for way in ways(at) for through in _THROUGH
+    )
 
 
 def wind_tilt(at: Circumstances) -> tuple[Array, Array]:

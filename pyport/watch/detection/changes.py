@@ -65,7 +65,8 @@ def members(at: Circumstances) -> list[Effect]:
     """Return the effects that recordings like these could show a change of.
 
     Changes from one epoch to another count as if they held from the beginning: when they began
-    is what the watch asks. Slow polynomials in time are left out: they are drift.
+    is what the watch asks. Slow polynomials in time are left out: they are drift. So is what
+    looks back, for a watch is given row by row.
     """
     found: list[Effect] = []
     for effect in sorted(CATALOGUE.values(), key=lambda one: not one.is_change):
@@ -73,7 +74,7 @@ def members(at: Circumstances) -> list[Effect]:
             continue
         try:
             some = [effect.make(since_s=0.0)] if effect.make and effect.is_change else []
-            found += some or effect.variants(at)
+            found += some or [one for one in effect.variants(at) if not one.looks_back]
         except MissingColumn:
             continue
     return found
