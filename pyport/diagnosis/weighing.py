@@ -127,6 +127,11 @@ def weigh_alike(setup: Problem, chosen: Sequence[Chosen], known: Covariance) -> 
     return weigh(setup, chosen)
 
 
+def in_order(chosen: Sequence[Chosen]) -> list[Chosen]:
+    """Return choices in the order of their columns: rounding must not tell who came first."""
+    return sorted(chosen, key=lambda one: (tuple(one.candidate.columns), one.scope))
+
+
 def key_of(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
     """Return what the noise beside some effects is remembered by."""
     return (searching, *sorted((id(one.candidate), one.scope) for one in chosen))
@@ -141,7 +146,7 @@ def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -
     """
     key = key_of(chosen, searching=searching)
     if key not in setup.known:
-        design = setup.expanded([*setup.base, *chosen])
+        design = setup.expanded([*setup.base, *in_order(chosen)])
         shapes = setup.possible if searching else None
         covariance = estimate(setup.residual, design, setup.frame, shapes)
         # The choices are kept as long as the key that their identities make.

@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import at_best, shown
-from pyport.diagnosis.weighing import key_of, noise
+from pyport.diagnosis.weighing import in_order, key_of, noise
 from pyport.least_squares.gram import spanned
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate
@@ -28,7 +28,7 @@ def _noise_alike(
     """
     key = (departing, *key_of(like, searching=False), *key_of(chosen, searching=False))
     if key not in setup.known:
-        design = setup.expanded([*setup.base, *chosen])
+        design = setup.expanded([*setup.base, *in_order(chosen)])
         frame = setup.frame if departing else replace(setup.frame, departures=())
         known = noise(setup, like, searching=False)
         found = estimate(setup.residual, design, frame, like=known, averaged=not departing)
