@@ -202,6 +202,20 @@ def test_a_wave_of_one_part_of_the_turn_has_no_name():
     assert any("the same all along, evidence" in word for one in found for word in one.checks)
 
 
+def test_sectors_by_turns_are_a_wave_and_its_overtone():
+    """Of six degrees each, too far and too near by the scatter: thirty times per turn, and ninety.
+
+    The third overtone of a square wave has a third of its amplitude.
+    """
+    by_turns = recordings(600, 5, y=lambda at: 5 * np.sign(np.sin(30 * at.az)))
+    found = diagnose(by_turns, load("altaz"), seed=1).findings
+
+    assert [(one.effect, one.variant) for one in found] == [
+        ("elevation_harmonics", "k = 30"),
+        ("elevation_harmonics", "k = 90"),
+    ]
+
+
 @pytest.mark.parametrize(("k", "grid_deg", "like"), [(24, 10, 12), (12, 10, 24), (30, 5, 42)])
 def test_on_a_grid_a_wave_has_its_like(k, grid_deg, like):
     """The longer one is told, and which other looks the same."""
