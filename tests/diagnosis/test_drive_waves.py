@@ -10,7 +10,7 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming import drives
+from pyport.diagnosis.naming import waves
 from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.telescope.encoders import (
@@ -228,4 +228,4 @@ def test_on_a_grid_a_wave_has_its_like(k, grid_deg, like):
 @pytest.mark.parametrize(("grid_deg", "open_"), [(0.0, False), (10.0, True), (0.5, False)])
 def test_a_like_that_is_too_short_is_none(grid_deg, open_):
     """Drives have no waves that nobody looks for."""
-    assert (drives.alias(azimuth_harmonics(12), grid_deg) is not None) == open_
+    assert (waves.alias(azimuth_harmonics(12), grid_deg) is not None) == open_

@@ -12,7 +12,7 @@ from pyport.diagnosis import holdout
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming import findings
+from pyport.diagnosis.naming import waves
 from pyport.diagnosis.searching import winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
@@ -151,7 +151,7 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
     scene = SimpleNamespace(
         setup=setup, weighed=weigh(setup, (one,)), outcome=SimpleNamespace(chosen=(one,))
     )
-    check = findings._own_period(scene, one)
+    check = waves.own_period(scene, one)
 
     assert check.passed == passed
     assert f"every {times} periods" in check.words or passed

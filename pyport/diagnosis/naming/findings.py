@@ -8,14 +8,11 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
-from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.joint import contribution, excess_of, largest_offset, visible
-from pyport.diagnosis.naming import drives, words
-from pyport.diagnosis.naming.drives import of_axis
-from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.joint import contribution, largest_offset, visible
+from pyport.diagnosis.naming import waves, words
+from pyport.diagnosis.naming.finding import Finding, Where, beyond
 from pyport.diagnosis.naming.scene import (
-    Check,
     Scene,
     axes,
     centred,
@@ -32,15 +29,10 @@ from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
-from pyport.diagnosis.shapes.fields import Ground
-from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, MOST_MEMBERS
-
-#: So many times its period is what an oscillation may be an overtone of, and overtones of each.
-MULTIPLES, OVERTONES = 5, 3
+from pyport.thresholds import MOST_MEMBERS
 
 
 @stage("telling findings")
@@ -75,17 +67,17 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     effect = chosen.candidate.effect
     of_time = effect.id == OSCILLATION
     of_drive = drive_waves.is_short(effect)
-    parameters = (oscillation_parameters if of_time else parameters_of)(scene, choice)
+    parameters = (waves.of_oscillation if of_time else parameters_of)(scene, choice)
     like = None
     if of_drive:
-        parameters = drives.parameters(scene, choice, parameters)
-        like = drives.alias(effect, drive_waves.way_of(setup, effect).step)
+        parameters = waves.of_drive(scene, choice, parameters)
+        like = waves.alias(effect, drive_waves.way_of(setup, effect).step)
     called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)
     if of_time:
-        checks.append(_own_period(scene, chosen))
+        checks.append(waves.own_period(scene, chosen))
     if of_drive:
-        checks.append(drives.throughout(scene, chosen))
+        checks.append(waves.throughout(scene, chosen))
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
@@ -141,56 +133,3 @@ def _decided(called: turns.Name, like: str | None) -> str | None:
     """Return what distinguishes the names of a finding, and a wave from its like on a grid."""
     apart = turns.decide_by(called.members, called.others)
     return "; ".join(filter(None, (apart, like))) or None
-
-
-def _own_period(scene: Scene, chosen: Chosen) -> Check:
-    """Check that what is left, folded at the period of an oscillation, repeats no slower.
-
-    Short pulses have overtones as strong as themselves, and one of them may be what was found.
-    Beside the oscillation a free curve at a multiple of its period has then more evidence than one
-    at the period itself.
-    """
-    setup, period_s = scene.setup, chosen.candidate.effect.member["period_s"]
-    ground = Ground(setup, scene.weighed, scene.outcome.chosen)
-    time_s = setup.recordings.at.numbers("time")[setup.stack.row]
-    turns_of = 2 * np.pi * (time_s - time_s.min()) / period_s
-    upward = setup.stack.is_y[:, None]
-    found = []
-    for times in range(1, MULTIPLES + 1):
-        orders = [n for n in range(1, OVERTONES * times + 1) if n != times]
-        angles = turns_of[:, None] * np.array(orders) / times
-        waves = np.concatenate([np.sin(angles), np.cos(angles)], axis=1)
-        information, _, moments = ground.products(
-            np.concatenate([waves * upward, waves * ~upward], axis=1)
-        )
-        power, vectors = np.linalg.eigh(information)
-        found.append(at_best(np.maximum(power, 0.0), vectors.T @ moments)[0])
-    best = int(np.argmax(found))
-    slower = found[best] - max(found[0], 0.0)
-    slow = slower > CONVINCING
-    how = f"every {best + 1} periods, evidence {slower:.0f}" if slow else "no slower"
-    return Check(not slow, f"what it leaves repeats {how}")
-
-
-def oscillation_parameters(scene: Scene, choice: int) -> list[Parameter]:
-    """Return the period of an oscillation [min], its amplitudes, and phases where one holds.
-
-    The amplitude of a wandering one is the root mean square of those of its stretches, less what
-    their errors add. A phase of 0 has the sine begin at the moment that the variant names.
-    """
-    chosen, setup = scene.joint.choices[choice], scene.setup
-    effect = chosen.candidate.effect
-    others = [one for one in scene.outcome.chosen if one is not chosen]
-    _, sigma, _ = likeliest_period(setup, scene.weighed.covariance, others, effect)
-    found = [Parameter("period", effect.member["period_s"] / 60, sigma / 60, "min")]
-    where = scene.joint.slice(choice)
-    known = scene.joint.solution.known[where]
-    value = scene.joint.solution.values[where][known]
-    excess = excess_of(scene.joint, len(setup.residual))
-    covariance = excess * scene.joint.solution.covariance[where, where][np.ix_(known, known)]
-    names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
-    for axis in ("xel", "el"):
-        own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]
-        if own:
-            found += of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
-    return found

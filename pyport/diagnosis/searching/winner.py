@@ -85,8 +85,8 @@ def winner_of(
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
     present noise only short waves of drives are, whose periods no trial has: the noise may have
-    swallowed a change, and no other effect. A
-    change that promises less than a lasting effect gains waits until that effect has failed.
+    swallowed a change, and no other effect. A change that promises less than a lasting effect gains
+    waits until that effect has failed.
     """
     turn = (setup, weighed, chosen, trials, banned)
     drives = _of_drives(setup, weighed, chosen, least, banned) if changes else []

@@ -105,6 +105,12 @@ class Ground:
         information, _, moments = self.products(columns)
         return float(moments @ inverted(information)[0] @ moments)
 
+    def evidence(self, columns: Array) -> float:
+        """Return the evidence of columns (m, K) of equal prior beside the model."""
+        information, _, moments = self.products(columns)
+        power, vectors = np.linalg.eigh(information)
+        return at_best(np.maximum(power, 0.0), vectors.T @ moments)[0]
+
     def worth_of(self, field: Field) -> Worth:
         """Return what a field is worth in the readings that it has columns for."""
         return worth(field, *self.products(field.columns))

@@ -7,7 +7,7 @@ import pytest
 from diagnosis.decisions.stubs import ONE_ANTENNA, Columns
 
 from pyport.angles import ARCSEC
-from pyport.diagnosis.naming import drives
+from pyport.diagnosis.naming import waves
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.effects.empirical.fields import oscillation
 from pyport.thresholds import PERIODS_FREE
@@ -149,6 +149,6 @@ def test_a_phase_is_forgotten_in_its_quality_over_pi_periods():
 def test_an_amplitude_is_stated_with_its_phase_where_one_holds(value, held, stated):
     """Of stretches the root mean square, less what errors of half an arcsecond add to it."""
     covariance = (0.5 * ARCSEC) ** 2 * np.eye(len(value))
-    found = drives.of_axis("el", ARCSEC * np.array(value), covariance, held=held)
+    found = waves.of_axis("el", ARCSEC * np.array(value), covariance, held=held)
 
     assert [number for one in found for number in (one.value, one.sigma)] == pytest.approx(stated)

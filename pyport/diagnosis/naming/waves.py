@@ -1,4 +1,4 @@
-"""What is stated of a drive's wave: its period, whether it is even, and its like on grids."""
+"""What is stated of waves in time and of drives: periods, amplitudes, phases; what refutes them."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.joint import excess_of
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.scene import Check, Scene
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.fields import Ground
+from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
 from pyport.thresholds import CONVINCING
 
-#: Order of the curve by which the amplitude of a drive's wave may change along its angle.
+#: Order of the curve by which the amplitude of a drive's wave may change along its angle: a third
+#: of a turn with the wave and two thirds without show in it.
 ORDER = 3
+#: So many times its period is what an oscillation may be an overtone of, and overtones of each.
+MULTIPLES, OVERTONES = 5, 3
 
 
 def alias(effect: Effect, grid_deg: float) -> str | None:
@@ -60,29 +63,25 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
     wave = setup.stack.columns(effect, setup.recordings.at)
     bent = np.polynomial.legendre.legvander(place, ORDER)[:, 1:]
     columns = (wave[:, :, None] * bent[:, None]).reshape(len(wave), -1)
-    information, _, moments = ground.products(columns)
-    power, vectors = np.linalg.eigh(information)
-    found = at_best(np.maximum(power, 0.0), vectors.T @ moments)[0]
+    found = ground.evidence(columns)
     uneven = found > CONVINCING
     how = f"not the same all along, evidence {found:.0f}" if uneven else "the same all along"
     return Check(not uneven, f"the wave is {how}")
 
 
-def parameters(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Parameter]:
+def of_drive(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Parameter]:
     """Return the period of a drive's wave [deg], amplitude and phase, and its coefficients.
 
     An error of the number in a turn turns the phase at angle zero, where the recordings may not
     reach; a whole number has none.
     """
     chosen = scene.joint.choices[choice]
-    effect, where = chosen.candidate.effect, scene.joint.slice(choice)
+    effect = chosen.candidate.effect
     others = [one for one in scene.outcome.chosen if one is not chosen]
     turns_of, noise = float(effect.member["k"]), scene.weighed.covariance
     sigma = drive_waves.sigma_of(scene.setup, noise, others, effect)
     period = Parameter("period", 360 / turns_of, 360 / turns_of**2 * sigma, "deg")
-    value = scene.joint.solution.values[where]
-    excess = excess_of(scene.joint, len(scene.setup.residual))
-    covariance = excess * scene.joint.solution.covariance[where, where]
+    value, covariance = _solved(scene, choice)
     amplitude, phase = of_axis("", value, covariance, held=True)
     free = 0.0 if turns_of.is_integer() else sigma
     turned = free * abs(float(np.mean(drive_waves.angles_of(scene.setup, effect))))
@@ -95,6 +94,62 @@ def parameters(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Pa
             for one in plain
         ),
     ]
+
+
+def own_period(scene: Scene, chosen: Chosen) -> Check:
+    """Check that what is left, folded at the period of an oscillation, repeats no slower.
+
+    Short pulses have overtones as strong as themselves, and one of them may be what was found.
+    Beside the oscillation a free curve at a multiple of its period has then more evidence than one
+    at the period itself.
+    """
+    setup, period_s = scene.setup, chosen.candidate.effect.member["period_s"]
+    ground = Ground(setup, scene.weighed, scene.outcome.chosen)
+    time_s = setup.recordings.at.numbers("time")[setup.stack.row]
+    turns_of = 2 * np.pi * (time_s - time_s.min()) / period_s
+    upward = setup.stack.is_y[:, None]
+    found = []
+    for times in range(1, MULTIPLES + 1):
+        orders = [n for n in range(1, OVERTONES * times + 1) if n != times]
+        angles = turns_of[:, None] * np.array(orders) / times
+        waves = np.concatenate([np.sin(angles), np.cos(angles)], axis=1)
+        both = np.concatenate([waves * upward, waves * ~upward], axis=1)
+        found.append(ground.evidence(both))
+    best = int(np.argmax(found))
+    slower = found[best] - max(found[0], 0.0)
+    slow = slower > CONVINCING
+    how = f"every {best + 1} periods, evidence {slower:.0f}" if slow else "no slower"
+    return Check(not slow, f"what it leaves repeats {how}")
+
+
+def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
+    """Return the period of an oscillation [min], its amplitudes, and phases where one holds.
+
+    The amplitude of a wandering one is the root mean square of those of its stretches, less what
+    their errors add. A phase of 0 has the sine begin at the moment that the variant names.
+    """
+    chosen, setup = scene.joint.choices[choice], scene.setup
+    effect = chosen.candidate.effect
+    others = [one for one in scene.outcome.chosen if one is not chosen]
+    _, sigma, _ = likeliest_period(setup, scene.weighed.covariance, others, effect)
+    found = [Parameter("period", effect.member["period_s"] / 60, sigma / 60, "min")]
+    known = scene.joint.solution.known[scene.joint.slice(choice)]
+    value, covariance = _solved(scene, choice)
+    value, covariance = value[known], covariance[np.ix_(known, known)]
+    names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
+    for axis in ("xel", "el"):
+        own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]
+        if own:
+            found += of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
+    return found
+
+
+def _solved(scene: Scene, choice: int) -> tuple[Array, Array]:
+    """Return the coefficients of a choice (P,) and their covariance, (P, P)."""
+    where = scene.joint.slice(choice)
+    excess = excess_of(scene.joint, len(scene.setup.residual))
+    solution = scene.joint.solution
+    return solution.values[where], excess * solution.covariance[where, where]
 
 
 def of_axis(axis: str, value: Array, covariance: Array, *, held: bool) -> list[Parameter]:
