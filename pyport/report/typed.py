@@ -87,7 +87,7 @@ class Drift:
     """An axis of a single antenna that drifts, and the sessions furthest from usual."""
 
     axis: Annotated[str, "which"]
-    rms_arcsec: Annotated[float, "of the drift"]
+    rms_arcsec: Annotated[float, "rms by which it moved the readings"]
     memory_s: Annotated[float | None, "how long it remembers; null where rows have no time"]
     memory_rows: Annotated[float | None, "the same in rows; null where they have"]
     lowest_session: Annotated[str, "session of the lowest mean"]

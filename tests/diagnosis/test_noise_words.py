@@ -71,6 +71,28 @@ def test_what_drifts_is_said_with_its_memory(drifting):
     assert f"({one['lowest_session']}) to " in said
 
 
+@pytest.mark.slow
+def test_what_moves_once_is_a_drift_of_its_size():
+    """By what it moved: the noise is that of a walk, much of which only longer recordings show."""
+    night = np.arange(420) // 60
+    time = 1.2e9 + 80 * 3600.0 * night + 600.0 * (np.arange(420) % 60)
+    creeps = np.clip((time - time[180]) / np.ptp(time[180:]), 0, None)
+    made = recordings(
+        420,
+        5,
+        noise_arcsec=4,
+        y=lambda _: 9 * creeps,
+        session=np.char.add("n", night.astype(str)),
+        time=time,
+    )
+    report = told(report_of(diagnose(made, load("altaz"))))
+
+    (one,) = report["noise"]["drifts"]
+    assert one["rms_arcsec"] == pytest.approx(9 * np.std(creeps), rel=0.3)
+    assert one["highest_session"] == "n6"
+    assert "elevation drifts by" in report["verdict"]
+
+
 @pytest.fixture(scope="module")
 def drifting():
     """Diagnose eight nights whose elevation zero wanders by 10 arcsec, with a memory of 12 h."""

@@ -94,28 +94,32 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """Return what a single antenna drifts by in each axis, and the sessions furthest from usual.
 
-    Rms and memory of the drift, and the mean residual of the lowest and the highest session,
-    everything found fitted; only where a drift widens the scatter by a quarter and more.
+    Rms of what a drift has moved the readings by, its memory, and the mean residual of the lowest
+    and the highest session, everything found fitted and departures predicted; only where that
+    widens the scatter by a quarter and more.
     """
     setup = diagnosis.setup
     if setup.blocks.antennas > 1:
         return []
     of_order = ORDER in setup.recordings.meta
+    covariance = diagnosis.weighed.covariance
     left = setup.residual - diagnosis.after.predicted
+    moved = left - covariance.departed(left)
     session = setup.session_names
     found = []
-    for part, noise in zip(setup.parts, diagnosis.weighed.covariance.shown, strict=True):
-        white = float(np.hypot(noise.within, noise.between))
-        if noise.time_s is None or np.hypot(white, noise.drift) < GROWS * white:
+    for part, noise in zip(setup.parts, covariance.shown, strict=True):
+        rows = part.rows[covariance.used[part.rows]]
+        white = np.hypot(noise.within, noise.between) / np.sqrt(covariance.precision[rows])
+        excess = float((moved[rows] ** 2 - white**2).mean())
+        if noise.time_s is None or excess < (GROWS**2 - 1) * float((white**2).mean()):
             continue
-        rows = part.rows[diagnosis.weighed.used[part.rows]]
         names = set(session[rows].tolist())
         means = {one: float(left[rows][session[rows] == one].mean()) for one in names}
         low, high = (end(means, key=lambda one: (means[one], one)) for end in (min, max))
         found.append(
             {
                 "axis": setup.recordings.at.mount.names[part.is_y],
-                "rms_arcsec": noise.drift / ARCSEC,
+                "rms_arcsec": float(np.sqrt(excess)) / ARCSEC,
                 "memory_s": None if of_order else noise.time_s,
                 "memory_rows": noise.time_s if of_order else None,
                 "lowest_session": low,
