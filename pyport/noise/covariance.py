@@ -260,13 +260,25 @@ class Covariance:
         The best linear prediction (Robinson 1991, Statistical Science 6, 15): what few readings
         say is drawn toward zero, a session without any stays there.
         """
-        if not self.departures:
-            return np.zeros_like(residual)
-        known, shared, _ = self._beside_departures(residual[:, None])
+        return np.asarray(self._possible.columns @ self._departing_by(residual))
+
+    def departed_by(self, residual: Array) -> list[Array]:
+        """Return for each of `departures` what its labels depart by [rad], (numbers, labels)."""
+        values, kind = self._departing_by(residual), self._possible.kind
+        place = {one.whose: n for n, one in enumerate(self._possible.departures)}
+        return [
+            values[kind == place[one.whose]].reshape(-1, len(set(one.labels)))
+            for one in self.departures
+        ]
+
+    def _departing_by(self, residual: Array) -> Array:
+        """Return what each column of what possibly departs stands for [rad], shape (q,)."""
         sizes = self._possible.sizes(self.departures)
         values = np.zeros(len(sizes))
-        values[sizes != 0] = np.linalg.solve(known, shared)[:, 0]
-        return np.asarray(self._possible.columns @ (sizes * values))
+        if self.departures:
+            known, shared, _ = self._beside_departures(residual[:, None])
+            values[sizes != 0] = np.linalg.solve(known, shared)[:, 0]
+        return sizes * values
 
     @cached_property
     def log_determinant(self) -> float:

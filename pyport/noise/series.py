@@ -227,6 +227,11 @@ class Departures:
     sigma: float = 0.0
     dof: float = np.inf
 
+    @property
+    def whose(self) -> tuple[str, str, str]:
+        """Return the term, of what, and the antenna."""
+        return self.term, self.of, self.antenna
+
 
 @dataclass(frozen=True)
 class Possible:
@@ -264,6 +269,6 @@ class Possible:
 
     def sizes(self, departures: Sequence[Departures]) -> Array:
         """Return the standard deviation of what each column stands for, zero where unknown."""
-        sigmas = {(one.term, one.of, one.antenna): one.sigma for one in departures}
-        found = [sigmas.get((one.term, one.of, one.antenna), 0.0) for one in self.departures]
+        sigmas = {one.whose: one.sigma for one in departures}
+        found = [sigmas.get(one.whose, 0.0) for one in self.departures]
         return np.array(found)[self.kind] if found else np.zeros(0)

@@ -69,6 +69,8 @@ class Departure:
     antenna: Annotated[str, "whose"]
     sigma_arcsec: Annotated[float, "scatter between them"]
     labels: Annotated[tuple[str, ...], "the sessions or sources"]
+    most_label: Annotated[str, "which of them departs most, everything found fitted"]
+    most_arcsec: Annotated[float, "by how much, drawn toward zero as few readings are"]
 
 
 @dataclass(frozen=True)

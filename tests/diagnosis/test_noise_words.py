@@ -47,6 +47,10 @@ def test_what_nights_do_is_a_size(wandering):
 
     assert zeros[0]["sigma_arcsec"] == pytest.approx(20, rel=0.6)
     assert len(zeros[0]["labels"]) == 12
+    drawn = 20 * np.random.default_rng(7).normal(size=12)
+    most = int(np.abs(drawn - drawn.mean()).argmax())
+    assert zeros[0]["most_label"] == f"n{most}"
+    assert zeros[0]["most_arcsec"] == pytest.approx(drawn[most] - drawn.mean(), abs=4)
     said = "Night-to-night scatter of the zero in elevation"
     assert said in " ".join(in_words(report_of(wandering)).split())
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)

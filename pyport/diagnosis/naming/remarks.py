@@ -48,18 +48,29 @@ def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
 
 
 def departures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Return the random departures of sessions and sources, for reports."""
-    return [
-        {
-            "term": one.term,
-            "of": one.of,
-            "antenna": one.antenna,
-            "sigma_arcsec": one.sigma / ARCSEC,
-            "labels": list(dict.fromkeys(one.labels)),
-        }
-        for one in diagnosis.weighed.covariance.departures
-        if one.sigma > 0
-    ]
+    """Return the random departures of sessions and sources, and which departs most, for reports.
+
+    By its number where a term has one, else by its length.
+    """
+    covariance = diagnosis.weighed.covariance
+    left = diagnosis.setup.residual - diagnosis.after.predicted
+    found = []
+    for one, values in zip(covariance.departures, covariance.departed_by(left), strict=True):
+        labels = list(dict.fromkeys(one.labels))
+        size = np.linalg.norm(values, axis=0)
+        most = int(np.argmax(size))
+        found.append(
+            {
+                "term": one.term,
+                "of": one.of,
+                "antenna": one.antenna,
+                "sigma_arcsec": one.sigma / ARCSEC,
+                "labels": labels,
+                "most_label": labels[most],
+                "most_arcsec": float(values[0, most] if len(values) == 1 else size[most]) / ARCSEC,
+            }
+        )
+    return found
 
 
 def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
@@ -183,7 +194,7 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
     """Return a sentence for all that the noise does, and for what the recordings' header tells."""
     said = [
         f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
-        f"({len(one['labels'])} {one['of']}s)"
+        f"({len(one['labels'])} {one['of']}s; {one['most_arcsec']:.2g} in {one['most_label']})"
         for one in noise.departing
     ]
     said += map(_of_drift, noise.drifting)
