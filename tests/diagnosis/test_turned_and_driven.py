@@ -63,6 +63,39 @@ def test_tilt_that_follows_the_temperature_is_never_a_change_between_sessions(se
 
 
 @pytest.mark.slow
+def test_refraction_that_the_temperature_changes_is_no_bent_structure():
+    """Corrected for as if the air were always as dense: so much per kelvin, and nothing beside."""
+
+    def bending(at, _):
+        warm = at.column("temperature_c")
+        return 0 * at.el, -0.4 * (warm - np.median(warm)) / np.tan(at.el)
+
+    found = diagnose(drawn(500, 6, 2, 4.0, bending), load("altaz")).findings
+
+    assert [(one.effect, one.verdict) for one in found] == [("driven_term", "named")]
+    assert found[0].variant == "refraction follows temperature_c"
+    assert abs(found[0].parameters[0].value + 0.4) < 4 * found[0].parameters[0].sigma < 0.2
+    assert "the correction for refraction is off as temperature_c changes" in found[0].sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [12, 15])
+def test_a_step_among_nights_that_the_temperature_moves(seed):
+    """Either alone the noise does as well; together they are found, with their sizes."""
+
+    def moved(at, _):
+        warm, time = at.column("temperature_c"), at.column("time")
+        since = time > np.median(time) + 600
+        return 0 * at.el, 0.8 * (warm - np.median(warm)) + 10 * since
+
+    warm, step = diagnose(drawn(700, 6, seed, 6.0, moved), load("altaz")).findings
+
+    assert (warm.effect, step.effect) == ("temperature", "epoch_offset")
+    for one, true in ((warm, 0.8), (step, 10)):
+        assert abs(one.parameters[1].value - true) < 3 * one.parameters[1].sigma
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("rows", "nights", "times"), [(18, 1, 1), (24, 2, -1), (18, 1, 2)])
 def test_a_circle_of_the_rotator_is_found_in_eighteen_rows(rows, nights, times):
     """A camera 20 arcsec off the axis of its rotator, in noise of 1 arcsec, turns up as that."""

@@ -49,12 +49,12 @@ def test_what_moves_telescopes_comes_first():
 
 
 def test_temperature_drives_here_what_it_does_not_drive_elsewhere():
-    """Zeros and sag that follow the air's temperature are `temperature`; the tilt is not."""
+    """Zeros and sag that follow the air's temperature are `temperature`; tilt, refraction are not."""
     warm = [name for name in members(AT) if "temperature" in name]
 
-    assert warm[0] == "tilt follows temperature_c"
-    assert all(name.startswith("tilt follows temperature_c") for name in warm)
-    assert len(warm) == len(ways(AT)) == 4
+    assert warm[:2] == ["tilt follows temperature_c", "refraction follows temperature_c"]
+    assert all(name.startswith("tilt follows temperature_c") for name in warm[2:])
+    assert len(warm) - 1 == len(ways(AT)) == 4
 
 
 def test_unknown_conditions_drive_the_tilt_only():
@@ -113,6 +113,14 @@ def test_angles_that_go_round_are_left_to_the_rotator():
     with pytest.raises(MissingColumn):
         members(bare(derotator_deg=60 * NOISE[0]))
     assert members(bare(inclinometer_arcsec=60 * NOISE[0]))
+
+
+def test_air_alone_drives_refraction():
+    """Its temperature and its pressure change its density."""
+    driven = {one.driver for one in CATALOGUE["driven_term"].variants(AT) if "refr" in one.variant}
+
+    assert driven == {"temperature_c", "pressure_hpa"} & set(AT.columns)
+    assert "temperature_c" in driven
 
 
 def test_units_are_those_of_the_column():

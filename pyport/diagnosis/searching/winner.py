@@ -9,13 +9,13 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.evidence import CandidateFit, Projection, at_best
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.changes import proposed, refine
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import drive_waves, oscillations
-from pyport.diagnosis.weighing import WhitenedData, weigh
+from pyport.diagnosis.weighing import WhitenedData, shown_beside, weigh, whiten_model
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
@@ -168,11 +168,46 @@ def confirmed_changes(
     def sure_of(one: Winner) -> Winner:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
+        if sure <= CONVINCING:
+            sure += _beside_it(one, still, chosen, trials, CONVINCING - sure)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
 
     least = max(CONVINCING, above)
     found = side_by_side(sure_of, [one for one in moved if one.trial.evidence > least])
     return [*found, *waves]
+
+
+def _beside_it(
+    change: Winner,
+    still: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+    least: float,
+) -> float:
+    """Return the evidence of the lasting effect that shows best beside a change, 0 if too little.
+
+    Two that either alone the noise does as well it may not do together: a step among nights that
+    the weather moves, too.
+    """
+    setup, after = change.setup, joined(change.setup, chosen, change.chosen)
+    lasting = [
+        one.candidate
+        for one in trials
+        if one.candidate.effect.physical
+        and one.scope == "all"
+        and not confounded(setup, one.candidate.effect)
+    ]
+    white = whiten_model(setup, still.covariance, (*setup.base, *after))
+    seen = shown_beside(setup, replace(still, white=white), after, lasting)
+    worth = [
+        at_best(*each)[0] - one.price if len(each[0]) else -np.inf
+        for each, one in zip(seen, lasting, strict=True)
+    ]
+    best = int(np.argmax(worth)) if worth else 0
+    if not worth or worth[best] <= least:
+        return 0.0
+    sure = confirmed(setup, after, Chosen(lasting[best], "all"), lasting[best].price)
+    return sure if sure > CONVINCING else 0.0
 
 
 def _oscillating(

@@ -20,6 +20,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
+from pyport.effects.sky.atmosphere import refraction
 from pyport.effects.telescope.geometry import collimation, elevation_zero, sag_cosine, tilt
 from pyport.effects.telescope.rotation import (
     LEAST_ARC,
@@ -34,8 +35,8 @@ _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Tel
 
 _NEEDS = "temperature_c or wind_speed_m_s or humidity_pct or pressure_hpa or sun_el_deg or time_utc"
 
-#: So many conditions are tried. With four terms each that is the 24 members that a search bears:
-#: the temperature drives one term, in four ways.
+#: So many conditions are tried. With four terms each that is the 24 members that a search bears,
+#: and refraction: the temperature drives one term, in four ways.
 MOST_DRIVERS = 6
 #: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
 FEW_VALUES = 4
@@ -48,7 +49,11 @@ _TERMS: dict[str, tuple[Basis, tuple[str, ...], str]] = {
     "sag_cosine": (sag_cosine, ("sag_cosine",), "the structure sags"),
     "elevation_zero": (elevation_zero, ("elevation_zero",), "the elevation zero moves"),
     "collimation": (collimation, ("collimation",), "the collimation changes"),
+    "refraction": (refraction, ("refraction",), "the correction for refraction is off"),
 }
+#: Of refraction alone it is known what changes it: the density of the air.
+_OF_AIR = "refraction"
+_OF_MOUNT = tuple(one for one in _TERMS if one != _OF_AIR)
 #: The term that a condition may drive of which nothing is known but the name. An offset that is
 #: the same all over the sky, or nearly so as a sag is, and follows such a column names no part
 #: of the telescope: it stays a curve in that column, without a name.
@@ -56,6 +61,10 @@ _BY_ANYTHING = ("tilt",)
 #: What the temperature of the air does to zeros and sag, at once or late, is the effect
 #: `temperature`.
 _BEYOND_TEMPERATURE = ("tilt",)
+_BY_AIR = {
+    "temperature_c": (*_BEYOND_TEMPERATURE, _OF_AIR),
+    "pressure_hpa": (*_OF_MOUNT, _OF_AIR),
+}
 
 #: Columns that are no condition: places, times of a scan, and how it was made.
 _NO_CONDITION = frozenset(
@@ -103,7 +112,7 @@ class Driver:
     #: Circumstances -> its values, one or more columns of shape (n,), NaN where unknown.
     values: Callable[[Circumstances], tuple[Array, ...]]
     labels: tuple[str, ...] = ("",)  #: what is added to a coefficient's name for each of them
-    terms: tuple[str, ...] = tuple(_TERMS)  #: which of the terms may follow it
+    terms: tuple[str, ...] = _OF_MOUNT  #: which of the terms may follow it
     follows: str = THE_HOUR  #: the `driver` of the effects
     #: What is taken off the values; None for a median of the recordings at hand, or nothing.
     centre: float | None = None
@@ -130,7 +139,7 @@ def driven(term: str, driver: Driver) -> Effect:
         basis,
         variant=f"{term} follows {driver.name}",
         profile=_driven_terms,
-        acts_in=SKY if term == "sag_cosine" else AXES,
+        acts_in=SKY if term in ("sag_cosine", _OF_AIR) else AXES,
         pattern=f"{term.replace('_', ' ')} follows {driver.name}",
         needs=(_NEEDS,),
         formula=(
@@ -180,7 +189,12 @@ def drivers(at: Circumstances) -> list[Driver]:
     only grow or only fall with time (a counter, a clock: `drift`) and is not drawn by the
     direction; those first that the direction draws least.
     """
-    known = [_temperature(at), _time_of_day(at), _sun(at), _recorded(at, "wind_speed_m_s")]
+    known = [
+        _recorded(at, "temperature_c"),
+        _time_of_day(at),
+        _sun(at),
+        _recorded(at, "wind_speed_m_s"),
+    ]
     found = [one for one in known if one is not None]
     others = {name: _free(at, name) for name in at.columns if _may_drive(at, name)}
     ranked = sorted(
@@ -193,21 +207,16 @@ def drivers(at: Circumstances) -> list[Driver]:
     return found[:MOST_DRIVERS]
 
 
-def _temperature(at: Circumstances) -> Driver | None:
-    return _recorded(at, "temperature_c", _BEYOND_TEMPERATURE)
-
-
-def _recorded(at: Circumstances, name: str, terms: tuple[str, ...] | None = None) -> Driver | None:
+def _recorded(at: Circumstances, name: str) -> Driver | None:
     """Return a recorded condition less its median here; None where it hardly varies."""
     if not _varies(at, name):
         return None
-    if terms is None:
-        told = name in _CONTRACT or _KNOWN & set(name.split("_"))
-        terms = tuple(_TERMS) if told else _BY_ANYTHING
+    told = name in _CONTRACT or _KNOWN & set(name.split("_"))
+    terms = _BY_AIR.get(name, _OF_MOUNT if told else _BY_ANYTHING)
     return _about(name, float(np.nanmedian(at.numbers(name))), terms)
 
 
-def _about(name: str, centre: float, terms: tuple[str, ...] = tuple(_TERMS)) -> Driver:
+def _about(name: str, centre: float, terms: tuple[str, ...] = _OF_MOUNT) -> Driver:
     """Return a recorded condition less a number."""
     unit = next((_UNITS[end] for end in _UNITS if name.endswith(f"_{end}")), name)
     return Driver(
