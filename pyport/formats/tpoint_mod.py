@@ -26,8 +26,8 @@ _MEANT = re.compile(r"[;!]\s*(\w+)\s*:\s*([xy]\s*=.*)")
 def read(path: Path) -> ModelFile:
     """Read a TPOINT model file.
 
-    Raises `BadInput`: no line of statistics, a line that is no known term, or terms of two kinds of
-      mount.
+    Raises `BadInput`: no line of statistics, a line that is no known term, no END, or terms of two
+      kinds of mount.
     """
     title, *rest = lines_of(path)
     meant = _meant(rest)
@@ -40,6 +40,9 @@ def read(path: Path) -> ModelFile:
         if line.text.strip().upper() == "END":
             break
         entries.append(_entry(line, meant))
+    else:
+        last = body[-1].number
+        raise BadInput("no line END below the terms: the file may be cut off", path, last)
     if not entries:
         raise BadInput("no terms below the statistics", path, body[0].number)
     known = [one.name for one in entries if not one.formula]

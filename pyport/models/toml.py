@@ -133,7 +133,9 @@ def read(content: Mapping[str, Any], path: Path) -> Model:
         return _model(content, path)
     except BadInput as error:
         raise BadInput(error.message, path) from None
-    except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+    except KeyError as error:
+        raise BadInput(f"no key {error}, expected a model as pyport writes it", path) from None
+    except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
         wrong = f"{type(error).__name__} {error}: not a model as pyport writes it"
         raise BadInput(wrong, path) from None
 

@@ -49,7 +49,7 @@ def test_what_moves_telescopes_comes_first():
 
 
 def test_temperature_drives_here_what_it_does_not_drive_elsewhere():
-    """Zeros and sag that follow the air's temperature are `temperature`; tilt, refraction are not."""
+    """Zeros and sag that do are `temperature`; the tilt and refraction are not."""
     warm = [name for name in members(AT) if "temperature" in name]
 
     assert warm[:2] == ["tilt follows temperature_c", "refraction follows temperature_c"]

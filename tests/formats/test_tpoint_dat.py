@@ -5,6 +5,7 @@ import pytest
 
 from pyport.angles import DEG
 from pyport.errors import BadInput
+from pyport.formats.convert import convert
 from pyport.recordings import read
 
 HEAD = "Mine, 2026 Feb 1\n: ALTAZ\n: ROTNL\n-30 14 40.3\n"
@@ -47,6 +48,19 @@ def test_masked_stars_are_set_aside_and_remarks_are_none(recordings):
         (6, "masked in the file"),
         (9, "masked in the file"),
     ]
+
+
+def test_a_star_without_a_direction_is_written_masked_and_read_as_a_remark(recordings, tmp_path):
+    """No program could fit it, and this one would not read it."""
+    table = tmp_path / "mine.csv"
+    table.write_text(
+        "# latitude_deg: 50\naz_deg,el_deg,d_az_deg,d_el_deg\n10,40,0.1,0.1\n20,,0.1,0.1\n"
+    )
+    convert(table, tmp_path / "out.dat")
+    lines = (tmp_path / "out.dat").read_text().splitlines()
+
+    assert [line[0] for line in lines if "020.0" in line] == [";"]
+    assert len(read(tmp_path / "out.dat").at) == 1
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from samples import sample
 
 from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
+from pyport.errors import BadInput
 from pyport.examiner.worlds.mount import Mount, Wave, axes, readings
 from pyport.formats import tpoint_mod
 from pyport.models.terms import field_system, tpoint
@@ -167,3 +168,12 @@ def test_terms_of_its_frame_turn_into_ours(name):
 
     np.testing.assert_allclose(x, across, atol=1e-12)
     np.testing.assert_allclose(y, -up, atol=1e-12)
+
+
+def test_a_model_without_its_end_may_be_cut_off(tmp_path):
+    """What a copy that broke off lost is not taken for zero."""
+    path = tmp_path / "cut.mod"
+    path.write_text("Mine\nT   54   3.1416    0.000   0.0000\n  IA  -292.0063  2.1\n")
+
+    with pytest.raises(BadInput, match=r"cut.mod:3: no line END below the terms"):
+        tpoint_mod.read(path)

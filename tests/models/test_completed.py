@@ -171,7 +171,7 @@ def test_a_term_made_in_python_is_refused_by_name(tmp_path):
         ("value = ", "value = true, was = ", "expected a number"),
         ('effect = "skew"', 'effect = "skow"', "no effect is called 'skow'"),
         ('unit = "arcsec"', 'unit = "parsec"', "expected 'arcsec'"),
-        ("[[term]]", "[[turn]]", "not a model as pyport writes it"),
+        ("[[term]]", "[[turn]]", "no key 'term'"),
         ("lower_triangle = [", "lower_triangle = [ [1.0],", "no lower triangle"),
     ],
 )

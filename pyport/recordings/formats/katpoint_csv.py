@@ -192,7 +192,10 @@ def _texts(values: exact.Numbers, blank: str) -> list[str]:
 
 
 def _description(table: Table) -> str:
-    """Return the description of an antenna as far as the table knows it."""
+    """Return the description of an antenna: its name alone where its place is not known."""
+    name = table.meta.get("telescope", "antenna").replace(",", " ")
+    if not {"latitude_deg", "longitude_deg"} <= table.meta.keys():
+        return name
     place = [table.meta.get(key, "0") for key in ("latitude_deg", "longitude_deg", "height_m")]
-    fields = [table.meta.get("telescope", "antenna").replace(",", " "), *place]
+    fields = [name, *place]
     return ", ".join([*fields, *[""] * (MODEL_FIELD - len(fields)), "", ""])

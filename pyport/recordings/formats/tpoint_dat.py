@@ -144,7 +144,7 @@ def _is_star(words: list[str]) -> bool:
         numbers = [float(_NAN if _unread(word) else word) for word in words]
     except ValueError:
         return False
-    return len(numbers) >= 4
+    return len(numbers) >= 4 and not np.isnan(numbers[:2]).any()
 
 
 def _unread(word: str) -> bool:
@@ -234,11 +234,13 @@ def write(table: Table, path: Path) -> list[str]:
         out.writelines(f"{line}\n" for line in [*head, _site_line(table, path)])
         for n, why in enumerate(exact.asides(table)):
             out.writelines(f"{remarks[key]}\n" for key in _before(remarks, n))
-            angles = zip((az[n], el[n], read_az[n], read_el[n]), (3, 2, 3, 2), strict=True)
+            star = az[n], el[n], read_az[n], read_el[n]
+            angles = zip(star, (3, 2, 3, 2), strict=True)
             words = [_padded(value, whole, decimals) for value, whole in angles]
             words += [column[n] for column in rest if column[n]]
             note = f" ; {notes[n]}" if notes[n] else ""
-            out.write(f"{';' * bool(why)}{' '.join(words)}{note}\n")
+            # A star that was not all measured is none that TPOINT could fit.
+            out.write(f"{';' * (bool(why) or None in star)}{' '.join(words)}{note}\n")
         out.writelines(f"{remarks[key]}\n" for key in _before(remarks, len(az)))
         out.write("END\n")
     sides = (PIER_SIDE,) if mount.turns_over else ()
