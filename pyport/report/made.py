@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,12 @@ from pyport.diagnosis.joint import Disagreement, Joint, rms
 from pyport.diagnosis.naming import remarks, words
 from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput
-from pyport.files import sha256
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.least_squares.gram import inverted
 from pyport.models import complete as corrections
 from pyport.models import toml
 from pyport.models.model import Model
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, as_input
 from pyport.report.array import as_json as array_json
 from pyport.report.finding import combination_of, completed, finding_of, held_out_of
 from pyport.report.typed import (
@@ -128,20 +126,9 @@ def _completed(model: Model) -> dict[str, Any] | None:
 
 
 def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
-    aside = tuple(Excluded(one.line, one.reason) for one in recordings.set_aside)
-    file, reduction = recordings.file, recordings.reduction
-    told = Input(
-        file=file.name,
-        sha256=sha256(file) if file.is_file() else None,
-        rows=len(recordings) + len(aside),
-        used=len(recordings),
-        set_aside=aside,
-        outliers=int((~diagnosis.weighed.used).sum()),
-    )
-    if reduction is None:
-        return told
-    used = reduction.rows - sum(reduction.set_aside.values())
-    return replace(told, rows=reduction.rows, used=used, reduction=vars(reduction))
+    told = as_input(recordings)
+    aside = tuple(Excluded(**one) for one in told.pop("set_aside"))
+    return Input(**told, set_aside=aside, outliers=int((~diagnosis.weighed.used).sum()))
 
 
 def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
