@@ -50,6 +50,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
     """Return what a diagnosis says; of several antennas with what they share."""
     setup, mount = diagnosis.setup, diagnosis.setup.recordings.at.mount
     whole, noise = completed(diagnosis), remarks.noise_remarks(diagnosis)
+    open_ = whole.completed is not None and whole.completed.undetermined
     return Report(
         schema=SCHEMA,
         input=_input(setup.recordings, diagnosis),
@@ -70,7 +71,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
             PER_AXIS,
             ON_SKY,
         ),
-        combinations=tuple(map(combination_of, diagnosis.combinations)),
+        combinations=() if open_ else tuple(map(combination_of, diagnosis.combinations)),
         dropped=tuple(Dropped(**vars(one)) for one in diagnosis.dropped),
         two_axes=tuple(_two_axes(one, mount.names) for one in diagnosis.two_axes),
         antennas=_antennas(diagnosis),
@@ -115,7 +116,8 @@ def _figures(told: dict[str, dict[str, float | None]]) -> dict[str, Figures]:
 def _completed(model: Model) -> dict[str, Any] | None:
     """Return the completed model, its findings apart, which the report has; None without one.
 
-    There is none where a model has terms, made in Python, that no file can hold.
+    There is none where a model has terms, made in Python, that no file can hold, or more
+    coefficients than offsets were measured.
     """
     try:
         whole = toml.tree(model)
