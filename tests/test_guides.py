@@ -6,7 +6,9 @@ from pathlib import Path
 import click
 import pytest
 
+from pyport import pipeline
 from pyport.cli import pyport
+from pyport.steering.published import write_recordings
 
 DOCS = Path(__file__).parent.parent / "docs"
 GUIDES = (
@@ -77,3 +79,48 @@ def test_the_routines_of_the_guide_and_the_arrays_agree():
     )
 
     np.testing.assert_allclose(np.degrees(new).ravel(), old, atol=2**-15)
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory):
+    """Return what the diagnoses print that README and manual quote."""
+    extracts = tmp_path_factory.mktemp("quoted") / "published.csv"
+    write_recordings(extracts)
+    asked = [
+        ("gmrt-cyg-a", "gmrt-paper", "all"),
+        ("gmrt-2003-06-01", "gmrt-paper", "all"),
+        (str(extracts), "rt32-3model", "none"),
+    ]
+    return "".join(
+        pipeline.run_one(one).summary + "\n"
+        for name, model, refit in asked
+        for one in pipeline.requests([name], model=model, refit=refit, seed=0, out=None)
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page",
+    ["README.md", "docs/steering-table.md", "docs/proof/gmrt.md", "docs/proof/published-table.md"],
+)
+def test_findings_that_are_quoted_are_those_that_the_program_prints(page, printed):
+    """Every line of a quoted diagnosis, commands and omissions apart, is printed today."""
+    text = (DOCS.parent / page).read_text(encoding="utf-8")
+    blocks = [one for one in re.findall(r"```\n(.*?)```", text, re.DOTALL) if "\n   " in one]
+    found = [one for one in blocks if re.search(r"^\d\. \w", one, re.MULTILINE)]
+    lines = {one for block in found for one in block.splitlines() if one[:2] not in ("$ ", "..")}
+
+    assert lines
+    assert lines <= set(printed.splitlines())
+
+
+@pytest.mark.slow
+def test_the_figures_below_the_picture_of_the_readme_are_printed(printed):
+    """How many antennas play, and what the held-out rms falls from and to."""
+    text = " ".join((DOCS.parent / "README.md").read_text(encoding="utf-8").split())
+    antennas, after, before = re.search(
+        r"finds it in (\d+ of \d+) antennas, .* to (\d+) arcsec rms instead of (\d+),", text
+    ).groups()
+
+    assert f"({antennas} beyond three sigmas)" in printed
+    assert f"rms per axis {before} -> {after}." in printed

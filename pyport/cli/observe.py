@@ -209,6 +209,7 @@ def targets(
     from pyport.planning.target_lists import EPOCH, FORMATS, read_catalogue
     from pyport.planning.targets import Limits, sunrise, targets
     from pyport.recordings import read
+    from pyport.recordings.schema import as_input, counted
 
     if not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
@@ -225,6 +226,8 @@ def targets(
     sources = [] if catalogue is None else read_catalogue(catalogue, year)
     found = targets(rows, load(model), limits, count, sources)
     text = FORMATS[form](found)
+    told = f"{counted(as_input(rows))}, model {model}"
+    click.echo(told, err=out is None or as_json)
     if out is not None:
         with write_whole(out) as file:
             file.write(text)

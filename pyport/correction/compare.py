@@ -13,7 +13,7 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
 from pyport.models.conditions import Columns, Value
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, as_input
 from pyport.recordings.sky import with_nights
 
 #: The sky is compared in steps of so many degrees, down to this elevation.
@@ -117,6 +117,7 @@ class Comparison:
     rows: Rows | None
     unsound: tuple[Unsound, ...]
     scatter_arcsec: float | None
+    input: dict[str, Any] | None = None  #: the recordings as `as_input` says; None without any
 
     @property
     def refused(self) -> tuple[Unsound, ...]:
@@ -143,7 +144,8 @@ def compare(
     if scatter is None and new.model.completed is not None:
         scatter = new.model.completed.made.get("sky_rms_arcsec")
     sky = _sky(old, new, recordings, conditions or {})
-    return Comparison(sky, rows, _unsound(new, scatter), scatter)
+    told = None if recordings is None else as_input(recordings)
+    return Comparison(sky, rows, _unsound(new, scatter), scatter, told)
 
 
 def _sky(

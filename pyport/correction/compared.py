@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.correction.compare import LOWEST_DEG, REACH_DEG, Comparison, Sky
 from pyport.files import write_whole
+from pyport.recordings.schema import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +23,8 @@ def text(found: Comparison, beam_arcsec: float | None = None, worst: int = 5) ->
     told = ", ".join(f"{name} {value}" for name, value in sky.conditions.items())
     above = f"over the sky above {LOWEST_DEG:g} deg" + (f" ({told})" if told else "")
     where = f"azimuth {sky.az_deg[most]:g}, elevation {sky.el_deg[most]:g}"
-    lines = [f"{above}: moves by {sky.rms_arcsec():.2f} arcsec rms, {size[most]:.2f} at {where}"]
+    lines = [] if found.input is None else [counted(found.input)]
+    lines += [f"{above}: moves by {sky.rms_arcsec():.2f} arcsec rms, {size[most]:.2f} at {where}"]
     if beam_arcsec is not None:
         share = sky.share(beam_arcsec)
         lines.append(
@@ -82,6 +84,8 @@ def as_json(found: Comparison, beam_arcsec: float | None = None) -> dict[str, An
         ],
         "scatter_arcsec": found.scatter_arcsec,
     }
+    if found.input is not None:
+        told["input"] = found.input
     if beam_arcsec is not None:
         told["sky"]["share_beyond_beam"] = sky.share(beam_arcsec)
     if found.rows is not None:

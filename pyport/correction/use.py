@@ -52,10 +52,12 @@ class PointingModel:
     )
 
     def __post_init__(self) -> None:
-        """Refuse a model without coefficients."""
+        """Refuse a model without coefficients, or with more of them than offsets were measured."""
         known = self.model.given is not None or any(t.has_values for t in self.model.terms)
         if not known and self.model.terms:
             raise BadInput(f"the model {self.model.name} has no coefficients: fit it first")
+        if self.model.completed is not None and (wrong := self.model.completed.undetermined):
+            raise BadInput(f"the model {self.model.name} is not determined: {wrong}")
 
     @property
     def name(self) -> str:

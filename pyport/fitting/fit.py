@@ -14,6 +14,7 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
 from pyport.fitting.two_axes import Difference, from_products
 from pyport.models.complete import Left, Solved, complete
+from pyport.models.conditions import undetermined
 from pyport.models.model import Model, Term
 from pyport.noise.coefficients import equal, solve
 from pyport.noise.covariance import Covariance
@@ -95,11 +96,8 @@ def fit(
     value = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)
     columns, owners = _expanded(recordings, data, terms)
-    if len(value) < columns.shape[1]:
-        raise BadInput(
-            f"{len(value)} measured offsets cannot determine {columns.shape[1]} coefficients",
-            recordings.file,
-        )
+    if wrong := undetermined(len(value), columns.shape[1]):
+        raise BadInput(wrong, recordings.file)
     noise = WEIGHTS[weights](value, columns, frame(recordings, data))
     solution = solve(noise, columns, value)
     sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 0))

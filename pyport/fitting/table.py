@@ -14,6 +14,7 @@ from pyport.fitting.fit import LABELS, Fit, by_label, completed, leftover_text
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, largest_offset, sky_rms
 from pyport.models import complete, toml
 from pyport.models.conditions import Completed, Value
+from pyport.recordings.schema import as_input, counted
 
 #: Combinations that the terminal shows.
 MOST_COMBINATIONS = 3
@@ -31,13 +32,14 @@ def text(fit: Fit) -> str:
         for one in values
         if one.sigma is None
     ]
+    lines.insert(0, f"{counted(as_input(fit.recordings))}, model {fit.model.name}")
     lines.append("")
     for axis, is_y in zip(fit.recordings.at.mount.names, (False, True), strict=True):
         rows = int((fit.stack.is_y == is_y).sum())
         found = axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=is_y)
         if found is not None:
-            size, counted = found
-            lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {counted} of {rows} offsets")
+            size, used = found
+            lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {used} of {rows} offsets")
     sky = sky_rms(fit.stack, fit.residual, fit.noise.used)
     if sky is not None:
         lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
@@ -90,6 +92,7 @@ def as_json(fit: Fit) -> dict[str, object]:
     labels_of = [one.labels for one in fit.coefficients for _ in one.term.effect.coefficients]
     return {
         "model": fit.model.name,
+        "input": as_input(fit.recordings),
         "parameters": [
             {
                 "name": one.name,

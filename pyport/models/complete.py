@@ -130,6 +130,7 @@ def complete(
             covariance=_picked(covariance, places, scales),
             findings=tuple(findings),
             unsaved=tuple(unsaved),
+            offsets=len(left.stack),
         ),
     )
 
@@ -193,11 +194,13 @@ MOST_LINES = 40
 
 
 def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
-    """Return the table of a completed model for the terminal.
+    """Return the table of a completed model for the terminal, empty for an undetermined one.
 
     What a coefficient is counted from (a mean temperature, a moment) stands below, as far as
     `terms` tell; a field without a name has numbers that no control system takes.
     """
+    if completed.undetermined:
+        return []
     values = [one for one in completed.values if one.effect != UNKNOWN]
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
     told = [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]

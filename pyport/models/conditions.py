@@ -67,6 +67,23 @@ class Completed:
     covariance: Array  #: of the values in their units, shape (P, P); zero for what was held
     findings: tuple[Mapping[str, Any], ...] = ()  #: as `report.json` spells them
     unsaved: tuple[str, ...] = ()  #: ids of terms that no file can hold: they were made in Python
+    #: How many offsets it was fitted to; None for a model from a file, that knows `rows` only.
+    offsets: int | None = None
+
+    @property
+    def undetermined(self) -> str | None:
+        """Return that it was fitted to fewer offsets than coefficients; None where it was not."""
+        fitted = sum(one.sigma is not None and one.finding is None for one in self.values)
+        rows = self.made.get("rows")
+        both = 2 * rows if isinstance(rows, int) else fitted
+        return undetermined(both if self.offsets is None else self.offsets, fitted)
+
+
+def undetermined(offsets: int, coefficients: int) -> str | None:
+    """Return that so few offsets cannot determine so many coefficients; None where they can."""
+    if offsets >= coefficients:
+        return None
+    return f"{offsets} measured offsets cannot determine {coefficients} coefficients"
 
 
 #: The contract's names, unit and all: bare numbers in that unit.

@@ -30,11 +30,14 @@ _COVARIANCE_DIGITS = 7
 def tree(model: Model) -> dict[str, Any]:
     """Return a completed model as tables, for TOML and JSON alike.
 
-    Raises `BadInput`: the model was not completed, or has terms that no file can hold.
+    Raises `BadInput`: the model was not completed, or by fewer offsets than coefficients, or has
+      terms that no file can hold.
     """
     completed = model.completed
     if completed is None:
         raise BadInput(f"the model {model.name} was not completed by a fit or a diagnosis")
+    if wrong := completed.undetermined:
+        raise BadInput(wrong, Path(completed.made["recordings"]))
     if completed.unsaved:
         raise BadInput(f"no file can hold the model's terms {', '.join(completed.unsaved)}")
     rows = iter(completed.values)

@@ -10,6 +10,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
 from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
+from pyport.recordings.schema import as_input, counted
 
 _WIDTH = 96
 _SEEN = (
@@ -56,13 +57,8 @@ def _wrapped(line: str) -> list[str]:
 
 
 def _head(look: Look) -> Iterable[str]:
-    recordings = look.recordings
-    aside = len(recordings.set_aside)
     whose = f", antenna {look.antenna} of {look.antennas}" if look.antennas > 1 else ""
-    yield (
-        f"{recordings.file.name}: {len(recordings)} recordings{whose}, {aside} excluded, model "
-        f"{look.model.name}"
-    )
+    yield f"{counted(as_input(look.recordings))}{whose}, model {look.model.name}"
     yield f"Noise {look.noise / ARCSEC:.3g} arcsec ({look.how})."
 
 
@@ -156,6 +152,7 @@ def as_json(look: Look) -> dict[str, object]:
     return {
         "schema": "pyport.look/1",
         "file": look.recordings.file.name,
+        "input": as_input(look.recordings),
         "recordings": len(look.recordings),
         "antenna": look.antenna,
         "antennas": look.antennas,

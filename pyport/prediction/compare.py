@@ -15,7 +15,7 @@ from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.rehearsal import NIGHTS, Rehearsal, left_out, on_another, on_the_sky, schemes
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, as_input, counted
 from pyport.runs.workers import one_thread
 
 #: Terms of which one is so many times larger than all of them together cancel each other.
@@ -38,6 +38,8 @@ def text(done: Comparison) -> str:
 
 def _table(done: Comparison) -> Iterator[str]:
     aside = f", {done.outliers} of them outliers that count for nobody" if done.outliers else ""
+    yield f"{counted(done.input)}, model {done.model.name}"
+    yield from map(counted, done.on)
     yield f"{done.file}: {done.pointings} pointings, {done.numbers} offsets{aside}."
     yield (
         "Rms on the sky [arcsec]: in the fit; on pointings, bands of elevation and sectors of "
@@ -137,6 +139,8 @@ def as_json(done: Comparison, rehearsals: Sequence[Rehearsal] = ()) -> dict[str,
     return {
         "schema": "pyport.prediction/1",
         "file": done.file,
+        "input": done.input,
+        "on": list(done.on),
         "pointings": done.pointings,
         "offsets": done.numbers,
         "outliers": done.outliers,
@@ -185,6 +189,9 @@ class Comparison:
     own: Row
     picked: tuple[Row, ...]
     cancel: dict[str, float]
+    #: `input`, `on`: the recordings and those of other nights, as `as_input` says.
+    input: dict[str, Any]
+    on: tuple[dict[str, Any], ...]
 
     def rows(self) -> tuple[Row, ...]:
         """Return all in the order of a table."""
@@ -254,6 +261,8 @@ def compare(
         row(own),
         tuple(row(one) for one in pickers),
         {one.name: cancelled(one, first) for one in others_of},
+        as_input(recordings),
+        tuple(as_input(one) for one in others),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from pyport.columns import AXES, COLUMNS, SET_ASIDE, TIME
 from pyport.effects.base import Circumstances, Effect, MissingColumn
 from pyport.effects.circumstances import Index
 from pyport.errors import BadInput
+from pyport.files import sha256
 from pyport.recordings.mounted import names_of
 
 
@@ -110,6 +111,39 @@ class Recordings:
         if name in self.at:
             return self.at.column(name)
         return np.full(len(self), "")
+
+
+def as_input(recordings: Recordings) -> dict[str, Any]:
+    """Return the recordings as every report names them under `input`.
+
+    `file`, `sha256`; `rows` of the file and how many of them are `used`; those that are not in
+    `set_aside`, each with line and reason; the `reduction` of a data set, None for one file.
+    """
+    file, made = recordings.file, recordings.reduction
+    aside, used = recordings.set_aside, len(recordings)
+    rows = used + len(aside)
+    if made is not None:
+        rows, used = made.rows, made.rows - sum(made.set_aside.values())
+    return {
+        "file": file.name,
+        "sha256": sha256(file) if file.is_file() else None,
+        "rows": rows,
+        "used": used,
+        "set_aside": [vars(one) for one in aside],
+        "reduction": None if made is None else vars(made),
+    }
+
+
+def counted(told: Mapping[str, Any]) -> str:
+    """Return in words what `as_input` says: how many recordings, and how many are excluded."""
+    aside, what = len(told["set_aside"]), f"{told['used']} recordings"
+    if (made := told["reduction"]) is not None:
+        aside = sum(made["set_aside"].values())
+        what = (
+            f"{made['rows']} recordings in {made['points']} normal points "
+            f"{made['patch_deg']:g} deg wide, {made['outliers']} readings outliers"
+        )
+    return f"{told['file']}: {what}, {aside} excluded"
 
 
 @dataclass(frozen=True)

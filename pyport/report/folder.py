@@ -23,6 +23,7 @@ from pyport.errors import BadInput
 from pyport.files import sha256, write_whole
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.pointing import kernel
+from pyport.recordings.schema import counted
 from pyport.report.made import report_of
 from pyport.report.typed import Dropped, Finding, HeldOut, Report, as_json
 
@@ -33,15 +34,7 @@ _LIMITS = 6
 
 def text(report: Report) -> str:
     """Return a report as plain text."""
-    given = report.input
-    aside, what = len(given.set_aside), f"{given.used} recordings"
-    if (made := given.reduction) is not None:
-        aside = sum(made["set_aside"].values())
-        what = (
-            f"{made['rows']} recordings in {made['points']} normal points "
-            f"{made['patch_deg']:g} deg wide, {made['outliers']} readings outliers"
-        )
-    lines = [f"{given.file}: {what}, {aside} excluded, model {report.model.name}"]
+    lines = [f"{counted(vars(report.input))}, model {report.model.name}"]
     if report.mismatch:
         lines.append(f"The model leaves something out (chance of noise alone {_chance(report)}).")
         for n, finding in enumerate(report.findings, 1):

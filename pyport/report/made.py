@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,12 @@ from pyport.diagnosis.joint import Disagreement, Joint, rms
 from pyport.diagnosis.naming import remarks, words
 from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput
-from pyport.files import sha256
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, sky_rms
 from pyport.least_squares.gram import inverted
 from pyport.models import complete as corrections
 from pyport.models import toml
 from pyport.models.model import Model
-from pyport.recordings.schema import Recordings
+from pyport.recordings.schema import Recordings, as_input
 from pyport.report.array import as_json as array_json
 from pyport.report.finding import combination_of, completed, finding_of, held_out_of
 from pyport.report.typed import (
@@ -52,6 +50,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
     """Return what a diagnosis says; of several antennas with what they share."""
     setup, mount = diagnosis.setup, diagnosis.setup.recordings.at.mount
     whole, noise = completed(diagnosis), remarks.noise_remarks(diagnosis)
+    open_ = whole.completed is not None and whole.completed.undetermined
     return Report(
         schema=SCHEMA,
         input=_input(setup.recordings, diagnosis),
@@ -72,7 +71,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
             PER_AXIS,
             ON_SKY,
         ),
-        combinations=tuple(map(combination_of, diagnosis.combinations)),
+        combinations=() if open_ else tuple(map(combination_of, diagnosis.combinations)),
         dropped=tuple(Dropped(**vars(one)) for one in diagnosis.dropped),
         two_axes=tuple(_two_axes(one, mount.names) for one in diagnosis.two_axes),
         antennas=_antennas(diagnosis),
@@ -117,7 +116,8 @@ def _figures(told: dict[str, dict[str, float | None]]) -> dict[str, Figures]:
 def _completed(model: Model) -> dict[str, Any] | None:
     """Return the completed model, its findings apart, which the report has; None without one.
 
-    There is none where a model has terms, made in Python, that no file can hold.
+    There is none where a model has terms, made in Python, that no file can hold, or more
+    coefficients than offsets were measured.
     """
     try:
         whole = toml.tree(model)
@@ -128,20 +128,9 @@ def _completed(model: Model) -> dict[str, Any] | None:
 
 
 def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
-    aside = tuple(Excluded(one.line, one.reason) for one in recordings.set_aside)
-    file, reduction = recordings.file, recordings.reduction
-    told = Input(
-        file=file.name,
-        sha256=sha256(file) if file.is_file() else None,
-        rows=len(recordings) + len(aside),
-        used=len(recordings),
-        set_aside=aside,
-        outliers=int((~diagnosis.weighed.used).sum()),
-    )
-    if reduction is None:
-        return told
-    used = reduction.rows - sum(reduction.set_aside.values())
-    return replace(told, rows=reduction.rows, used=used, reduction=vars(reduction))
+    told = as_input(recordings)
+    aside = tuple(Excluded(**one) for one in told.pop("set_aside"))
+    return Input(**told, set_aside=aside, outliers=int((~diagnosis.weighed.used).sum()))
 
 
 def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:

@@ -235,6 +235,8 @@ def _any_offsets(
     loaded = models.load(model)
     if loaded.given is None and not any(term.has_values for term in loaded.terms):
         raise BadInput(f"model {model!r} has no coefficients to make a table from")
+    if loaded.completed is not None and (wrong := loaded.completed.undetermined):
+        raise BadInput(f"model {model!r} is not determined: {wrong}")
     if loaded.base in _RT32:
         d_az_deg, d_zd_deg = _published(loaded.base, az_deg, zd_deg, refraction_name, reading)
     else:

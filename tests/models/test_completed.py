@@ -13,12 +13,14 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import CATALOGUE
+from pyport.errors import BadInput
 from pyport.fitting.fit import completed as completed_fit
 from pyport.fitting.fit import fit
 from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
 from pyport.formats.models import load
 from pyport.models import toml
+from pyport.models.conditions import Completed
 from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
@@ -26,6 +28,7 @@ from pyport.pointing import printed
 from pyport.report.finding import completed
 from pyport.report.made import report_of
 from pyport.report.typed import as_json
+from pyport.steering.tabulate import tabulate
 
 TERMS = {"IA": 30, "IE": 12, "CA": -20, "NPAE": 25, "AN": 8, "AW": 1, "TF": 50}
 OLD = "\n".join(["old", "T 1 1 0 0", *(f"  {name} {n}.0" for name, n in TERMS.items()), "END\n"])
@@ -200,3 +203,39 @@ def test_auxtels_published_rms_is_told():
     facts = {one[0]: one for one in api.fit(night, file, weights="equal").drawn[1].facts}
     assert facts["sky rms"][1] == "3.1412"
     assert facts["sky rms"][2].endswith("the model's file says 3.1416")
+
+
+def test_fewer_offsets_than_coefficients_make_no_model(tmp_path, monkeypatch):
+    """A diagnosis counts them once, shows and saves nothing to enter; none is applied."""
+    few = diagnose(recordings(40, 6).take(np.arange(3)), load("altaz"))
+    report, path = report_of(few), tmp_path / "few.toml"
+    wrong = "6 measured offsets cannot determine 7 coefficients"
+
+    assert report.corrections == report.combinations == ()
+    assert report.completed_model is None
+    assert "(6 measured numbers) with 7 fitted coefficients" in report.verdict
+    assert report.warnings == (f"fit of the model: {wrong}",)
+    with pytest.raises(BadInput, match=wrong):
+        toml.write(completed(few), path)
+
+    with monkeypatch.context() as before:
+        before.setattr(Completed, "undetermined", None)
+        toml.write(completed(few), path)
+    for use in (api.load_model, lambda name: tabulate(str(name), "none")):
+        with pytest.raises(BadInput, match=wrong):
+            use(path)
+
+
+def test_coefficients_known_in_combination_only_are_saved_and_applied(tmp_path):
+    """Collimation and skew at one elevation: enough offsets, so that their sum is known."""
+    measured = recordings(300, 2)
+    measured = replace(measured, at=replace(measured.at, el=np.full(300, 0.8)))
+    found, path = diagnose(measured, load("altaz")), tmp_path / "together.toml"
+    toml.write(completed(found), path)
+    model = api.load_model(path)
+    told = found.setup.stack.spread(*model.model.offsets(measured.at))
+
+    assert not all(one.determined for one in model.values)
+    np.testing.assert_allclose(
+        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
+    )

@@ -190,7 +190,7 @@ def test_shipped_sources_are_offered(tmp_path):
     assert done.exit_code == 0, done.output
 
     names = {one.name for one in read_catalogue("radio")}
-    rows = [line.split(",") for line in done.output.splitlines()[1:]]
+    rows = [line.split(",") for line in done.stdout.splitlines()[1:]]
     assert rows
     assert {row[1] for row in rows} <= names
     bad = CliRunner().invoke(program, [*words, "--catalogue", "infrared"])

@@ -1,10 +1,14 @@
 """Masks: kept beside the file, told with their reason, undone step by step."""
 
+import json
+
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pyport.cli import pyport
 from pyport.cli.files import mask
 from pyport.errors import BadInput
 from pyport.recordings import masks, read
@@ -112,3 +116,52 @@ def test_a_bad_mask_names_its_line(file, line):
 def test_lines_come_back_from_their_spelling(lines):
     """Runs are told by their ends."""
     assert masks.parse_lines(masks.spelled(lines)) == tuple(sorted(lines))
+
+
+@pytest.fixture
+def masked(tmp_path):
+    """Write sixty pointings, one without elevation, and mask the first two."""
+    rng = np.random.default_rng(1)
+    places = rng.uniform((0, 20), (360, 80), (60, 2))
+    cells = np.column_stack([places, rng.normal(0, 3, (60, 2))])
+    rows = [",".join(f"{one:.3f}" for one in row) for row in cells]
+    path = tmp_path / "night.csv"
+    head = "# latitude_deg: 53\n# longitude_deg: 18.6\naz_deg,el_deg,d_xel_arcsec,d_el_arcsec"
+    path.write_text("\n".join([head, *rows, "9,,1,1", ""]))
+    run(path, "--lines", "4-5", "--reason", "clouds")
+    CliRunner().invoke(pyport, ["fit", str(path), "--model", "altaz", "--save", f"{path}.toml"])
+    return path
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "fit night.csv --model altaz",
+        "fit night.csv --model rt32-exact --method huber",
+        "predict night.csv",
+        "compare night.csv.toml night.csv.toml --recordings night.csv",
+        "look night.csv",
+    ],
+)
+def test_every_command_counts_and_lists_what_is_excluded(masked, monkeypatch, command):
+    """One first line for all; in JSON each line with its reason, as in a diagnosis."""
+    monkeypatch.chdir(masked.parent)
+    shown = CliRunner().invoke(pyport, command.split()).stdout
+    told = json.loads(CliRunner().invoke(pyport, [*command.split(), "--json"]).stdout)["input"]
+
+    assert shown.startswith("night.csv: 58 recordings, 3 excluded")
+    assert (told["file"], told["rows"], told["used"]) == ("night.csv", 61, 58)
+    assert {one["line"]: one["reason"][:14] for one in told["set_aside"]} == {
+        4: "masked: clouds",
+        5: "masked: clouds",
+        64: "no azimuth or ",
+    }
+
+
+def test_targets_count_what_is_excluded_beside_the_list(masked):
+    """The list stays what other programs read; the count goes to standard error."""
+    asked = ["targets", str(masked), "--start", "2026-03-01T18:00:00Z", "--hours", "3"]
+    done = CliRunner().invoke(pyport, [*asked, "--json"])
+
+    assert isinstance(json.loads(done.stdout), list)
+    assert done.stderr == "night.csv: 58 recordings, 3 excluded, model altaz\n"

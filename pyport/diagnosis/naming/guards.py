@@ -80,7 +80,8 @@ def too_few(setup: Problem) -> TooFew | None:
     """Return how few recordings there are beside the model's own terms; None for enough."""
     design = setup.expanded(setup.base)
     rank = int(np.linalg.matrix_rank(design)) if design.size else 0
-    found = TooFew(len(np.unique(setup.pointing)), measured(setup), rank)
+    numbers, terms = measured(setup), design.shape[1]
+    found = TooFew(len(np.unique(setup.pointing)), numbers, rank if numbers >= terms else terms)
     return found if found.lacking else None
 
 

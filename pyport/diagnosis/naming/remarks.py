@@ -20,6 +20,7 @@ from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
 from pyport.fitting.soundness import doubts
 from pyport.least_squares import robust
+from pyport.models.conditions import undetermined
 from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
@@ -237,6 +238,9 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
     """Yield what is wrong with one fit."""
     solution = fit.solution
     known = solution.known
+    if wrong := undetermined(len(diagnosis.setup.residual), len(known)):
+        yield wrong
+        return
     if not known.all():
         of_choice = np.repeat(np.arange(len(fit.choices)), np.diff(fit.starts))
         names = [fit.choices[n].candidate.effect.id for n in np.unique(of_choice[~known])]

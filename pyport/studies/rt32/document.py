@@ -8,6 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.pointing import PARAMETERS, printed, printed_sigmas
+from pyport.recordings.schema import as_input, counted
 from pyport.studies.rt32.fit import Rt32Fit
 from pyport.studies.rt32.losses import LEVEL, cut_factor
 
@@ -157,6 +158,7 @@ def _head(fit: Rt32Fit) -> list[str]:
     simulated = fit.recordings.meta.get("simulated")
     form = "exact" if fit.exact else "approximate"
     lines = [f"RT32 parameters (without refraction): {form} form, method {fit.method}"]
+    lines.insert(0, counted(as_input(fit.recordings)))
     if simulated:
         lines.insert(0, f"SIMULATED: {simulated}")
     is_y, inside = fit.stack.is_y, fit.inside.sum()
@@ -233,6 +235,7 @@ def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:
     """Return the fit for other programs, angles in arcseconds."""
     return {
         "model": "rt32-exact" if fit.exact else "rt32-approximate",
+        "input": as_input(fit.recordings),
         "method": fit.method,
         "simulated": "simulated" in fit.recordings.meta,
         "points": len(fit.stack),
