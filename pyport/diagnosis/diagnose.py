@@ -151,7 +151,7 @@ def diagnose(
         outcome = replace(outcome, p_value=family_p_value(last), last=last)
     before = joint.fit(setup, alone, ())
     after = joint.fit(setup, weighed, outcome.chosen)
-    scene = scenes.scene(setup, outcome, after, seed)
+    scene = scenes.scene(setup, outcome, after)
     tell("holding data out")
     partition = holdout.folds(setup, weighed, outcome.chosen)
     held = unseen(setup, (alone, weighed), (), outcome.chosen, partition)

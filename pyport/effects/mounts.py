@@ -44,11 +44,6 @@ def declared(meta: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def unknown(meta: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the words of a header that are no kind of mount."""
-    return tuple(word for word in declared(meta) if word not in MOUNTS)
-
-
 def meaning(effect: Effect, mounts: tuple[str, ...] = ()) -> str:
     """Return what an effect means: in general, and on the mount that was declared.
 

@@ -88,12 +88,6 @@ class Checkpoint:
         self._last = time.monotonic()
         self._cost = self._last - started
 
-    def remove(self) -> None:
-        """Remove what was kept: the output is written."""
-        if self.path is not None:
-            with contextlib.suppress(OSError):
-                self.path.unlink()
-
 
 def key_of(*what: object) -> str:
     """Return the hash of the program, its libraries and whatever else a result depends on."""

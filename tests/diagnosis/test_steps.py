@@ -90,7 +90,7 @@ def found_with_drifts():
     """Return the scene of a step, its place among the choices, and its turn."""
     outcome, _ = settling.settled(searching.search(told(12, 1).setup))
     fit = joint.fit(outcome.setup, outcome.weighed, outcome.chosen)
-    where = scenes.scene(outcome.setup, outcome, fit, 0)
+    where = scenes.scene(outcome.setup, outcome, fit)
     return where, len(outcome.setup.base), outcome.steps[0]
 
 

@@ -50,7 +50,7 @@ def test_masked_stars_are_set_aside_and_remarks_are_none(recordings):
     ]
 
 
-def test_a_star_without_a_direction_is_written_masked_and_read_as_a_remark(recordings, tmp_path):
+def test_a_star_without_a_direction_is_written_masked_and_read_as_a_remark(tmp_path):
     """No program could fit it, and this one would not read it."""
     table = tmp_path / "mine.csv"
     table.write_text(

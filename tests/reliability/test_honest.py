@@ -133,9 +133,9 @@ def test_a_name_in_noise_does_not_come_back():
             beside = outcome.weighed.evidence.beside([setup.part(one) for one in setup.base])
             winner = next(one for one in outcome.last if one.candidate.effect.id == effect)
             chosen = (scenes.Chosen(winner.candidate, winner.scope),)
-            step = scenes.Step(winner, chosen[0], outcome.last, (), beside, 1.0)
+            step = scenes.Step(winner, chosen[0], outcome.last, beside, 1.0)
         fit = joint.fit(outcome.setup, outcome.weighed, chosen)
-        scene = scenes.scene(outcome.setup, outcome, fit, 0)
+        scene = scenes.scene(outcome.setup, outcome, fit)
         kept[name] = stability(scene, len(outcome.setup.base), step, (effect,))
 
     assert kept["there"].stable

@@ -133,6 +133,5 @@ def test_a_place_that_cannot_be_written_stops_no_run(tmp_path):
     (tmp_path / "file").write_text("")
     kept = Checkpoint(tmp_path / "file" / "kept.npz", "one")
     kept.save(lambda: ({}, {}))
-    kept.remove()
 
     assert kept.load() is None

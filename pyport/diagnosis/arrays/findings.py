@@ -62,11 +62,6 @@ class Split:
         return bool(np.any(np.abs(self.common) > SIGNIFICANT * self.common_sigma))
 
     @property
-    def standing_out(self) -> NDArray[np.bool_]:
-        """Tell which antennas have a part of their own, shape (A,)."""
-        return np.abs(self.own) > SIGNIFICANT * self.own_sigma
-
-    @property
     def changes(self) -> bool:
         """Tell whether the common part changes from session to session."""
         from scipy.stats import chi2

@@ -27,22 +27,19 @@ class Repeat:
     ----------
     session, antennas
         The session held out, and the n antennas told well both there and elsewhere.
-    own, others
-        Their own parts there and elsewhere, about the mean, shape (n,).
     common, common_sigma
         The session's common part when the antennas' own parts come from the others.
     correlation
-        Of `own` and `others`.
+        Of the antennas' own parts there and elsewhere, about the mean.
     size, left, noise
-        Rms of `own`, of what `others` leave of it, and what their errors alone would leave.
+        Rms of the own parts there, of what those elsewhere leave of them, and what the errors of
+        both alone would leave.
     p_value
         Chance of so much left by the errors alone.
     """
 
     session: str
     antennas: tuple[str, ...]
-    own: Array
-    others: Array
     common: float
     common_sigma: float
     correlation: float
@@ -91,8 +88,6 @@ def _compared(session: str, inside: Lasting, outside: Lasting, shape: int) -> Re
     return Repeat(
         session,
         names,
-        own,
-        others,
         common,
         float(np.sqrt(variance)),
         float(np.corrcoef(own, others)[0, 1]) if own.any() and others.any() else 0.0,

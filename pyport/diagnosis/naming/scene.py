@@ -28,17 +28,15 @@ from pyport.thresholds import AXIS_SHARE, GROSS, REFUTES, SAME_STRENGTH
 class Scene:
     """What the findings are read from: the case, its last weighing and the joint fit.
 
-    `counted` tells which readings count in an rms: no outliers, no noisy antennas.
-    `share` says how much: one, less where an antenna is noisier than is usual.
+    `share` says how much each reading counts in an rms: one, none for outliers and noisy antennas,
+    less where an antenna is noisier than is usual.
     """
 
     setup: Problem
     outcome: Outcome
     joint: Joint
-    counted: NDArray[np.bool_]
     share: Array
     floor: Array
-    seed: int
 
     @property
     def weighed(self) -> WhitenedData:
@@ -57,7 +55,7 @@ class Scene:
         return next((c for c in self.combinations if any(n in own for n in c.places)), None)
 
 
-def scene(setup: Problem, outcome: Outcome, joint: Joint, seed: int) -> Scene:
+def scene(setup: Problem, outcome: Outcome, joint: Joint) -> Scene:
     """Return the scene of a finished search."""
     floor = outcome.weighed.covariance.scatter
     quiet = np.isin(setup.blocks.antenna[setup.block], noisy_antennas(setup, floor), invert=True)
@@ -71,7 +69,7 @@ def scene(setup: Problem, outcome: Outcome, joint: Joint, seed: int) -> Scene:
     else:
         share = np.ones(len(floor))
     share = np.where(counted, share, 0.0)
-    return Scene(setup, outcome, joint, counted, share, floor, seed)
+    return Scene(setup, outcome, joint, share, floor)
 
 
 def noisy_antennas(setup: Problem, floor: Array) -> list[str]:

@@ -136,7 +136,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
             beside, trials = winner.beside, tuple(trials_of(setup, winner.beside))
         # What a change competed with is what its name must be told from.
         trials = (*winner.rivals, *trials)
-        step = Step(trial, new, trials, chosen, beside, p_value, winner.price)
+        step = Step(trial, new, trials, beside, p_value, winner.price)
         then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
@@ -180,7 +180,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         trial, setup, new = better.trial, better.setup, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
         old = now.step_of(one)
-        step = Step(trial, new, trials, others, beside, old.p_value, better.price)
+        step = Step(trial, new, trials, beside, old.p_value, better.price)
         now = _settled(
             replace(now, setup=setup),
             tuple(step if each is old else each for each in now.steps),

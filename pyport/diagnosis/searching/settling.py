@@ -75,7 +75,7 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
         if own:
             trials = tuple(trials_of(setup, beside))
             step = replace(  # noqa: PLW2901 - the same turn beside the final noise
-                step, winner=own[0], trials=trials, before=others, beside=beside
+                step, winner=own[0], trials=trials, beside=beside
             )
         steps.append(step)
     return replace(outcome, steps=tuple(steps))

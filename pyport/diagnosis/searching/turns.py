@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -93,8 +93,6 @@ class Step:
         The trial that won, and what was added: the winner with its moment or edge refined.
     trials
         Everything that was tried beside the model of that turn.
-    before
-        The model of that turn, without the winner.
     beside
         The evidence as it was weighed in that turn, with that model projected out.
     p_value
@@ -106,7 +104,6 @@ class Step:
     winner: CandidateFit
     chosen: Chosen
     trials: tuple[CandidateFit, ...]
-    before: tuple[Chosen, ...]
     beside: Projection
     p_value: float
     price: float = 0.0
@@ -253,39 +250,31 @@ def distinct(beside: Projection, trials: Iterable[CandidateFit], most: int) -> l
     return found
 
 
-def fits_physics(trial: CandidateFit) -> bool:
-    """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
+def _of_known_size(trial: CandidateFit) -> Iterator[tuple[float, float, float]]:
+    """Yield value, sigma and what physics says of each coefficient of known size."""
     candidate = trial.candidate
-    known_of = [candidate.effect.coefficients[n].expected for n in candidate.coefficients]
-    if all(known is None for known in known_of):
-        return True
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
     for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
         which = candidate.coefficients[n % len(candidate.coefficients)]
         coefficient = candidate.effect.coefficients[which]
-        if coefficient.expected is None:
-            continue
-        known, sigma_of = coefficient.expected, error / coefficient.scale
-        unseen = sigma_of > known / SEEN
-        if unseen or not agrees(value / coefficient.scale, sigma_of, known):
-            return False
-    return True
+        if coefficient.expected is not None:
+            yield value / coefficient.scale, error / coefficient.scale, coefficient.expected
+
+
+def fits_physics(trial: CandidateFit) -> bool:
+    """Tell whether a trial's coefficients agree with the values that physics fixes, if any."""
+    return all(
+        sigma <= known / SEEN and agrees(value, sigma, known)
+        for value, sigma, known in _of_known_size(trial)
+    )
 
 
 def seen(trial: CandidateFit) -> bool:
     """Tell whether a trial's coefficients of known size come out with the right sign, and large."""
-    candidate = trial.candidate
-    sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
-    for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
-        which = candidate.coefficients[n % len(candidate.coefficients)]
-        coefficient = candidate.effect.coefficients[which]
-        known = coefficient.expected
-        if known is None:
-            continue
-        share = value / coefficient.scale / known
-        if error / coefficient.scale > known / SEEN or not 1 / BENT < share < BENT:
-            return False
-    return True
+    return all(
+        sigma <= known / SEEN and 1 / BENT < value / known < BENT
+        for value, sigma, known in _of_known_size(trial)
+    )
 
 
 def agrees(value: float, sigma: float, expected: float) -> bool:

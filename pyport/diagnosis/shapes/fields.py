@@ -273,5 +273,5 @@ def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     winner = replace(own[0], evidence=worth.evidence)
     chance = min(family_p_value(trials), float(np.exp(-worth.evidence / 2)))
     first = outcome.p_value if steps else min(outcome.p_value, chance)
-    step = Step(winner, new, (*trials, winner), before, beside, chance, candidate.price)
+    step = Step(winner, new, (*trials, winner), beside, chance, candidate.price)
     return Outcome(wider, after, (*steps, step), weigh(wider, after), first, ())

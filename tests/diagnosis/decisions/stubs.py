@@ -45,10 +45,10 @@ def beside(**alike):
     )
 
 
-def step(winner, chosen=None, trials=(), before=()):
+def step(winner, chosen=None, trials=()):
     """Return a turn of the search in which a trial won."""
     chosen = Chosen(winner.candidate, winner.scope) if chosen is None else chosen
-    return Step(winner, chosen, (winner, *trials), before, beside(), 1e-6)
+    return Step(winner, chosen, (winner, *trials), beside(), 1e-6)
 
 
 class Columns:

@@ -205,16 +205,6 @@ def test_a_common_part_is_there_from_three_sigma(common, there):
     assert parts(np.full(4, common / 2), 1.0).has_common == there
 
 
-@pytest.mark.parametrize(("own", "there"), [(3.3, True), (2.7, False), (1.7, False), (5.5, True)])
-def test_an_antenna_stands_out_from_three_sigma(own, there):
-    """Of its own error and that of the mean of all."""
-    found = findings.Split(
-        ("",), np.zeros(1), np.ones(1), ANTENNAS[:2], np.array([0.0, own]), np.ones(2), 0.0, 0.0, 0
-    )
-
-    assert found.standing_out.tolist() == [False, there]
-
-
 def test_parts_of_antennas_are_about_what_they_share():
     """Own parts of zero mean; a shared one with its error; changes from session to session."""
     found = parts(np.array([1.0, 2.0, 3.0, 6.0]), 0.1)

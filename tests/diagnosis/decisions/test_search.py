@@ -93,6 +93,7 @@ def test_a_search_that_stopped_there_says_so(turns, warned):
         )
     )
     done = SimpleNamespace(
+        setup=SimpleNamespace(residual=np.zeros(100)),
         before=fit,
         after=fit,
         findings=(),
@@ -379,16 +380,29 @@ def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least,
     assert (found is not None) == wins
 
 
-@pytest.mark.parametrize(("sure", "found"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
-def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found):
-    """Its evidence is then that of the worlds with it and without."""
+@pytest.mark.parametrize(
+    ("sure", "more", "found"),
+    [
+        (6.5, 0.0, True),
+        (5.5, 0.0, False),
+        (3.5, 0.0, False),
+        (11.0, 0.0, True),
+        (11.0, 9.0, True),
+        (-1.0, 9.0, True),
+        (-5.0, 9.0, False),
+    ],
+)
+def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more, found):
+    """Its evidence is then that of the worlds with it and without; what fails may have company."""
     monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
     monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
     monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(winner, "_beside_it", lambda *_: more)
     moved = winner._changes(setup(), None, (), (), (), -np.inf)
 
-    assert [one.trial.evidence for one in moved] == ([sure] if found else [])
+    joint = sure if sure > 6 else sure + more
+    assert [one.trial.evidence for one in moved] == ([joint] if found else [])
 
 
 @pytest.mark.parametrize(
