@@ -406,6 +406,39 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
 
 
 @pytest.mark.parametrize(
+    ("shown", "sure", "least", "more"),
+    [
+        ({"temperature": 12.0, "refraction": 9.0}, 8.0, 7.0, 8.0),
+        ({"temperature": 12.0, "refraction": 15.0}, 8.0, 7.0, 0.0),  # another shows better
+        ({"temperature": 12.0}, 5.0, 7.0, 0.0),  # the noise does that as well
+        ({"temperature": 12.0}, 8.0, 13.0, 0.0),  # more is needed
+        ({}, 8.0, 7.0, 0.0),
+    ],
+)
+def test_beside_a_change_counts_the_lasting_effect_that_shows_best(
+    monkeypatch, shown, sure, least, more
+):
+    """When it is confirmed there; another change is none, nor what one antenna has alone."""
+    change = won("epoch_offset")
+    trials = [trial(one) for one in shown]
+    trials += [trial("epoch_tilt"), trial("azimuth_scale", scope="antenna")]
+    seen = [(np.array([value]), value) for value in shown.values()]
+    monkeypatch.setattr(winner, "joined", lambda *_: (change.chosen,))
+    monkeypatch.setattr(winner, "whiten_model", lambda *_: None)
+    monkeypatch.setattr(winner, "shown_beside", lambda *_: seen)
+    monkeypatch.setattr(winner, "at_best", lambda _, value: (value,))
+
+    def confirmed(_, others, one, __):
+        assert others == (change.chosen,)
+        return sure if one.candidate.effect.id == "temperature" else -5.0
+
+    monkeypatch.setattr(winner, "confirmed", confirmed)
+    still = winner.WhitenedData(None, None, None)
+
+    assert winner._beside_it(change, still, (), trials, least) == more
+
+
+@pytest.mark.parametrize(
     ("evidence", "weighed"), [(6.6, True), (5.4, False), (3.5, False), (11.0, True)]
 )
 def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, weighed):
