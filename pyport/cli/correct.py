@@ -60,6 +60,7 @@ def apply(
     if as_json:
         columns = {name: done.table.columns[name] for name in done.added}
         told = {"file": out, "rows": done.rows, "skipped": done.skipped, "unknown": done.unknown}
+        told["low"] = done.low
         say("", told | {"rms_arcsec": done.rms, "columns": columns}, as_json=True)
         return
     if out is None:
@@ -101,6 +102,9 @@ def _words(done: Applied) -> list[str]:
         f"{count} rows do not tell {name}: what follows it counts as zero there"
         for name, count in done.unknown.items()
     ]
+    if done.low:
+        lowest = "below 0.5 deg of elevation, where refraction is that of 0.5 deg"
+        found.append(f"{done.low} rows lie {lowest}")
     if done.rms:
         parts = ", ".join(f"{name} {value:.2f}" for name, value in done.rms.items())
         found.append(f"rms of what is left [arcsec]: {parts} (sky: both axes, by the row)")

@@ -74,7 +74,7 @@ def command(
 ) -> None:
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas.
 
-    Terms go by TPOINT's names, the Field System's, or the ids of `pyport effects`.
+    Terms go by TPOINT's names, the Field System's, or the ids of `pyport dev effects`.
     """
     if method is not None:
         if fix or add or drop or save or per or weights != "robust":

@@ -39,9 +39,14 @@ def option(
     of: str = "",
     **settings: Any,  # noqa: ANN401 - click's
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return click's option of some names; help shows its default, `of` are all it may be."""
+    """Return click's option of some names; help shows its default, `of` are all it may be.
+
+    Jobs, cases and seeds are counted.
+    """
     if of:
         settings["type"] = click.Choice(of.split())
+    if names in ("--jobs", "--cases", "--seed"):
+        settings["type"] = click.IntRange(min=0 if names == "--seed" else 1)
     if default is not None:
         settings = {"show_default": default != ""} | settings | {"default": default}
     return click.option(*names.split(), help=says, **settings)

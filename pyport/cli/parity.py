@@ -41,8 +41,8 @@ def _described(config: Path | None) -> Description:
     20_000,
     type=click.IntRange(min=0),
 )
-@option("--seed", "Seed of the random points.", 0, type=int)
-@option("--jobs", "Processes; all cores by default.", type=click.IntRange(min=1))
+@option("--seed", "Seed of the random points.", 0)
+@option("--jobs", "Processes; all cores by default.")
 @flag("--stored", "Ask the stored answers even where a compiler is.")
 @option("--report", "Write a page of Markdown here.", type=click.Path(dir_okay=False))
 @option(

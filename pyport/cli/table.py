@@ -105,6 +105,8 @@ def command(
         raise click.UsageError("--picture draws a comparison: give --against OLD")
     told: dict[str, object] = {}
     lines: list[str] = []
+    if check and model != "rt32-3model":
+        raise click.UsageError(f"--check is of rt32-3model, the published table, not of {model}")
     if check:
         lines += _checked(refraction or steering.DEFAULT_REFRACTION, reading, told)
     if refractions:

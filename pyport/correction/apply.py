@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
-from pyport.columns import LABELS, NUMBERS, SCAN_RATE, TIME, angle_of
-from pyport.correction.use import PointingModel
+from pyport.columns import LABELS, NUMBERS, SCAN_RATE, SET_ASIDE, TIME, angle_of
+from pyport.correction.compare import rms_of
+from pyport.correction.use import PointingModel, turned
 from pyport.effects import Circumstances
+from pyport.effects.sky.atmosphere import LOWEST_EL
 from pyport.errors import BadInput
 from pyport.formats.convert import table_of
 from pyport.mounts import ALTAZ
@@ -35,7 +37,9 @@ class Applied:
     #: Conditions that the model follows, with the number of rows that do not tell them: what
     #: follows them counts as zero there.
     unknown: dict[str, int]
-    #: Of what is left of recordings, by axis and over the sky [arcsec]; empty without offsets.
+    low: int  #: how many rows lie so low that refraction is held
+    #: Of what is left of recordings, by axis and over the sky [arcsec], rows set aside not counted;
+    #: empty without offsets.
     rms: dict[str, float]
 
 
@@ -86,7 +90,8 @@ def applied(
         int(kept.sum()),
         int((kept & ~there).sum()),
         _unknown(model, known),
-        _rms(found) if residuals else {},
+        int(_low(model, known).sum()),
+        _rms(raw, there, found) if residuals else {},
     )
 
 
@@ -116,7 +121,7 @@ def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:
 def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:
     x, y = model.at(at)
     first, second = axes_of(at)
-    turn, names = x / np.cos(second), names_of(at.mount)
+    turn, names = turned(x, second), names_of(at.mount)
     return {
         f"model_{names.across}_arcsec": x / ARCSEC,
         f"model_{names.first}_arcsec": turn / ARCSEC,
@@ -154,14 +159,15 @@ def _unknown(model: PointingModel, at: Circumstances) -> dict[str, int]:
     return found
 
 
-def _rms(found: dict[str, Array]) -> dict[str, float]:
-    """Return the rms of what is left by axis, and over both axes by the row [arcsec]."""
-    out, total = {}, 0.0
-    left = [one for name, one in found.items() if name.startswith("residual_")]
-    for name, one in zip(("xel", "el"), left, strict=True):
-        own = one[np.isfinite(one)]
-        if len(own):
-            out[name] = float(np.sqrt(np.mean(own**2)))
-            total += float((own**2).sum())
-    rows = int(np.isfinite(np.stack(left)).any(axis=0).sum())
-    return out | {"sky": float(np.sqrt(total / max(rows, 1)))}
+def _low(model: PointingModel, at: Circumstances) -> NDArray[np.bool_]:
+    """Tell which directions lie lower than refraction is followed, if the model has any, (n,)."""
+    bent = any("refraction" in term.effect.id for term in model.model.terms)
+    return bent & (at.el < LOWEST_EL)
+
+
+def _rms(raw: Raw, there: NDArray[np.bool_], found: dict[str, Array]) -> dict[str, float]:
+    """Return the rms of what is left, of rows that are not set aside [arcsec]."""
+    left = np.stack([one for name, one in found.items() if name.startswith("residual_")])
+    if SET_ASIDE in raw.columns:
+        left[:, np.asarray(raw.words(SET_ASIDE))[there] != ""] = np.nan
+    return rms_of(left)

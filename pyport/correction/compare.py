@@ -206,10 +206,10 @@ def _rows(old: PointingModel, new: PointingModel, recordings: Recordings) -> Row
     measured = np.stack([recordings.x, recordings.y])
     left = [(measured - np.stack(one.at(recordings.at))) / ARCSEC for one in (old, new)]
     sizes = [np.sqrt(np.nansum(one**2, axis=0)) for one in left]
-    return Rows(recordings.line, *sizes, *(_rms(one) for one in left))
+    return Rows(recordings.line, *sizes, *(rms_of(one) for one in left))
 
 
-def _rms(left: Array) -> dict[str, float]:
+def rms_of(left: Array) -> dict[str, float]:
     """Return the rms by axis, and over both by the recording [arcsec]."""
     found = {
         name: float(np.sqrt(np.nanmean(one**2)))

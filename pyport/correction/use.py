@@ -267,10 +267,10 @@ class PointingModel:
         """Return directions moved by offsets along the mount's axes [rad]."""
         mount = self.model.mount
         if mount is ALTAZ:
-            return az + x / np.cos(el), el + y
+            return az + turned(x, el), el + y
         latitude = site.latitude if site is not None else 0.0
         first, second = mount.angles(az, el, latitude)
-        return mount.sky(first + x / np.cos(second), second + y, latitude)
+        return mount.sky(first + turned(x, second), second + y, latitude)
 
     def _solved(self, there: Pointing) -> tuple[Array, Array]:
         """Return the true directions of a mount's readings [rad], by fixed-point iteration."""
@@ -286,6 +286,14 @@ class PointingModel:
             if not np.nanmax(moved, initial=0.0) > SETTLED:
                 break
         return az, el
+
+
+def turned(across: Array, second: Array) -> Array:
+    """Return the turn about the first axis [rad] that moves directions across, x / cos E.
+
+    To a third of its cube. At the pole of the axis, where no turn does that, it is a quarter turn.
+    """
+    return np.arctan(across / np.cos(second))
 
 
 def _missing(effect: Effect, site: Site | None) -> list[str]:

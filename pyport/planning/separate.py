@@ -173,7 +173,7 @@ def _sight(
         candidate.effect.variant,
         float(sigma[worst] / abs(coefficient.scale)),
         coefficient.unit,
-        float(sigma[worst] / alone[worst]),
+        float(sigma[worst] / alone[worst]) if np.isfinite(alone[worst]) else np.inf,
         tuple(sorted(alike, key=lambda one: -one[1])),
     )
 

@@ -103,6 +103,8 @@ def read_catalogue(name_or_path: str | Path, year: float = EPOCH) -> list[Source
     right, dec = raw.numbers(ra) * (DEG if ra == "ra_deg" else HOUR), raw.numbers("dec_deg") * DEG
     raw.refuse(~np.isfinite(right) | ~np.isfinite(dec), "no place, expected ra and dec_deg")
     raw.refuse(np.abs(dec) > np.pi / 2, "dec_deg outside [-90, 90]")
+    most = "360" if ra == "ra_deg" else "24"
+    raw.refuse((right < 0) | (right > 2 * np.pi), f"{ra} outside [0, {most}]")
     if "pm_ra_mas_yr" in raw.columns and "pm_dec_mas_yr" in raw.columns:
         moved = [raw.numbers(f"pm_{one}_mas_yr") * (year - EPOCH) for one in ("ra", "dec")]
         right = right + moved[0] * ARCSEC / 1000 / np.cos(dec)

@@ -280,6 +280,12 @@ def _average(antenna: str, axis: str, turn: str, offset: Array, direction: Array
     return Average(antenna, axis, turn, middle, sigma, half, len(offset))
 
 
+def _told(angle: float, form: str) -> str:
+    """Return an angle in arcminutes as a table has it, a dash for none."""
+    text = f"{angle / ARCMIN:{form}}"
+    return text if np.isfinite(angle) else "-".rjust(len(text))
+
+
 def text(found: list[Average]) -> str:
     """Return the averages as a table in arcminutes, with a verdict on the later rounds."""
     first = min((one.round for one in found), default="")
@@ -289,8 +295,8 @@ def text(found: list[Average]) -> str:
         if one.round != first and np.isfinite(one.offset):
             verdict = "  near zero" if one.near_zero else "  NOT near zero: load and scan again"
         lines.append(
-            f"{one.antenna:7}  {one.axis:4}  {one.round:5}  {one.offset / ARCMIN:+9.3f} "
-            f"+- {one.sigma / ARCMIN:6.3f}  {one.half_difference / ARCMIN:+19.3f}  "
+            f"{one.antenna:7}  {one.axis:4}  {one.round:5}  {_told(one.offset, '+9.3f')} "
+            f"+- {_told(one.sigma, '6.3f')}  {_told(one.half_difference, '+19.3f')}  "
             f"{one.scans:5}{verdict}"
         )
     return "\n".join(lines)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -91,17 +92,17 @@ def read_ascii(path: str | Path) -> Table:
         lines = Path(path).read_text(encoding="ascii").splitlines()
     except UnicodeDecodeError:
         raise BadInput("is no text; an ASCII steering table was expected", path) from None
-    numbers = np.empty((len(lines), 4))
+    numbers = np.full((len(lines), 4), np.nan)
     for i, line in enumerate(lines):
-        try:
+        with contextlib.suppress(ValueError):
             numbers[i] = [float(word) for word in _words(line)]
-        except ValueError:
+        if not np.isfinite(numbers[i]).all():
             raise BadInput(
                 "expected azimuth, zenith distance and their two offsets [deg], four numbers, "
                 f"found {line[:40]!r}",
                 path,
                 i + 1,
-            ) from None
+            )
     grid = Grid(np.unique(numbers[:, 0]), np.unique(numbers[:, 1]))
     az_deg, zd_deg = grid.points_deg()
     expected = np.stack([az_deg.ravel(), zd_deg.ravel()], axis=1)

@@ -212,7 +212,8 @@ def words(one: Event) -> str:
     """Return an event as an observer reads it."""
     alarm = one.alarm
     whose = f" of {alarm['antenna']}" if alarm["antenna"] else ""
-    when = {"withdrawn": "", "over": ""}.get(one.event, f", since {alarm['since']}")
+    dated = alarm["since"] is not None and one.event not in ("withdrawn", "over")
+    when = f", since {alarm['since']}" if dated else ""
     said = f"alarm {alarm['number']}{whose} {one.event}{when}: {alarm['sentence']}"
     rarity = f"{10 ** min(alarm['log10_likelihood_ratio'], 99):.2g}"
     if one.event in ("withdrawn", "over"):

@@ -204,6 +204,39 @@ def test_apply_keeps_the_files_azimuth(jumping, tmp_path):
     assert told["columns"]["mount_az_deg"] == [pytest.approx(-170 + turn, abs=1e-9)]
 
 
+def test_apply_turns_a_quarter_at_most_and_says_where_refraction_ends(jumping, tmp_path):
+    """At the zenith no azimuth moves a telescope across; below half a degree refraction is held."""
+    targets = tmp_path / "zenith.csv"
+    targets.write_text("az_deg,el_deg\n10,90\n10,89.9999\n10,45\n10,0.2\n10,-1\n")
+    told = json.loads(run("apply", jumping[0], targets, "--json")[0])
+    turn = np.array(told["columns"]["model_d_az_arcsec"]) / 3600
+    across = np.array(told["columns"]["model_d_xel_arcsec"]) / 3600
+
+    assert np.abs(turn).max() <= 90
+    assert turn[2] == pytest.approx(across[2] / np.cos(np.radians(45)), abs=1e-9)
+    bent = tmp_path / "bent.mod"
+    bent.write_text("Mine\nT 1 1.0 0.0 0.0\n IE 5.0 1.0\n TX -20.0 1.0\nEND\n")
+    text, _ = run("apply", bent, targets, "-o", tmp_path / "out.csv")
+    assert "2 rows lie below 0.5 deg of elevation" in text
+
+
+def test_readings_that_are_set_aside_are_in_no_rms(jumping, tmp_path):
+    """A spike that was masked does not count in what is left."""
+    lines = jumping[2].read_text().splitlines()
+    first = next(n for n, line in enumerate(lines) if not line.startswith("#")) + 1
+    number = lines[first - 1].split(",").index("d_el_deg")
+    cells = lines[first].split(",")
+    cells[number] = "5.5"
+    spoilt = tmp_path / "spoilt.csv"
+    spoilt.write_text("\n".join([*lines[:first], ",".join(cells), *lines[first + 1 :]]) + "\n")
+    before, _ = run("apply", jumping[0], spoilt, "--residuals", "--json")
+    run("mask", spoilt, "--lines", str(first + 1), "--reason", "spike")
+    after, _ = run("apply", jumping[0], spoilt, "--residuals", "--json")
+
+    assert json.loads(before)["rms_arcsec"]["el"] > 100
+    assert json.loads(after)["rms_arcsec"]["el"] < 100
+
+
 def test_residuals_are_those_of_the_diagnosis(jumping, tmp_path):
     """What the saved model leaves of its recordings, from the file."""
     path, measured, night = jumping

@@ -151,6 +151,8 @@ def test_a_catalogue_is_read_and_refused(tmp_path):
     for text, why in (
         ("name,dec_deg\na,1\n", "a catalogue has columns"),
         ("name,ra_deg,dec_deg\na,1,100\n", "dec_deg outside"),
+        ("name,ra_deg,dec_deg\na,400,10\n", r"ra_deg outside \[0, 360\]"),
+        ("name,ra_h,dec_deg\na,25,10\n", r"ra_h outside \[0, 24\]"),
         ("name,ra_deg,dec_deg\na,1,1\na,2,2\n", "two sources have one name"),
     ):
         path.write_text(text)

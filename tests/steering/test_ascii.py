@@ -81,6 +81,8 @@ def test_a_direction_that_does_not_fit_is_refused(az_deg):
         ("", 1, "0 rows"),
         ("1 2 3\n", 1, "four numbers"),
         ("0 1 0.1 0.2\n0 2 0.1 x\n", 2, "four numbers"),
+        ("0 1 0.1 0.2\n0 2 0.1 nan\n", 2, "four numbers"),
+        ("0 1 0.1 inf\n0 2 0.1 0.2\n", 1, "four numbers"),
         ("0 1 0.1 0.2\n0 2 0.1 0.2\n1 1 0.1 0.2\n", 3, "full grid"),
         ("0 2 0.1 0.2\n0 1 0.1 0.2\n", 1, "zenith distance 1"),
     ],

@@ -92,7 +92,7 @@ def _verify(place: Path, again: str, jobs: int, *, as_json: bool) -> None:
 )
 @click.argument("folder", metavar="OUT", type=PATH)
 @click.argument("answers", metavar="[ANSWERS]...", nargs=-1)
-@option("--seed", "What everything is drawn from; who is to answer does not know it.", type=int)
+@option("--seed", "What everything is drawn from; who is to answer does not know it.")
 @option("--cases", "How many.", 40)
 @flag("--score", "Score ANSWERS: files, and bic, lasso, pyport, who answer now.")
 @option("--jobs", "Cases at the same time.", 1)

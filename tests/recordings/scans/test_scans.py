@@ -12,7 +12,7 @@ from pyport.angles import ARCMIN
 from pyport.cli.files import offsets
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.scans import averages, fit_peak, measure, offset_along_scan
+from pyport.recordings.scans import Average, averages, fit_peak, measure, offset_along_scan, text
 
 RATE = 20.0
 BEAM_ARCMIN = 24.0
@@ -114,6 +114,13 @@ def test_offsets_of_simulated_scans(tmp_path):
         assert one.scans == 8
         assert one.offset / ARCMIN == pytest.approx(offset * on_sky, abs=0.15)
         assert one.half_difference / ARCMIN == pytest.approx(half * on_sky, abs=0.15)
+
+
+def test_one_direction_alone_has_no_average():
+    """A dash stands for what is not known."""
+    (line,) = text([Average("W01", "el", "1", np.nan, np.nan, np.nan, 1)]).splitlines()[1:]
+
+    assert line.split() == ["W01", "el", "1", "-", "+-", "-", "-", "1"]
 
 
 def test_a_late_clock_flips_with_the_direction():
