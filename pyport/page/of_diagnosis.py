@@ -203,7 +203,6 @@ def _card(finding: Finding, layer: int | None) -> Card:
     return Card(
         title=finding.effect.replace("_", " ")
         + (f", {finding.variant}" if finding.variant and finding.effect != "unknown" else ""),
-        id=finding.effect,
         verdict=finding.verdict,
         sentence=finding.sentence,
         facts=tuple(facts),
@@ -249,7 +248,6 @@ def _turn(diagnosis: Diagnosis, step: Step) -> Turn:
                 effect.id,
                 effect.variant,
                 trial.scope,
-                trial.gain,
                 trial.dof,
                 trial.delta_bic,
                 effect.id in members,

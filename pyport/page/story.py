@@ -17,7 +17,6 @@ class Card:
     """
 
     title: str
-    id: str
     verdict: str
     sentence: str
     facts: tuple[tuple[str, str], ...] = ()
@@ -91,7 +90,6 @@ class Rival:
     effect: str
     variant: str
     scope: str
-    gain: float
     coefficients: int
     delta_bic: float
     member: bool = False

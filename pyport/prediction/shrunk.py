@@ -120,9 +120,7 @@ class Shrunk:
     values: Array
     covariance: Array
     freed: float  #: how many free coefficients the waves amount to
-    #: `heights`, `noise`: the rms height of each family in each axis, and the scatter that is left
-    #: there, in the units of the data.
-    heights: dict[tuple[str, bool], float]
+    #: The scatter that is left in each axis, in the units of the data.
     noise: dict[bool, float]
     logs: Array  #: what the evidence chose: a like fit may start there
 
@@ -261,16 +259,12 @@ class _Evidence:
         scale = self.size / self.length
         freed = 1 - np.exp(-variance) * np.diag(covariance)[self.p :]
         there = np.repeat([axis in self.axes for axis in (False, True)], COUNT)
-        heights, place = {}, 0
-        for family, axis in self.parts:
-            heights[family.name, axis] = float(np.exp(logs[place])) * self.size
-            place += 1 + len(family.length)
+        place = sum(1 + len(family.length) for family, _ in self.parts)
         noise = np.exp(logs[place:]) * self.size
         return Shrunk(
             values * scale,
             covariance * np.outer(scale, scale),
             float(freed[there].sum()),
-            heights,
             dict(zip(self.axes, noise.tolist(), strict=True)),
             logs,
         )

@@ -6,13 +6,11 @@ import ast
 import sys
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
-from inspect import CO_NEWLOCALS
 from pathlib import Path
-from types import FrameType
 
 import click
 
-from pyport.cli.manners import in_json, option, say
+from pyport.cli.manners import in_json, say
 from pyport.examiner.sealed.record.code import imported, modules
 
 #: The floors, from the ground up: a room imports rooms of floors below its own, and nothing else.
@@ -109,47 +107,9 @@ def picture(package: Path, found: Imports) -> str:
     return "\n".join(lines).strip()
 
 
-def met(package: Path, recordings: str) -> list[str]:
-    """Return the modules of which a function runs while recordings become a page.
-
-    What a module's body calls while it is imported, for a table of its own, is not counted.
-    """
-    from tempfile import TemporaryDirectory
-
-    from pyport.cli import pyport
-
-    seen: set[str] = set()
-
-    def look(frame: FrameType, event: str, _: object) -> None:
-        # a module's body is no function: what is imported and not called is not met
-        file = frame.f_code.co_filename
-        if event != "call" or file in seen or not file.startswith(str(package)):
-            return
-        if frame.f_code.co_flags & CO_NEWLOCALS and not _importing(frame):
-            seen.add(file)
-
-    with TemporaryDirectory() as folder:
-        sys.setprofile(look)
-        try:
-            words = ["diagnose", recordings, "--quiet", "--out", folder]
-            pyport.main(words, "pyport", standalone_mode=False)
-        finally:
-            sys.setprofile(None)
-    names = {str(path): name for name, path in modules(package).items()}
-    return sorted(names[one] for one in seen & names.keys())
-
-
-def _importing(frame: FrameType | None) -> bool:
-    """Tell whether a module is being imported, from what called what."""
-    while frame is not None and frame.f_code.co_filename != "<frozen importlib._bootstrap>":
-        frame = frame.f_back
-    return frame is not None
-
-
 @click.command("imports", epilog="Example: pyport dev imports")
-@option("--met-by", "List what these meet on their way to a page.", metavar="RECORDINGS")
 @in_json
-def command(met_by: str | None, *, as_json: bool) -> None:
+def command(*, as_json: bool) -> None:
     """Print which part of the program imports which, from the top floor down.
 
     Exit status 1 where an import leads up, or in a circle.
@@ -157,10 +117,6 @@ def command(met_by: str | None, *, as_json: bool) -> None:
     import pyport
 
     package = Path(pyport.__file__).parent
-    if met_by is not None:
-        modules = met(package, met_by)
-        say("\n".join([*modules, f"{len(modules)} modules"]), {"met": modules}, as_json=as_json)
-        return
     found = imports(package)
     wrong = faults(found)
     told = {"imports": {name: sorted(to) for name, to in found.items()}, "faults": wrong}

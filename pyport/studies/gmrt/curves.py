@@ -146,7 +146,6 @@ class Curve:
     """A fitted curve, values with their one-sigma errors [rad]."""
 
     track: Track  #: what it was fitted to
-    times_cos_el: bool  #: which of the two forms
     cosine: Cosine  #: the fitted curve
     half_difference: tuple[float, float]  #: half of forward minus reverse, fitted along
     rms: float  #: scatter of a scan about the curve
@@ -175,7 +174,6 @@ def curve(track: Track, *, times_cos_el: bool = False) -> Curve:
     fit = line(design, size * track.offset)
     return Curve(
         track,
-        times_cos_el,
         Cosine(fit.value[:3], fit.covariance[:3, :3]),
         (float(fit.value[3]), float(fit.sigma[3])),
         fit.rms,

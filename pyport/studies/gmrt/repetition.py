@@ -143,7 +143,6 @@ class Jump:
     """The step of one antenna's offsets at transit, with its sigma [rad]."""
 
     antenna: str
-    session: str
     step: float
     sigma: float
 
@@ -189,4 +188,4 @@ def _jump(track: Track) -> Jump | None:
         np.concatenate([side[:, None], track.direction[near, None], powers], axis=1),
         track.offset[near],
     )
-    return Jump(track.antenna, track.session, float(fit.value[0]), float(fit.sigma[0]))
+    return Jump(track.antenna, float(fit.value[0]), float(fit.sigma[0]))

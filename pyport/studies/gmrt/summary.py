@@ -73,20 +73,6 @@ def further_on(sine: tuple[float, float], dec: float, latitude: float) -> tuple[
     return float(-sine[0] / size), float(sine[1] / size)
 
 
-def further_north_twice(
-    a: float, cosine: float, dec: float, latitude: float
-) -> tuple[float, float]:
-    """Return the northward displacement [rad] by a, and by b cos d.
-
-    They should be the same. In the tables they are not, as a also holds the
-    encoder's zero; the paper's a, b and d have one number too many for a place.
-    """
-    return (
-        float(a / (np.cos(latitude) * np.sin(dec))),
-        float(-cosine / (np.sin(latitude) * np.cos(dec))),
-    )
-
-
 def wave_fitted_to_place(
     north: float, on: float, dec: float, latitude: float, hours: tuple[float, float]
 ) -> Wave:
