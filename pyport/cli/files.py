@@ -60,12 +60,16 @@ def mask(
     raw = tables.read(recordings, given.format, given.columns, given.mapping)
     raw = replace(raw, meta=raw.meta | dict(given.keys))
     chosen = _chosen(raw, lines, outliers, given)
+    if unmask:
+        masked = masks.standing(raw, masks.steps(recordings))
+        chosen = tuple(line for line in chosen if line in masked)
     if chosen:
         masks.add(raw, chosen, reason or given.where, masks=not unmask)
         verb = "unmasked" if unmask else "masked"
         told.append(f"{verb} {masks.spelled(chosen)} ({len(chosen)} lines)")
     elif lines or outliers or given.where:
-        told.append("no such recordings: nothing was changed")
+        none = "none of these is masked" if unmask else "no such recordings"
+        told.append(f"{none}: nothing was changed")
     standing = masks.standing(raw, masks.steps(recordings))
     for why in sorted(set(standing.values())):
         those = [line for line, own in standing.items() if own == why]

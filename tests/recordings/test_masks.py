@@ -165,3 +165,11 @@ def test_targets_count_what_is_excluded_beside_the_list(masked):
 
     assert isinstance(json.loads(done.stdout), list)
     assert done.stderr == "night.csv: 58 recordings, 3 excluded, model altaz\n"
+
+
+def test_what_is_not_masked_is_not_unmasked(file):
+    """No step that does nothing, and no file of its own for one."""
+    said = run(file, "--lines", "5", "--unmask")
+
+    assert "none of these is masked: nothing was changed" in said
+    assert not masks.path_of(file).exists()
