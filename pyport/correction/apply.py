@@ -38,7 +38,7 @@ class Applied:
     #: follows them counts as zero there.
     unknown: dict[str, int]
     low: int  #: how many rows lie so low that refraction is held
-    #: Of what is left of recordings, by axis and over the sky [arcsec], rows set aside not counted;
+    #: Of what is left of recordings, by axis and over the sky [arcsec], excluded rows not counted;
     #: empty without offsets.
     rms: dict[str, float]
 
@@ -166,7 +166,7 @@ def _low(model: PointingModel, at: Circumstances) -> NDArray[np.bool_]:
 
 
 def _rms(raw: Raw, there: NDArray[np.bool_], found: dict[str, Array]) -> dict[str, float]:
-    """Return the rms of what is left, of rows that are not set aside [arcsec]."""
+    """Return the rms of what is left, of rows that are not excluded [arcsec]."""
     left = np.stack([one for name, one in found.items() if name.startswith("residual_")])
     if SET_ASIDE in raw.columns:
         left[:, np.asarray(raw.words(SET_ASIDE))[there] != ""] = np.nan

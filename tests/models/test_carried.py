@@ -220,7 +220,7 @@ def test_apply_turns_a_quarter_at_most_and_says_where_refraction_ends(jumping, t
     assert "2 rows lie below 0.5 deg of elevation" in text
 
 
-def test_readings_that_are_set_aside_are_in_no_rms(jumping, tmp_path):
+def test_excluded_readings_are_in_no_rms(jumping, tmp_path):
     """A spike that was masked does not count in what is left."""
     lines = jumping[2].read_text().splitlines()
     first = next(n for n, line in enumerate(lines) if not line.startswith("#")) + 1
