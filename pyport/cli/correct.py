@@ -59,9 +59,9 @@ def apply(
         tables.write(done.table, out)
     if as_json:
         columns = {name: done.table.columns[name] for name in done.added}
-        told = {"file": out, "rows": done.rows, "skipped": done.skipped, "unknown": done.unknown}
-        told["low"] = done.low
-        say("", told | {"rms_arcsec": done.rms, "columns": columns}, as_json=True)
+        counts = {"rows": done.rows, "skipped": done.skipped, "unknown": done.unknown}
+        told = {"file": out, **counts, "low": done.low, "rms_arcsec": done.rms, "columns": columns}
+        say("", told, as_json=True)
         return
     if out is None:
         click.echo(_csv(done), nl=False)

@@ -291,9 +291,10 @@ class PointingModel:
 def turned(across: Array, second: Array) -> Array:
     """Return the turn about the first axis [rad] that moves directions across, x / cos E.
 
-    To a third of its cube. At the pole of the axis, where no turn does that, it is a quarter turn.
+    At the pole of the axis, where no turn does that, it is a quarter turn at most, as in a steering
+    table.
     """
-    return np.arctan(across / np.cos(second))
+    return np.clip(across / np.cos(second), -math.pi / 2, math.pi / 2)
 
 
 def _missing(effect: Effect, site: Site | None) -> list[str]:

@@ -207,13 +207,15 @@ def test_apply_keeps_the_files_azimuth(jumping, tmp_path):
 def test_apply_turns_a_quarter_at_most_and_says_where_refraction_ends(jumping, tmp_path):
     """At the zenith no azimuth moves a telescope across; below half a degree refraction is held."""
     targets = tmp_path / "zenith.csv"
-    targets.write_text("az_deg,el_deg\n10,90\n10,89.9999\n10,45\n10,0.2\n10,-1\n")
+    targets.write_text("az_deg,el_deg\n10,90\n10,89.9999\n10,45\n10,0.2\n10,-1\n10,89\n")
     told = json.loads(run("apply", jumping[0], targets, "--json")[0])
     turn = np.array(told["columns"]["model_d_az_arcsec"]) / 3600
     across = np.array(told["columns"]["model_d_xel_arcsec"]) / 3600
 
     assert np.abs(turn).max() <= 90
     assert turn[2] == pytest.approx(across[2] / np.cos(np.radians(45)), abs=1e-9)
+    # As near the zenith as the steering table's first row, the turn is still the table's.
+    assert turn[5] == pytest.approx(across[5] / np.cos(np.radians(89)), rel=1e-12)
     bent = tmp_path / "bent.mod"
     bent.write_text("Mine\nT 1 1.0 0.0 0.0\n IE 5.0 1.0\n TX -20.0 1.0\nEND\n")
     text, _ = run("apply", bent, targets, "-o", tmp_path / "out.csv")
