@@ -85,6 +85,7 @@ ALIKE = (
         ("azimuth_zero",),
     ),
     Alike(("clock", "tilt"), "always", _MAST, ("azimuth_zero",)),
+    Alike(("epoch_clock", "epoch_tilt"), "elevation only", f"measure azimuth too, or {_MAST}"),
     Alike(
         ("site_longitude", "clock"),
         "always",

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis.made import recordings
+from diagnosis.made import LATITUDE, recordings
 
 from pyport import page
 from pyport.angles import ARCSEC
@@ -55,6 +55,35 @@ def test_what_nights_do_is_a_size(wandering):
     assert said in " ".join(in_words(report_of(wandering)).split())
     assert any(said in one for one in page.of_diagnosis(wandering)[1].noise)
     assert "nights differ in the zero in elevation by " in told(report_of(wandering))["verdict"]
+
+
+def shifted_on_the_sky(at, east, north):
+    """Return cross-elevation and elevation of shifts in right ascension and declination."""
+    dec = np.arcsin(
+        np.sin(LATITUDE) * np.sin(at.el) + np.cos(LATITUDE) * np.cos(at.el) * np.cos(at.az)
+    )
+    sin_q = -np.sin(at.az) * np.cos(LATITUDE) / np.cos(dec)
+    cos_q = (np.sin(LATITUDE) - np.sin(dec) * np.sin(at.el)) / (np.cos(dec) * np.cos(at.el))
+    return -east * cos_q + north * sin_q, east * sin_q + north * cos_q
+
+
+@pytest.mark.slow
+def test_what_all_sources_are_off_by_is_said_where_nothing_is_found():
+    """No finding, for any could be the one that is right; and no all-clear either."""
+    rng = np.random.default_rng(3)
+    source, places = np.arange(300) % 30, 8 * rng.standard_normal((2, 30))
+    made = recordings(
+        300,
+        5,
+        noise_arcsec=3,
+        x=lambda at: shifted_on_the_sky(at, *places[:, source])[0],
+        y=lambda at: shifted_on_the_sky(at, *places[:, source])[1],
+        source=np.char.add("Q", source.astype(str)),
+    )
+    found = told(report_of(diagnose(made, load("altaz"))))
+
+    assert not found["findings"]
+    assert "sources differ in the place in the catalogue by " in found["verdict"]
 
 
 @pytest.mark.slow

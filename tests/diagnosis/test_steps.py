@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from diagnosis.made import recordings
+from diagnosis.made import LATITUDE, recordings
 
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
@@ -146,3 +146,30 @@ def test_only_steps_have_a_moment_to_move():
     )
 
     assert changes.past_outliers(setup, None, Chosen(harmonic, "all")) == (setup, [])
+
+
+@pytest.mark.slow
+def test_a_clock_that_is_late_from_a_night_on_is_no_tilt():
+    """One second, half a tilt to the east and half a zero of azimuth, named with its size."""
+    late = 15 * (np.arange(300) >= 160)
+
+    def across(at):
+        return late * (
+            np.sin(LATITUDE) * np.cos(at.el) - np.cos(LATITUDE) * np.sin(at.el) * np.cos(at.az)
+        )
+
+    made = recordings(
+        300, 4, x=across, y=lambda at: late * np.cos(LATITUDE) * np.sin(at.az), **nights(300, 160)
+    )
+    (found,) = diagnose(made, load("altaz")).findings
+
+    assert (found.effect, found.verdict) == ("epoch_clock", "named")
+    assert found.parameters[0].value == pytest.approx(1, abs=3 * found.parameters[0].sigma)
+    assert found.parameters[0].unit == "s"
+
+
+def nights(rows, first):
+    """Return sessions and times of two nights before a row and of two behind it."""
+    night = np.digitize(np.arange(rows), [first // 2, first, (first + rows) // 2])
+    time = 1.2e9 + 86400 * night + 120.0 * np.arange(rows)
+    return {"session": np.char.add("n", night.astype(str)), "time": time}

@@ -6,7 +6,7 @@ from astropy.coordinates import AltAz, EarthLocation, get_sun
 from astropy.time import Time
 from astropy.utils import iers
 from effects.cases import AT, Case
-from effects.mechanics import leaning, mounted
+from effects.mechanics import NORTH, NORTHWARD, leaning, mounted
 from effects.sky import SITE, julian, replaced, stars, without
 
 from pyport.angles import ARCSEC, DEG
@@ -71,6 +71,7 @@ SPHERE = [
     ),
     Case("site_longitude", (20.0,), lambda s: seen(HOUR_ANGLE + s * 20 * ARCSEC, DEC)),
     Case("clock", (2.0,), lambda s: seen(HOUR_ANGLE + s * 30 * ARCSEC, DEC)),
+    Case("epoch_clock", tuple(NORTH / 15), lambda s: seen(HOUR_ANGLE + s * NORTHWARD, DEC)),
     Case("source_position", (6.0, -4.0), misplaced, variant="S3"),
     Case("parallax", (30.0,), near, at=replaced(AT, source=np.full(len(AT), "Ceres"))),
     Case(

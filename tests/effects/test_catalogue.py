@@ -20,7 +20,7 @@ STABLE = {
     *("scan_direction", "scan_timing", "backlash_azimuth", "backlash_elevation"),
     *("servo_lag_azimuth", "servo_lag_elevation", "thermal_tilt", "temperature"),
     *("wind_tilt", "receiver_offset", "beam_squint", "epoch_offset"),
-    *("epoch_tilt", "epoch_sag", "drift", "subreflector_jump"),
+    *("epoch_tilt", "epoch_sag", "epoch_clock", "drift", "subreflector_jump"),
     *("nasmyth", "rotator_circle", "driven_term", "oscillation", "azimuth_turns"),
 }
 
@@ -47,7 +47,7 @@ KNOWN = {
 OF_THE_SKY = {
     *("clock", "polar_motion", "annual_aberration", "diurnal_aberration", "nutation"),
     *("precession", "source_position", "parallax", "refraction", "refraction_curvature"),
-    *("wet_refraction", "ionosphere"),
+    *("wet_refraction", "ionosphere", "epoch_clock"),
 }
 
 
@@ -108,6 +108,6 @@ def test_what_drives_an_effect_and_what_it_changes_with():
         "drift": "the hour",
         "driven_term": "temperature_c",
     }
-    assert changing == {"epoch_offset", "epoch_tilt", "epoch_sag"}
+    assert changing == {"epoch_offset", "epoch_tilt", "epoch_sag", "epoch_clock"}
     for name in changing:
         assert all(one.changes_with == "session" for one in CATALOGUE[name].variants(AT))

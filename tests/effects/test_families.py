@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from effects.sky import campaign, replaced, without
+from effects.sky import SITE, campaign, replaced, without
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -104,21 +104,24 @@ def test_one_moment_has_no_epochs():
 
     with pytest.raises(MissingColumn, match="a second moment"):
         variants("epoch_offset", at)
-    for effect in ("epoch_tilt", "epoch_sag"):
+    for effect in ("epoch_tilt", "epoch_sag", "epoch_clock"):
         with pytest.raises(MissingColumn, match="a second session"):
             variants(effect, replaced(AT, session=np.full(len(AT), "one")))
 
 
 @given(st.lists(st.sampled_from("abcdef"), min_size=2, max_size=40))
-def test_tilt_and_sag_may_set_in_with_a_session(labels):
-    """A step of the tilt or the sag is tried where a session begins, and nowhere else."""
+def test_tilt_sag_and_clock_may_set_in_with_a_session(labels):
+    """A step of tilt, sag or clock is tried where a session begins, and nowhere else."""
     session, time = np.array(labels), np.arange(len(labels)) * 3600.0
     first = {labels.index(name) for name in labels} - {0}
     at = Circumstances(
-        np.ones(len(time)), np.ones(len(time)), columns={"time": time, "session": session}
+        np.ones(len(time)),
+        np.ones(len(time)),
+        SITE,
+        columns={"time": time, "session": session},
     )
 
-    for effect in ("epoch_tilt", "epoch_sag"):
+    for effect in ("epoch_tilt", "epoch_sag", "epoch_clock"):
         if not first:
             assert CATALOGUE[effect].missing(at) == "a second session"
             continue

@@ -24,6 +24,7 @@ from pyport.models.conditions import undetermined
 from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
+_WHOSE = {"session": "nights", "source": "sources"}
 #: Scatter that differs by less than a quarter between low and high, or that a drift widens by
 #: less, is not worth a word.
 GROWS = 1.25
@@ -277,21 +278,22 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
 
 
 def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
-    """Return what counts as noise though it is none: departures, drifts, a session of its own."""
+    """Return what counts as noise though it is none: departures, drifts, a session that scatters."""
     scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
     usual = float(np.median(scatter)) / ARCSEC
-    departing = [
-        one
-        for one in noise.departing
-        if one["of"] == "session" and np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
-    ]
-    largest = sorted(departing, key=lambda one: -one["sigma_arcsec"])[:1]
-    said = [f"nights differ in the {one['term']} by {one['sigma_arcsec']:.2g}" for one in largest]
+    largest = {
+        one["of"]: f"{_WHOSE[one['of']]} differ in the {one['term']} by {one['sigma_arcsec']:.2g}"
+        for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"]))
+        if np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
+    }
+    said = [largest["session"]] if "session" in largest else []
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
     told = []
     if said:
         sizes = " and ".join(f"{one} arcsec" for one in said)
         told.append(f"a change with time would have to stand out of the noise: {sizes}")
+    if "source" in largest:
+        told.append(f"{largest['source']} arcsec, which counts as noise")
     alone = "which is worth a diagnosis of its own"
     told += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
     return "".join(f"; {one}" for one in told)

@@ -44,7 +44,7 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
     if not effect.physical:
         return ["all"]
     if effect.is_change:
-        return [scope for scope in there if "session" not in scope]
+        there = [scope for scope in there if "session" not in scope]
     if effect.common != "antenna":
         return [scope for scope in there if "antenna" not in scope]
     return there if "antenna" in there else ["all"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import ARCSEC, Array
 from pyport.effects.base import (
     AXES,
     SKY,
@@ -21,6 +21,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
+from pyport.effects.sky.site import clock as hour_angle_turned
 from pyport.effects.telescope.geometry import sag_cosine, tilt
 from pyport.thresholds import SEVERAL
 
@@ -289,7 +290,31 @@ _SAG: Effect = Effect(
     changes_with="session",
     make=_made(lambda: _SAG),
 )
+_CLOCK: Effect = Effect(
+    "epoch_clock",
+    "the clock, or the times that were written down, are off otherwise in one session than in "
+    "another",
+    _OWN,
+    (Coefficient("clock_error", "s", 15 * ARCSEC),),
+    lambda at: _by_session(_CLOCK, at).basis(at),
+    common="array",
+    variant="constant per session",
+    profile=lambda at: _from_session_on(_CLOCK, at),
+    acts_in=SKY,
+    pattern="along the hour angle, in both axes, from one session to another",
+    needs=("session", "latitude_deg"),
+    formula=("a clock error in each session, or since one",) * 2,
+    # One that does not change is a lean of the axis to the east and a zero of azimuth.
+    change_of="tilt",
+    changes_with="session",
+    make=_made(lambda: _CLOCK),
+)
 #: What each of them does inside an epoch.
-_SHAPES = {"epoch_offset": offset, "epoch_tilt": tilt, "epoch_sag": sag_cosine}
+_SHAPES = {
+    "epoch_offset": offset,
+    "epoch_tilt": tilt,
+    "epoch_sag": sag_cosine,
+    "epoch_clock": hour_angle_turned,
+}
 
-EFFECTS = (_OFFSET, _TILT, _SAG, _drift(1))
+EFFECTS = (_OFFSET, _TILT, _SAG, _CLOCK, _drift(1))
