@@ -8,7 +8,7 @@ where nights, sources and drifts do it all, and one with the change and what is 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import Evidence, shown
+from pyport.diagnosis.evidence import Evidence, at_best, shown
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
@@ -99,6 +99,14 @@ def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chose
     white = np.zeros((covariance.means.stop, size + 1), order="F")
     white[:, np.append(own, size)] = covariance.whiten(data)
     return white
+
+
+def seen_beside(
+    setup: Problem, weighed: WhitenedData, covariance: Covariance, chosen: Sequence[Chosen]
+) -> WhitenedData:
+    """Return a case with the model and some choices whitened by another noise."""
+    white = whiten_model(setup, covariance, (*setup.base, *chosen))
+    return replace(weighed, covariance=covariance, white=white)
 
 
 def _weighed(
@@ -198,6 +206,19 @@ def plain_view(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) 
     basis = spanned(model)[0]
     data = setup.residual[rows] * root
     return View(rows, root, basis, data - basis @ (basis.T @ data))
+
+
+def best_shown(
+    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], candidates: Sequence[Candidate]
+) -> tuple[Candidate, float]:
+    """Return the candidate that shows best beside the model, and its evidence, its price paid."""
+    seen = shown_beside(setup, weighed, chosen, candidates)
+    worth = [
+        at_best(*each)[0] - one.price if len(each[0]) else -np.inf
+        for each, one in zip(seen, candidates, strict=True)
+    ]
+    best = int(np.argmax(worth))
+    return candidates[best], float(worth[best])
 
 
 def shown_beside(

@@ -20,7 +20,14 @@ from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
 from pyport.diagnosis.evidence import CandidateFit, at_best
 from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.shapes.edges import edges_of
-from pyport.diagnosis.weighing import View, WhitenedData, plain_view, shown_beside, whiten_model
+from pyport.diagnosis.weighing import (
+    View,
+    WhitenedData,
+    best_shown,
+    plain_view,
+    seen_beside,
+    shown_beside,
+)
 from pyport.effects import Effect, catalogue
 from pyport.effects.empirical.epochs import clock, epoch_step
 from pyport.effects.empirical.fields import OSCILLATION
@@ -56,12 +63,10 @@ def proposed(
         and one.candidate.effect.change_of in has
         and not _departs(setup, one.candidate.effect)
     ]
-    still = still_noise(setup, weighed.covariance)
-    white = whiten_model(setup, still, (*setup.base, *chosen))
-    beside = WhitenedData(still, white, weighed.evidence)
+    still = seen_beside(setup, weighed, still_noise(setup, weighed.covariance), chosen)
     if not wanted:
-        return beside, []
-    seen = shown_beside(setup, beside, chosen, [one.candidate for one in wanted])
+        return still, []
+    seen = shown_beside(setup, still, chosen, [one.candidate for one in wanted])
     best: dict[tuple[str, bool], CandidateFit] = {}
     for trial, (power, along) in zip(wanted, seen, strict=True):
         if trial.scope != "all" or not len(power):
@@ -73,7 +78,7 @@ def proposed(
         held = best.get(kind)
         if held is None or evidence > held.evidence:
             best[kind] = replace(trial, gain=gain, evidence=evidence)
-    return beside, list(best.values())
+    return still, list(best.values())
 
 
 def _departs(setup: Problem, effect: Effect) -> bool:
@@ -276,10 +281,8 @@ def _anew(
         return Anew(setup.expanded([one]))
     if confounded(setup, effect):
         covariance = still_noise(setup, covariance)
-    white = whiten_model(setup, covariance, (*setup.base, *others))
-    seen = replace(weighed, covariance=covariance, white=white)
-    worth = [at_best(*each)[0] for each in shown_beside(setup, seen, others, family)]
-    best = family[int(np.argmax(worth))]
+    seen = seen_beside(setup, weighed, covariance, others)
+    best, _ = best_shown(setup, seen, others, family)
     if any(each is one.candidate for each in family):
         return Anew(setup.expanded([Chosen(best, one.scope)]))
     wider, refined, *_ = refine(setup, seen, others, Chosen(best, one.scope))

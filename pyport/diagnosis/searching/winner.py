@@ -9,13 +9,13 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.evidence import CandidateFit, Projection, at_best
+from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.changes import proposed, refine
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import drive_waves, oscillations
-from pyport.diagnosis.weighing import WhitenedData, shown_beside, weigh, whiten_model
+from pyport.diagnosis.weighing import WhitenedData, best_shown, seen_beside, weigh
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
@@ -169,7 +169,7 @@ def confirmed_changes(
         # Beside noise that holds still it gained what the noise would have taken.
         sure = _confirmed(one, chosen)
         if sure <= CONVINCING:
-            sure += _beside_it(one, still, chosen, trials, CONVINCING - sure)
+            one, sure = _beside_it(one, sure, still, chosen, trials)
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
 
     least = max(CONVINCING, above)
@@ -179,16 +179,40 @@ def confirmed_changes(
 
 def _beside_it(
     change: Winner,
+    sure: float,
     still: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
-    least: float,
-) -> float:
-    """Return the evidence of the lasting effect that shows best beside a change, 0 if too little.
+) -> tuple[Winner, float]:
+    """Return a change and its evidence with that of the lasting effect that shows best beside it.
 
     Two that either alone the noise does as well it may not do together: a step among nights that
-    the weather moves, too.
+    the weather moves, too, at its best moment beside what the weather does.
     """
+    found = _best_beside(change, still, chosen, trials)
+    if found is None:
+        return change, sure
+    other, worth = found
+    best, most = change, sure
+    seen = seen_beside(change.setup, still, still.covariance, (*chosen, other))
+    moved = _refined(change.setup, seen, (*chosen, other), change.trial)
+    for one in (change, moved):
+        alone = _confirmed(one, chosen)
+        if alone + worth > CONVINCING:
+            after = joined(one.setup, chosen, one.chosen)
+            added = confirmed(one.setup, after, other, other.candidate.price)
+            if added > CONVINCING and alone + added > most:
+                best, most = one, alone + added
+    return best, most
+
+
+def _best_beside(
+    change: Winner,
+    still: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+) -> tuple[Chosen, float] | None:
+    """Return the lasting effect that shows best beside a change, and its evidence there."""
     setup, after = change.setup, joined(change.setup, chosen, change.chosen)
     lasting = [
         one.candidate
@@ -197,17 +221,11 @@ def _beside_it(
         and one.scope == "all"
         and not confounded(setup, one.candidate.effect)
     ]
-    white = whiten_model(setup, still.covariance, (*setup.base, *after))
-    seen = shown_beside(setup, replace(still, white=white), after, lasting)
-    worth = [
-        at_best(*each)[0] - one.price if len(each[0]) else -np.inf
-        for each, one in zip(seen, lasting, strict=True)
-    ]
-    best = int(np.argmax(worth)) if worth else 0
-    if not worth or worth[best] <= least:
-        return 0.0
-    sure = confirmed(setup, after, Chosen(lasting[best], "all"), lasting[best].price)
-    return sure if sure > CONVINCING else 0.0
+    if not lasting:
+        return None
+    seen = seen_beside(setup, still, still.covariance, after)
+    best, worth = best_shown(setup, seen, after, lasting)
+    return (Chosen(best, "all"), worth) if worth > CONVINCING else None
 
 
 def _oscillating(

@@ -398,7 +398,7 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
     monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
-    monkeypatch.setattr(winner, "_beside_it", lambda *_: more)
+    monkeypatch.setattr(winner, "_beside_it", lambda one, sure, *_: (one, sure + more))
     moved = winner._changes(setup(), None, (), (), (), -np.inf)
 
     joint = sure if sure > 6 else sure + more
@@ -406,36 +406,43 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
 
 
 @pytest.mark.parametrize(
-    ("shown", "sure", "least", "more"),
+    ("shown", "sure", "more"),
     [
-        ({"temperature": 12.0, "refraction": 9.0}, 8.0, 7.0, 8.0),
-        ({"temperature": 12.0, "refraction": 15.0}, 8.0, 7.0, 0.0),  # another shows better
-        ({"temperature": 12.0}, 5.0, 7.0, 0.0),  # the noise does that as well
-        ({"temperature": 12.0}, 8.0, 13.0, 0.0),  # more is needed
-        ({}, 8.0, 7.0, 0.0),
+        ({"temperature": 17.0, "refraction": 9.0}, 18.0, 10.0),
+        ({"temperature": 17.0, "refraction": 19.0}, 18.0, -8.0),  # another shows better
+        ({"temperature": 17.0}, 5.0, -8.0),  # the noise does that as well
+        ({"temperature": 13.0}, 18.0, -8.0),  # both together promise too little
+        ({"temperature": 5.0}, 18.0, -8.0),  # nothing shows
+        ({}, 18.0, -8.0),
     ],
 )
-def test_beside_a_change_counts_the_lasting_effect_that_shows_best(
-    monkeypatch, shown, sure, least, more
-):
+def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, shown, sure, more):
     """When it is confirmed there; another change is none, nor what one antenna has alone."""
-    change = won("epoch_offset")
+    change, moved = won("epoch_offset"), won("epoch_offset")
     trials = [trial(one) for one in shown]
     trials += [trial("epoch_tilt"), trial("azimuth_scale", scope="antenna")]
-    seen = [(np.array([value]), value) for value in shown.values()]
-    monkeypatch.setattr(winner, "joined", lambda *_: (change.chosen,))
-    monkeypatch.setattr(winner, "whiten_model", lambda *_: None)
-    monkeypatch.setattr(winner, "shown_beside", lambda *_: seen)
-    monkeypatch.setattr(winner, "at_best", lambda _, value: (value,))
+    monkeypatch.setattr(winner, "joined", lambda _, __, new: (new,))
+    monkeypatch.setattr(winner, "seen_beside", lambda *_: None)
+    monkeypatch.setattr(
+        winner,
+        "best_shown",
+        lambda *given: max(
+            ((one, shown[one.effect.id]) for one in given[-1]), key=lambda pair: pair[1]
+        ),
+    )
+    monkeypatch.setattr(winner, "_refined", lambda *_: moved)
+    monkeypatch.setattr(winner, "_confirmed", lambda one, _: -8.0 if one is moved else -9.0)
 
     def confirmed(_, others, one, __):
-        assert others == (change.chosen,)
+        assert others in ((change.chosen,), (moved.chosen,))
         return sure if one.candidate.effect.id == "temperature" else -5.0
 
     monkeypatch.setattr(winner, "confirmed", confirmed)
     still = winner.WhitenedData(None, None, None)
+    best, found = winner._beside_it(change, -8.0, still, (), trials)
 
-    assert winner._beside_it(change, still, (), trials, least) == more
+    assert found == more
+    assert best is (moved if more > 0 else change)
 
 
 @pytest.mark.parametrize(
@@ -832,9 +839,9 @@ def proposed(monkeypatch, evidences, **more):
         expanded=lambda _, of: np.zeros((len(of), 1)),
     )
     monkeypatch.setattr(changes, "still_noise", lambda *_: plain)
-    monkeypatch.setattr(
-        changes, "whiten_model", lambda *_: np.concatenate([columns, data[:, None]], axis=1)
-    )
+    white = np.concatenate([columns, data[:, None]], axis=1)
+    still = SimpleNamespace(covariance=plain, white=white)
+    monkeypatch.setattr(changes, "seen_beside", lambda *_: still)
     weighed = SimpleNamespace(covariance=plain, evidence=None)
     found = changes.proposed(problem, weighed, (), trials, more.get("banned", ()))[1]
     names = ["{}" if one.candidate.effect.parameter is None else "{} since" for one in found]
