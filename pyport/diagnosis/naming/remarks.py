@@ -278,7 +278,7 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
 
 
 def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
-    """Return what counts as noise though it is none: departures, drifts, a session that scatters."""
+    """Return what counts as noise though it is none: departures, drifts, an uneven session."""
     scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
     usual = float(np.median(scatter)) / ARCSEC
     largest = {
