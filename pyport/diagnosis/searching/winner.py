@@ -16,6 +16,7 @@ from pyport.diagnosis.searching.changes import proposed, refine
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.weighing import WhitenedData, best_shown, seen_beside, weigh
+from pyport.effects.base import Effect
 from pyport.effects.empirical.fields import OSCILLATION
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
@@ -173,8 +174,20 @@ def confirmed_changes(
         return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
 
     least = max(CONVINCING, above)
-    found = side_by_side(sure_of, [one for one in moved if one.trial.evidence > least])
+    worth = [one for one in moved if one.trial.evidence > least]
+    found = side_by_side(sure_of, [one for one in worth if not _effect(one).part_of])
+    standing = {_name(one) for one in found if one.trial.evidence > CONVINCING}
+    found += side_by_side(sure_of, [one for one in worth if _effect(one).part_of in standing])
     return [*found, *waves]
+
+
+def _effect(one: Winner) -> Effect:
+    return one.chosen.candidate.effect
+
+
+def _name(one: Winner) -> str:
+    """Return the id of a winner on an alt-azimuth mount."""
+    return _effect(one).of or _effect(one).id
 
 
 def _beside_it(

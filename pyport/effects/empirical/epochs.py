@@ -304,8 +304,9 @@ _CLOCK: Effect = Effect(
     pattern="along the hour angle, in both axes, from one session to another",
     needs=("session", "latitude_deg"),
     formula=("a clock error in each session, or since one",) * 2,
-    # One that does not change is a lean of the axis to the east and a zero of azimuth.
+    # A clock error is a lean of the axis to the east and a zero of azimuth.
     change_of="tilt",
+    part_of="epoch_tilt",
     changes_with="session",
     make=_made(lambda: _CLOCK),
 )

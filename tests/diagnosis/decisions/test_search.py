@@ -503,6 +503,27 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
     assert asked == [above]
 
 
+@pytest.mark.parametrize(("tilts", "asked"), [(20.0, 2), (5.0, 1)])
+def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
+    """It is a tilt with a zero: beside nights that lean a little it would be claimed by itself."""
+    kinds = [trial(name, 40.0) for name in ("epoch_clock", "epoch_tilt")]
+    monkeypatch.setattr(winner, "proposed", lambda *_: (None, kinds))
+    monkeypatch.setattr(winner, "_refined", lambda *given: won(given[3].candidate.effect.id, 40.0))
+    confirmed = []
+
+    def sure(one, _):
+        name = one.chosen.candidate.effect.id
+        confirmed.append(name)
+        return tilts if name == "epoch_tilt" else 30.0
+
+    monkeypatch.setattr(winner, "_confirmed", sure)
+    monkeypatch.setattr(winner, "_beside_it", lambda one, sure, *_: (one, sure))
+    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    winner._changes(setup(), None, (), (), (), -np.inf)
+
+    assert confirmed == ["epoch_tilt", "epoch_clock"][:asked]
+
+
 def test_a_confirmation_pays_for_its_choice(monkeypatch):
     """For the moment that was refined, and for the members of its family."""
     asked = []
