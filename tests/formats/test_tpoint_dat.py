@@ -50,17 +50,24 @@ def test_masked_stars_are_set_aside_and_remarks_are_none(recordings):
     ]
 
 
-def test_a_star_without_a_direction_is_written_masked_and_read_as_a_remark(tmp_path):
-    """No program could fit it, and this one would not read it."""
+def test_a_star_without_a_direction_is_written_masked_and_listed_with_its_reason(tmp_path):
+    """No program could fit it; whatever else it lacks, and whatever stands behind it."""
     table = tmp_path / "mine.csv"
     table.write_text(
-        "# latitude_deg: 50\naz_deg,el_deg,d_az_deg,d_el_deg\n10,40,0.1,0.1\n20,,0.1,0.1\n"
+        "# latitude_deg: 50\naz_deg,el_deg,d_az_deg,d_el_deg,auxiliary_1,auxiliary_2\n"
+        "10,40,0.1,0.1,7,8\n20,,0.1,0.1,7,8\n,40,0.1,0.1,7,8\n,,,,7,8\n"
     )
     convert(table, tmp_path / "out.dat")
-    lines = (tmp_path / "out.dat").read_text().splitlines()
+    found = read(tmp_path / "out.dat")
 
-    assert [line[0] for line in lines if "020.0" in line] == [";"]
-    assert len(read(tmp_path / "out.dat").at) == 1
+    lines = (tmp_path / "out.dat").read_text().splitlines()
+    assert [line[0] for line in lines[4:7]] == [";"] * 3
+    assert len(found) == 1
+    assert [(one.line, one.reason) for one in found.set_aside] == [
+        (5, "no offset on either axis"),  # the file has none beside an unknown elevation
+        (6, "no azimuth or no elevation"),
+        (7, "no offset on either axis"),
+    ]
 
 
 @pytest.mark.parametrize(

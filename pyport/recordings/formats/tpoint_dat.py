@@ -141,10 +141,9 @@ def _split(text: str) -> tuple[str, str]:
 def _is_star(words: list[str]) -> bool:
     """Tell whether a comment is a line of numbers that was masked."""
     try:
-        numbers = [float(_NAN if _unread(word) else word) for word in words]
+        return len([float(_NAN if _unread(word) else word) for word in words]) >= 4
     except ValueError:
         return False
-    return len(numbers) >= 4 and not np.isnan(numbers[:2]).any()
 
 
 def _unread(word: str) -> bool:
@@ -180,12 +179,18 @@ def _tabulated(
         if len(words) < 4:
             wanted = "expected azimuth and elevation, true and as read"
             raise line.error(f"{len(words)} number{'s' * (len(words) != 1)}, {wanted}")
-        az, el = line.decimal(words[0], "azimuth"), line.decimal(words[1], "elevation")
+        az, el = (
+            None if _unread(word) else line.decimal(word, what)
+            for word, what in zip(words, ("azimuth", "elevation"), strict=False)
+        )
         rest = words[4:] + [""] * (widest - len(words))
         first, second, beyond = _turned_back(line, words[2], words[3], polar=polar)
         over.append(beyond)
         offsets = (_offset(line, first, az), _offset(line, second, el))
-        rows.append((spelled(az), spelled(el), *offsets, *rest, note, MASKED if masked else ""))
+        place = ["" if one is None else spelled(one) for one in (az, el)]
+        # a row without a direction is excluded for that
+        why = MASKED if masked and all(place) else ""
+        rows.append((*place, *offsets, *rest, note, why))
     columns = dict(zip(names, map(list, zip(*rows, strict=True)), strict=True))
     for name in (NOTE, SET_ASIDE):
         if not any(columns[name]):
@@ -205,9 +210,11 @@ def _turned_back(line: Line, first: str, second: str, *, polar: bool) -> tuple[s
     return spelled(ahead), spelled(Decimal(180).copy_sign(dec) - dec), True
 
 
-def _offset(line: Line, word: str, true: Decimal) -> str:
-    """Return an angle as read minus the true one, blank where none was read."""
-    return "" if _unread(word) else spelled(turned(line.decimal(word, "what was read") - true))
+def _offset(line: Line, word: str, true: Decimal | None) -> str:
+    """Return an angle as read minus the true one, blank where either is not known."""
+    if true is None or _unread(word):
+        return ""
+    return spelled(turned(line.decimal(word, "what was read") - true))
 
 
 def write(table: Table, path: Path) -> list[str]:

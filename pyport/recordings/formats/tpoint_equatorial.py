@@ -90,7 +90,8 @@ def is_star(line: Line, words: Sequence[str]) -> bool:
     Raises `BadInput`: it begins like one, and is too short: TPOINT has two more kinds of records,
       which no public source describes.
     """
-    begins = len(words) >= SHORTEST and all("." not in one for one in (*words[:2], *words[3:5]))
+    whole = (one.lstrip("+-").isdecimal() for one in (*words[:2], *words[3:5]))
+    begins = len(words) >= SHORTEST and all(whole)
     if begins and len(words) < APPARENT:
         wanted = f"expected {APPARENT} or more (format 1), or angles in degrees (format 4)"
         raise line.error(f"{len(words)} words of hours, degrees and minutes, {wanted}")
