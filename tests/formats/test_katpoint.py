@@ -179,9 +179,12 @@ def test_a_bad_description_is_refused(tmp_path, text, words):
 
 
 def test_a_place_that_nobody_told_is_not_made_up(tmp_path):
-    """The antenna has its name alone, and comes back without a place."""
+    """Without a longitude the antenna has its name alone; the latitude comes back, of its line."""
     table = tmp_path / "mine.csv"
     table.write_text("# latitude_deg: 50\naz_deg,el_deg,d_az_deg,d_el_deg\n10,40,0.1,0.1\n")
     convert(table, tmp_path / "out.csv", to="katpoint-csv")
 
     assert (tmp_path / "out.csv").read_text().startswith("# antenna = antenna\n")
+    site = read(tmp_path / "out.csv").at.site
+    assert site.latitude / DEG == pytest.approx(50)
+    assert site.longitude is None

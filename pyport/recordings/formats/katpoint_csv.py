@@ -16,7 +16,7 @@ from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats import exact
-from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
+from pyport.recordings.formats.csv import Line, comment, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Table
 
@@ -45,6 +45,8 @@ _SIGMAS = frozenset({"sigma_az_deg", "sigma_el_deg"})
 ANTENNA = "katpoint_antenna"
 #: Where an antenna's description has its pointing model.
 MODEL_FIELD = 6
+#: What a description says of the place, in its order.
+PLACE = ("latitude_deg", "longitude_deg", "height_m")
 #: What the first three lines of such a file fit into [bytes]; a line may also be endless.
 _HEAD = 2**16
 #: What MeerKAT writes behind the name of a session; it is a label of its own.
@@ -87,6 +89,8 @@ def read(path: Path) -> Raw:
             key, equals, value = line.text[1:].partition("=")
             if equals and key.strip() == "antenna":
                 meta |= _antenna(Line(path, line.number, value))
+            elif pair := comment(line.text):
+                meta[pair[0]] = pair[1]
         elif line.text.strip():
             if '"' in line.text:
                 (words,) = csv.reader([line.text], skipinitialspace=True)
@@ -141,7 +145,7 @@ def _antenna(line: Line) -> dict[str, str]:
     if len(fields) < 4:
         return meta
     meta["telescope"] = fields[0]
-    for key, text in zip(("latitude_deg", "longitude_deg"), fields[1:3], strict=True):
+    for key, text in zip(PLACE[:2], fields[1:3], strict=True):
         degrees = angle(line, text) / 3600
         if abs(degrees) > 360:
             raise line.error(f"{key} is {text!r}, expected at most 360 degrees")
@@ -179,8 +183,16 @@ def write(table: Table, path: Path) -> list[str]:
         columns["dataset"] = [f"{session} {scan}".rstrip() for session, scan in both]
     if any(exact.asides(table)):
         columns[KEEP] = ["0" if why else "1" for why in exact.asides(table)]
+    antenna = table.meta.get(ANTENNA) or _description(table)
+    told = _antenna(Line(path, 1, antenna))
     with write_whole(path) as out:
-        out.write(f"# antenna = {table.meta.get(ANTENNA) or _description(table)}\n")
+        out.write(f"# antenna = {antenna}\n")
+        # a description without one of them has none: katpoint passes over these lines
+        out.writelines(
+            f"# {key}: {table.meta[key]}\n"
+            for key in PLACE
+            if key in table.meta and key not in told
+        )
         out.write(", ".join(columns) + "\n")
         for row in zip(*columns.values(), strict=True):
             out.write(", ".join(cell.replace(",", ";") for cell in row) + "\n")
@@ -196,6 +208,6 @@ def _description(table: Table) -> str:
     name = table.meta.get("telescope", "antenna").replace(",", " ")
     if not {"latitude_deg", "longitude_deg"} <= table.meta.keys():
         return name
-    place = [table.meta.get(key, "0") for key in ("latitude_deg", "longitude_deg", "height_m")]
+    place = [table.meta.get(key, "0") for key in PLACE]
     fields = [name, *place]
     return ", ".join([*fields, *[""] * (MODEL_FIELD - len(fields)), "", ""])
