@@ -206,7 +206,10 @@ def test_nothing_is_unpacked(tmp_path, pack, suffix):
     path = tmp_path / f"night{suffix}"
     path.write_bytes(pack(NIGHT.encode() * 1000))
 
-    assert refusal(path).startswith(f"{path}:")
+    said = refusal(path)
+    assert said.startswith(f"{path}:")
+    if pack is gzip.compress and suffix in {".csv", ".dat", ".xtr", ".csv.gz"}:
+        assert "packed by gzip, expected it unpacked" in said
 
 
 @pytest.mark.parametrize("pack", [gzip.compress, zipped])
@@ -216,7 +219,19 @@ def test_no_model_is_unpacked(tmp_path, pack, suffix):
     path = tmp_path / f"model{suffix}"
     path.write_bytes(pack(b'vocabulary = "tpoint"\n' * 1000))
 
-    assert refusal(path, lambda file: load(str(file))).startswith(f"{path}:")
+    said = refusal(path, lambda file: load(str(file)))
+    assert said.startswith(f"{path}:")
+    assert ("packed by gzip" in said) == (pack is gzip.compress)
+
+
+@pytest.mark.parametrize("suffix", [".toml", ".json", ".xml", ".mod", ".ctl", ".txt", ".err"])
+def test_an_empty_model_is_refused_as_empty(tmp_path, suffix):
+    """It says nothing of recordings, which no model is."""
+    path = tmp_path / f"model{suffix}"
+    path.write_text("\n")
+
+    said = refusal(path, lambda file: load(str(file)))
+    assert said == f"{path}:1: the file is empty, expected text"
 
 
 def test_entities_that_refer_to_each_other(tmp_path):

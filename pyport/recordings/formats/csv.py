@@ -154,6 +154,10 @@ LONGEST_LINE, LARGEST_TEXT, MOST_COLUMNS = 16 * 2**20, 2**30, 10_000
 _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 
 
+#: How a file packed by gzip begins, and what is said of one: nothing is unpacked here.
+GZIP, PACKED = b"\x1f\x8b", "packed by gzip, expected it unpacked: gunzip it"
+
+
 def read_text(path: Path) -> str:
     """Return the text of a UTF-8 file, with or without a byte-order mark.
 
@@ -161,6 +165,8 @@ def read_text(path: Path) -> str:
       that a telescope fills; of such a one no more is read than tells so.
     """
     content = _content(path)
+    if content.startswith(GZIP):
+        raise BadInput(PACKED, path)
     place = content.find(b"\0")
     if place < 0:
         try:
@@ -169,7 +175,7 @@ def read_text(path: Path) -> str:
             place = error.start
         else:
             if not text or text.isspace():
-                raise BadInput("the file is empty, expected recordings", path)
+                raise BadInput("the file is empty, expected text", path)
             return text
     line = content.count(b"\n", 0, place) + 1
     wrong = "this is a binary file or text in another encoding (Latin-1, UTF-16, ...)"

@@ -118,6 +118,8 @@ def _read(
         if kept is None or kept.name == "csv":
             return mapped.read(path, mapping)
         return mapped.mapped(kept.read(path), mapping)
+    if path.suffix.lower() == ".gz" and not name:
+        raise BadInput(csv.PACKED, path)
     one = format_of(path, name)
     if columns:
         if one.name != "csv":
