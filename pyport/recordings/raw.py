@@ -213,7 +213,8 @@ class Raw:
             try:
                 values[row] = float(cell or "nan")
             except ValueError:
-                wrong = f"{name} is {cell!r}, expected a number or blank"
+                wanted = "a number with a decimal point" if "," in cell else "a number or blank"
+                wrong = f"{name} is {cell!r}, expected {wanted}"
                 raise self.error(wrong, row) from None
         return values
 

@@ -71,6 +71,19 @@ def test_numbered_columns_by_any_delimiter(tmp_path, sign):
     np.testing.assert_allclose(np.degrees(found.y) * 3600, 3.5)
 
 
+@pytest.mark.parametrize("sign", [";", "\t"])
+def test_a_decimal_comma_is_no_delimiter(tmp_path, sign):
+    """The names tell what stands between cells; the cell that has one is named."""
+    path, kept = tmp_path / "log.csv", tmp_path / "map.toml"
+    names, cells = ["Azimuth", "Elevation", "dAz", "dEl"], ["10,5", "45,1", "0,01", "0,02"]
+    path.write_text("".join(f"{sign.join(one)}\n" for one in (names, cells, cells)))
+
+    assert "--columns reads any other table" in run("convert", path, tmp_path / "out.csv")
+    assert "az_deg                 Azimuth" in run("look", path, "--save-columns", kept)
+    with pytest.raises(BadInput, match=r"2: az_deg is '10,5', expected a number with a decimal po"):
+        read(path, FileOptions(mapping=mapped.load(kept)))
+
+
 @pytest.mark.parametrize(
     ("part", "cell"), [("mjd", "57076.5"), ("jd", "2457077.0"), ("unix", "1424692800")]
 )

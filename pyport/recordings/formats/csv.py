@@ -261,7 +261,8 @@ def _names(header: str, path: Path, line: int) -> list[str]:
         raise BadInput(f"{len(names)} columns, expected at most {MOST_COLUMNS}", path, line)
     if len(names) == 1:
         wanted = "expected column names separated by commas, such as az_deg,el_deg,d_el_deg"
-        raise BadInput(f"the header is {header.strip()[:60]!r}, {wanted}", path, line)
+        told = f"the header is {header.strip()[:60]!r}, {wanted}; --columns reads any other table"
+        raise BadInput(told, path, line)
     seen: set[str] = set()
     for position, name in enumerate(names):
         if not name:

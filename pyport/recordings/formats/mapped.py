@@ -69,8 +69,10 @@ def sheet(path: Path) -> Sheet:
     Raises `BadInput`: it is no table: rows have different numbers of cells, however they are taken.
     """
     meta, remarks, body = _lines(path)
-    found = [(one, _consistent(body, one)) for one in DELIMITERS]
-    delimiter, width = max(found, key=lambda one: one[1])
+    widths = {one: _consistent(body, one) for one in DELIMITERS}
+    # a decimal comma stands in the rows, and not between the names above them
+    as_named = {one for one, n in widths.items() if len(_cells(body[0][1], one)) == n > 1}
+    delimiter, width = max(widths.items(), key=lambda one: (one[0] in as_named, one[1]))
     if width < 2:
         wanted = "expected a table delimited by commas, semicolons, tabs, bars or blanks"
         raise BadInput(f"rows have different numbers of cells: {wanted}", path, body[0][0])
@@ -137,7 +139,7 @@ def _names(
 
 def _is_number(cell: str) -> bool:
     try:
-        float(cell)
+        float(cell.replace(",", "."))
     except ValueError:
         return False
     return True
