@@ -18,6 +18,7 @@ from pyport.columns import (
     SCAN_RATE_UNIT,
     SPELLED,
     TEXT,
+    TIME,
     angle_of,
 )
 from pyport.effects import MissingColumn
@@ -37,7 +38,7 @@ def column(recordings: Recordings, name: str) -> NDArray[Any] | None:
         values = _angle(recordings, angle[0])
         return None if values is None else values / angle[1]
     at = recordings.at
-    if name == "time_utc":
+    if name == TIME:
         return at.columns.get("time")
     if name == SCAN_RATE:
         return at.columns["scan_rate"] / SCAN_RATE_UNIT if "scan_rate" in at else None
@@ -136,11 +137,18 @@ def meant(name: str) -> str | None:
     key = name.lower()
     if key in _COLUMN:
         return _COLUMN[key]
-    return "time_utc" if key in _TIMES else None
+    if key != name and (key == TIME or angle_of(key) is not None):
+        return key
+    return TIME if key in _TIMES else None
 
 
 #: Conditions: under a name that is not known such a column is kept, as any other is.
 _KEPT = frozenset(one.spelled for one in COLUMNS if one.spoken or one.kind == LABEL)
+
+
+def _is_kept(name: str) -> bool:
+    angle = angle_of(name)
+    return name in _KEPT or (angle is not None and angle[0] in DIRECTIONS)
 
 
 def refuse_columns(names: Iterable[str]) -> None:
@@ -148,18 +156,18 @@ def refuse_columns(names: Iterable[str]) -> None:
 
     Raises `BadInput`: with the right name, and how to read the column under it.
     """
-    there = set(names)
+    there = dict.fromkeys(names)
     angles = {one[0] for one in map(angle_of, there) if one is not None}
     of_x_and_y = bool(angles & {"x", "y", "d_y", "d_xx"})
     for name in there:
         if of_x_and_y and angle_of(name) is not None:
             continue
         right = meant(name)
-        if right is None or right in there or right in _KEPT:
+        if right is None or right in there or _is_kept(right):
             continue
         part = _TIMES.get(name.lower(), "")
         way = f"--columns '{right}={name}{f'|{part}' if part else ''}, ...' reads it"
-        expected = "time_utc in ISO 8601" if right == "time_utc" else right
+        expected = "time_utc in ISO 8601" if right == TIME else right
         raise BadInput(f"column {name!r} is not known, did you mean {expected}? {way}")
 
 

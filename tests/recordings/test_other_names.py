@@ -106,6 +106,7 @@ def test_other_counts_of_time(tmp_path, part, cell):
     [
         ("az_deg=AZ, el_deg=ELd, d_el_arcsec=pnt.Y", "no column 'AZ': did you mean 'AZd'"),
         ("azimuth=AZd", "did you mean 'az_deg'"),
+        ("AZ_DEG=AZd", "did you mean 'az_deg'"),
         ("az_deg", "one of csv|suffix|expected"),
         ("az_deg=AZd, el_deg", "expected NAME=NAME HERE"),
         ("az_deg=id|hour, el_deg=ELd", "expected one of date, mjd, jd, unix"),
@@ -159,6 +160,9 @@ def test_the_map_of_a_real_log():
         ("# Latitude_deg: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
         ("", "az_deg,el_deg,d_el_arcsec,time_mjd", "time_utc=time_mjd|mjd"),
         ("", "azimuth_deg,el_deg,d_el_arcsec", "did you mean az_deg"),
+        ("", "AZ_DEG,EL_DEG,D_EL_ARCSEC", "'AZ_DEG' is not known, did you mean az_deg"),
+        ("", "az_deg,el_deg,d_el_arcsec,D_XEL_arcsec", "did you mean d_xel_arcsec"),
+        ("", "az_deg,el_deg,d_el_arcsec,TIME_UTC", "did you mean time_utc"),
     ],
 )
 def test_a_name_that_is_nearly_right_is_refused(tmp_path, header, columns, said):
