@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pyport.errors import BadInput
-from pyport.recordings import read
+from pyport.recordings import read, write
 from pyport.recordings.formats import csv
 
 GOOD = "az_deg,el_deg,d_el_deg\n"
@@ -95,8 +95,16 @@ def test_unknown_suffix(tmp_path):
     path = tmp_path / "night.xlsx"
     path.write_text("az_deg")
 
-    with pytest.raises(BadInput, match=r"\.csv, \.ecsv, \.parquet"):
+    with pytest.raises(BadInput, match=r"\.csv, \.ecsv, \.parquet.*, \.err; --columns reads"):
         read(path)
+
+
+def test_unknown_suffix_to_write(tmp_path):
+    """The suffixes are those that are written, and nothing is said of reading."""
+    night = read("gmrt-2003-06-01")
+
+    with pytest.raises(BadInput, match=r"expected \.csv, \.ecsv, \.parquet, \.dat, \.xtr$"):
+        write(night, tmp_path / "night.xlsx")
 
 
 def test_missing_file(tmp_path):

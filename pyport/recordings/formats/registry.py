@@ -135,14 +135,14 @@ def write(table: Table, path: Path, name: str = "") -> list[str]:
 
     Raises `BadInput`: there is no such format, or it cannot hold this.
     """
-    one = format_of(path, name)
+    one = format_of(path, name, to_write=True)
     if one.write is None:
         raise BadInput(f"{one.name} is what a fit gives: name its model with --model", path)
     return one.write(table, path)
 
 
-def format_of(path: Path, name: str = "") -> TableFormat:
-    """Return a format by its name, or by the suffix of a path.
+def format_of(path: Path, name: str = "", *, to_write: bool = False) -> TableFormat:
+    """Return a format by its name, or by the suffix of a path that is read or `to_write`.
 
     Raises `BadInput`: there is none.
     """
@@ -153,6 +153,7 @@ def format_of(path: Path, name: str = "") -> TableFormat:
     try:
         return BY_SUFFIX[path.suffix.lower()]
     except KeyError:
-        known = ", ".join(BY_SUFFIX)
-        wrong = f"suffix {path.suffix!r} names no format, expected {known}"
-        raise BadInput(f"{wrong}; --columns reads any other table", path) from None
+        known = [suffix for suffix, one in BY_SUFFIX.items() if one.write or not to_write]
+        wrong = f"suffix {path.suffix!r} names no format, expected {', '.join(known)}"
+        way = "" if to_write else "; --columns reads any other table"
+        raise BadInput(wrong + way, path) from None
