@@ -9,6 +9,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, HOUR
 from pyport.errors import BadInput
+from pyport.files import is_file
 from pyport.planning.targets import Source, Target
 from pyport.recordings.formats import csv
 
@@ -92,9 +93,12 @@ def read_catalogue(name_or_path: str | Path, year: float = EPOCH) -> list[Source
     With `name` (or `source`), `ra_deg` or `ra_h`, and `dec_deg`, all ICRS of 2000; where there are
     `pm_ra_mas_yr`, on the sky, and `pm_dec_mas_yr`, places are moved to `year`.
 
-    Raises `BadInput`: a column is missing, or a cell is no number.
+    Raises `BadInput`: no such file, a column is missing, or a cell is no number.
     """
     path = SHIPPED.get(str(name_or_path), Path(name_or_path))
+    if not is_file(path):
+        wanted = f"expected {', '.join(SHIPPED)} or a CSV file name,ra_deg,dec_deg"
+        raise BadInput(f"no such file, {wanted}", path)
     raw = csv.read(path)
     name = next((one for one in ("name", "source") if one in raw.columns), "")
     ra = next((one for one in ("ra_deg", "ra_h") if one in raw.columns), "")

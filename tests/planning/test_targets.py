@@ -158,6 +158,8 @@ def test_a_catalogue_is_read_and_refused(tmp_path):
         path.write_text(text)
         with pytest.raises(BadInput, match=why):
             read_catalogue(path)
+    with pytest.raises(BadInput, match=r"nope.csv:1: no such file, expected radio, stars or a CSV"):
+        read_catalogue(tmp_path / "nope.csv")
 
 
 @pytest.mark.parametrize(
