@@ -123,6 +123,8 @@ def _start(u: Array, v: Array) -> Array:
 
 #: Columns that tell one scan of one antenna's channel from another.
 KEYS = ("session", "scan", "antenna", "channel")
+#: Labels of scans alone, text also where they are numbers.
+LABELS = ("scan", "round")
 
 POWER = "power"
 EXPECTED = "expected_utc"
@@ -170,6 +172,7 @@ def measure(path: str | Path) -> Recordings:
     whole.refuse(~(rate > 0), f"{SCAN_RATE} is not positive")
     whole.refuse(~np.isin(axis, ("az", "el")), "scan_axis is not az or el")
 
+    labels = [(key, samples.words(key)[first]) for key in KEYS if key in samples.columns]
     peaks = [
         fit_peak(time[member == number] - expected[number], power[member == number])
         for number in range(len(first))
@@ -178,8 +181,8 @@ def measure(path: str | Path) -> Recordings:
     found = [
         (offset_along_scan(peak.time_s, 0.0, way, speed), speed * peak.sigma_s, "")
         if isinstance(peak, Peak)
-        else (np.nan, np.nan, peak)
-        for peak, way, speed in zip(peaks, direction, rate, strict=True)
+        else (np.nan, np.nan, f"{peak} ({', '.join(f'{key} {of[n]}' for key, of in labels)})")
+        for n, (peak, way, speed) in enumerate(zip(peaks, direction, rate, strict=True))
     ]
     offset, sigma = (np.array([one[k] for one in found]) for k in range(2))
     columns = {n: c[first] for n, c in samples.columns.items() if n not in {TIME, POWER, EXPECTED}}
@@ -208,8 +211,9 @@ def _scans(samples: Raw) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def _with_sigmas(measured: Recordings) -> Recordings:
-    """Return recordings with the errors along each scan moved to the scanned axis."""
+    """Return recordings with the errors along each scan moved to the scanned axis, and labels."""
     columns = dict(measured.at.columns)
+    columns |= {name: _as_words(columns[name]) for name in LABELS if name in columns}
     error = columns.pop(SIGMA) * ARCMIN
     along_az = columns["scan_axis"] == "az"
     return replace(
@@ -218,6 +222,13 @@ def _with_sigmas(measured: Recordings) -> Recordings:
         sigma_x=np.where(along_az, error * np.cos(measured.at.el), np.nan),
         sigma_y=np.where(along_az, np.nan, error),
     )
+
+
+def _as_words(labels: NDArray[Any]) -> NDArray[np.str_]:
+    """Return labels as text, whole numbers without a point, "" for blank."""
+    if labels.dtype.kind == "U":
+        return labels
+    return np.array(["" if one != one else f"{one:.15g}" for one in labels], np.str_)  # noqa: PLR0124
 
 
 #: A second round is near zero within this many sigmas, or within this angle [rad].
@@ -249,7 +260,7 @@ class Average:
 
 def averages(recordings: Recordings) -> list[Average]:
     """Return the average of each antenna, axis and round (a column `round`, if there is one)."""
-    antenna, rounds = recordings.label("antenna"), _as_words(recordings.label("round"))
+    antenna, rounds = recordings.label("antenna"), recordings.label("round")
     direction = recordings.at.column("scan_direction")
     found = []
     for axis, offset in (("az", recordings.x), ("el", recordings.y)):
@@ -258,13 +269,6 @@ def averages(recordings: Recordings) -> list[Average]:
             own = here & (antenna == name) & (rounds == turn)
             found.append(_average(str(name), axis, str(turn), offset[own], direction[own]))
     return found
-
-
-def _as_words(labels: NDArray[Any]) -> NDArray[np.str_]:
-    """Return labels as text, whole numbers without a point."""
-    if labels.dtype.kind == "U":
-        return labels
-    return np.array([f"{label:g}" for label in labels], np.str_)
 
 
 def _average(antenna: str, axis: str, turn: str, offset: Array, direction: Array) -> Average:

@@ -165,6 +165,12 @@ def test_written_recordings(tmp_path):
 
     assert nothing.exit_code == done.exit_code == 0
     assert nothing.output.count("excluded: no peak") == 8
+    for n in range(1, 5):
+        assert f"(session a, scan {n}, antenna W01, channel 175)\n" in nothing.output
+    with (tmp_path / "offsets.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    assert [row["scan"] for row in rows] == ["1", "1", "2", "2", "3", "3", "4", "4"]
+    assert {row["round"] for row in rows} == {"1"}
     night = read(tmp_path / "offsets.csv")
     assert len(night) == 8
     assert night.y / ARCMIN == pytest.approx(np.full(8, 3.0), abs=0.3)
