@@ -237,13 +237,15 @@ def targets(
 
 def _seconds(start: str | None) -> float:
     """Return a time as seconds since 1970."""
+    from pyport.recordings.raw import seconds_of
+
     if start is None:
         return datetime.now(UTC).timestamp()
     try:
-        moment = datetime.fromisoformat(start)
+        moment = seconds_of(start)
     except ValueError:
         wrong = f"--start: {start!r}, expected ISO 8601 such as 2026-03-01T18:00:00Z"
         raise BadInput(wrong) from None
-    if not 1900 <= moment.year < 2100:
+    if not seconds_of("1900-01-01") <= moment < seconds_of("2100-01-01"):
         raise BadInput(f"--start: {start!r}, expected a date between 1900 and 2100")
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+    return moment

@@ -6,7 +6,7 @@ import contextlib
 import difflib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from pyport.arguments import refusal
 from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
+from pyport.recordings.raw import seconds_of
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
@@ -195,14 +196,10 @@ def seconds(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a time of any 
 
 
 def _moment(one: Any) -> float:  # noqa: ANN401 - a time of any kind
-    if isinstance(one, str):
-        try:
-            one = datetime.fromisoformat(one)
-        except ValueError:
-            raise BadInput(f"time is {one!r:.40}, expected ISO 8601") from None
-    if not isinstance(one, datetime):
-        raise BadInput(f"time is {one!r:.40}, expected ISO 8601")
-    return (one if one.tzinfo else one.replace(tzinfo=UTC)).timestamp()
+    if isinstance(one, str | datetime):
+        with contextlib.suppress(ValueError):
+            return seconds_of(one)
+    raise BadInput(f"time is {one!r:.40}, expected ISO 8601")
 
 
 def site_of(location: Any) -> Site | None:  # noqa: ANN401 - astropy is not typed

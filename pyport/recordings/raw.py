@@ -244,19 +244,25 @@ class Raw:
             if not cell:
                 continue
             try:
-                instant = datetime.fromisoformat(cell)
+                seconds[row] = seconds_of(cell)
             except ValueError:
                 wanted = "expected ISO 8601 such as 2003-06-01T18:37:12Z"
                 raise self.error(f"{name} is {cell!r}, {wanted}", row) from None
-            if instant.tzinfo is None:
-                instant = instant.replace(tzinfo=UTC)
-            seconds[row] = instant.timestamp()
         return seconds
 
     def refuse(self, wrong: NDArray[np.bool_], message: str) -> None:
         """Raise `BadInput` at the first row where `wrong` holds."""
         if wrong.any():
             raise self.error(message, int(np.argmax(wrong)))
+
+
+def seconds_of(moment: str | datetime) -> float:
+    """Return a time, ISO 8601 where it is text, as seconds since 1970; UTC unless it tells a zone.
+
+    Raises `ValueError`: the text is none.
+    """
+    instant = datetime.fromisoformat(moment) if isinstance(moment, str) else moment
+    return (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).timestamp()
 
 
 def without_blanks(name: str, values: Array, blank: list[str]) -> Array:

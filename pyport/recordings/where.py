@@ -14,7 +14,6 @@ import ast
 import contextlib
 from collections.abc import Callable
 from dataclasses import replace
-from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.recordings.naming import column, names
+from pyport.recordings.raw import seconds_of
 from pyport.recordings.schema import Recordings, SetAside
 
 Truth = NDArray[np.bool_]
@@ -159,8 +159,7 @@ def _moment(name: str, text: str) -> float:
     """Return a time as seconds since 1970."""
     if name == "time_utc":
         try:
-            moment = datetime.fromisoformat(text)
+            return seconds_of(text)
         except ValueError:
             raise BadInput(f"where: {text!r} is no ISO 8601 time") from None
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     raise BadInput(f"where: {name} holds numbers, and {text!r} is none")

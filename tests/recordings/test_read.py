@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from datetime import datetime
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import pyport
 from pyport.angles import ARCMIN, ARCSEC, DEG, HOUR, MDEG
 from pyport.recordings import SetAside, read
+from pyport.recordings.raw import seconds_of
 
 
 def written(folder, text):
@@ -110,6 +115,20 @@ def test_columns_get_the_names_that_effects_know(tmp_path):
     assert at.column("temperature_c")[0] == 11.5
     assert at.column("oil_bar")[0] == 3.25
     assert at.column("weather").tolist() == ["fog", ""]
+
+
+@pytest.mark.parametrize(
+    "moment",
+    ["2003-06-01T12:00", "2003-06-01 17:30+05:30", datetime(2003, 6, 1, 12)],  # noqa: DTZ001
+)
+def test_one_function_reads_times(moment):
+    """Of recordings, filters, models and options: UTC unless a zone is told."""
+    package = Path(pyport.__file__).parent
+    reading = [one for one in package.rglob("*.py") if "fromisoformat" in one.read_text("utf-8")]
+
+    assert seconds_of(moment) == 1054468800
+    assert {one.parts[len(package.parts)] for one in reading} == {"recordings", "examiner"}
+    assert sum("examiner" not in one.parts for one in reading) == 1
 
 
 def test_a_time_may_carry_its_zone(tmp_path):
