@@ -11,6 +11,7 @@ from pyport.effects import degeneracies
 from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
 from pyport.recordings.schema import as_input, counted
+from pyport.report import typed
 
 _WIDTH = 96
 _SEEN = (
@@ -149,43 +150,36 @@ def _promises(look: Look) -> Iterable[str]:
 def as_json(look: Look) -> dict[str, object]:
     """Return a look for other programs."""
     cover = look.coverage
-    return {
-        "schema": "pyport.look/1",
-        "file": look.recordings.file.name,
-        "input": as_input(look.recordings),
-        "recordings": len(look.recordings),
-        "antenna": look.antenna,
-        "antennas": look.antennas,
-        "model": look.model.name,
-        "noise": {"arcsec": look.noise / ARCSEC, "how": look.how},
-        "coverage": {
-            "lowest_deg": cover.lowest_deg,
-            "cells": cover.cells,
-            "covered": cover.covered,
-            "holes": [vars(hole) for hole in cover.holes],
-        },
-        "known": [_finite(vars(one)) for one in look.known],
-        "condition_number": look.condition if math.isfinite(look.condition) else None,
-        "effects": [
-            _finite({**vars(one), "alike": [{"effect": e, "share": s} for e, s in one.alike]})
-            for one in look.separation.seen
-        ],
-        "taken_up": list(look.separation.hidden),
-        "classes": [
-            {"effects": list(members), "decide_by": degeneracies.decisions(members)}
-            for members in look.separation.classes
-        ],
-        "not_testable": {one.effect: one.reason for one in look.untestable},
-        "next": [
-            {**vars(one), "decides": None if one.decides is None else list(one.decides)}
-            for one in look.next
-        ],
-        "promises": [_finite(vars(one)) for one in look.promises],
-    }
-
-
-def _finite(values: dict[str, object]) -> dict[str, object]:
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value
-        for key, value in values.items()
-    }
+    found: dict[str, object] = typed.as_json(
+        {
+            "schema": "pyport.look/1",
+            "file": look.recordings.file.name,
+            "input": as_input(look.recordings),
+            "recordings": len(look.recordings),
+            "antenna": look.antenna,
+            "antennas": look.antennas,
+            "model": look.model.name,
+            "noise": {"arcsec": look.noise / ARCSEC, "how": look.how},
+            "coverage": {
+                "lowest_deg": cover.lowest_deg,
+                "cells": cover.cells,
+                "covered": cover.covered,
+                "holes": [vars(hole) for hole in cover.holes],
+            },
+            "known": [vars(one) for one in look.known],
+            "condition_number": look.condition,
+            "effects": [
+                {**vars(one), "alike": [{"effect": e, "share": s} for e, s in one.alike]}
+                for one in look.separation.seen
+            ],
+            "taken_up": look.separation.hidden,
+            "classes": [
+                {"effects": members, "decide_by": degeneracies.decisions(members)}
+                for members in look.separation.classes
+            ],
+            "not_testable": {one.effect: one.reason for one in look.untestable},
+            "next": [vars(one) for one in look.next],
+            "promises": [vars(one) for one in look.promises],
+        }
+    )
+    return found

@@ -11,6 +11,7 @@ from pyport.angles import DEG, Array
 from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.planning.design import coverage, separation
 from pyport.planning.suggest import directions
+from pyport.report.typed import as_json
 from pyport.watch.alarms import moment
 from pyport.watch.detection.antenna import Antenna
 from pyport.watch.watch import Seen, Watch
@@ -57,7 +58,8 @@ def tonight(rows: list[Seen], *, timed: bool) -> list[Seen]:
 def _row(one: Seen) -> list[float | None]:
     """Return time, azimuth and elevation [deg], offsets and their sigmas [arcsec], evidence."""
     values = [getattr(one, name) for name in ("time", *_OFFSETS)] + [one.evidence / math.log(10)]
-    return [round(value, 4) if math.isfinite(value) else None for value in values]
+    found: list[float | None] = as_json([round(value, 4) for value in values])
+    return found
 
 
 def running(rows: list[Seen]) -> list[dict[str, Any]]:

@@ -9,6 +9,7 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.pointing import PARAMETERS, printed, printed_sigmas
 from pyport.recordings.schema import as_input, counted
+from pyport.report import typed
 from pyport.studies.rt32.fit import Rt32Fit
 from pyport.studies.rt32.losses import LEVEL, cut_factor
 
@@ -233,30 +234,29 @@ def _share(correlation: float) -> str:
 
 def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:
     """Return the fit for other programs, angles in arcseconds."""
-    return {
-        "model": "rt32-exact" if fit.exact else "rt32-approximate",
-        "input": as_input(fit.recordings),
-        "method": fit.method,
-        "simulated": "simulated" in fit.recordings.meta,
-        "points": len(fit.stack),
-        "within_level": int(fit.inside.sum()),
-        "level_deg": fit.level / DEG,
-        "rms_arcsec": _number(fit.rms / ARCSEC),
-        "parameters": [
-            {
-                "name": f"p{k + 1}" if k < len(PARAMETERS) else "box_step",
-                "value": _number(value / ARCSEC),
-                "sigma": _number(fit.sigmas[k] / ARCSEC),
-                "sigma_by_sessions": _number(honest[k] / ARCSEC),
-                "unit": "arcsec",
-            }
-            for k, value in enumerate(fit.values)
-        ],
-        "correlation": [[_number(one) for one in row] for row in fit.correlation],
-        "condition_number": _number(fit.condition),
-        "warnings": fit.doubts,
-    }
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    found: dict[str, object] = typed.as_json(
+        {
+            "model": "rt32-exact" if fit.exact else "rt32-approximate",
+            "input": as_input(fit.recordings),
+            "method": fit.method,
+            "simulated": "simulated" in fit.recordings.meta,
+            "points": len(fit.stack),
+            "within_level": int(fit.inside.sum()),
+            "level_deg": fit.level / DEG,
+            "rms_arcsec": fit.rms / ARCSEC,
+            "parameters": [
+                {
+                    "name": f"p{k + 1}" if k < len(PARAMETERS) else "box_step",
+                    "value": value / ARCSEC,
+                    "sigma": fit.sigmas[k] / ARCSEC,
+                    "sigma_by_sessions": honest[k] / ARCSEC,
+                    "unit": "arcsec",
+                }
+                for k, value in enumerate(fit.values)
+            ],
+            "correlation": fit.correlation.tolist(),
+            "condition_number": fit.condition,
+            "warnings": fit.doubts,
+        }
+    )
+    return found

@@ -16,6 +16,7 @@ from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Bar, Row, Story
 from pyport.pointing import PARAMETERS, jump_altitude
 from pyport.report.figures import BLUE, GREY, ORANGE
+from pyport.report.typed import as_json
 from pyport.studies.rt32.fit import Rt32Fit
 
 if TYPE_CHECKING:
@@ -252,7 +253,7 @@ def _story(fit: Rt32Fit, honest: Array, picture: Picture) -> Story:
     correlation = np.nan_to_num(fit.correlation)
     names = tuple(f"p{k + 1}" if k < len(PARAMETERS) else "step" for k in range(len(fit.values)))
     rows = tuple(
-        Row(_name(k), "", _known(value), _known(honest[k]), "arcsec")
+        Row(_name(k), "", as_json(value / ARCSEC), as_json(honest[k] / ARCSEC), "arcsec")
         for k, value in enumerate(fit.values)
     )
     outliers = tuple(
@@ -281,7 +282,3 @@ def _story(fit: Rt32Fit, honest: Array, picture: Picture) -> Story:
         condition=fit.condition,
         outliers=outliers,
     )
-
-
-def _known(value: float) -> float | None:
-    return float(value / ARCSEC) if np.isfinite(value) else None
