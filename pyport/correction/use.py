@@ -20,7 +20,7 @@ from pyport.errors import BadInput
 from pyport.models import complete
 from pyport.models.conditions import Columns, Value
 from pyport.models.model import Model
-from pyport.mounts import ALTAZ, Mount
+from pyport.mounts import ALTAZ, Mount, turned
 
 if TYPE_CHECKING:
     from pyport.formats.rest import Rest
@@ -286,15 +286,6 @@ class PointingModel:
             if not np.nanmax(moved, initial=0.0) > SETTLED:
                 break
         return az, el
-
-
-def turned(across: Array, second: Array) -> Array:
-    """Return the turn about the first axis [rad] that moves directions across, x / cos E.
-
-    At the pole of the axis, where no turn does that, it is a quarter turn at most, as in a steering
-    table.
-    """
-    return np.clip(across / np.cos(second), -math.pi / 2, math.pi / 2)
 
 
 def _missing(effect: Effect, site: Site | None) -> list[str]:

@@ -6,7 +6,7 @@ import importlib
 import pkgutil
 
 from pyport.mounts.altaz import ALTAZ
-from pyport.mounts.base import Axis, Mount
+from pyport.mounts.base import Axis, Mount, turned
 
 #: Every mount by its id: a module of this folder that has `MOUNTS` adds its own.
 KINDS: dict[str, Mount] = {
@@ -18,4 +18,4 @@ KINDS: dict[str, Mount] = {
 #: A mount for each built-in model of the classical terms: the first that has it.
 BY_MODEL: dict[str, Mount] = {one.model: one for one in reversed(KINDS.values())}
 
-__all__ = ["ALTAZ", "BY_MODEL", "KINDS", "Axis", "Mount"]
+__all__ = ["ALTAZ", "BY_MODEL", "KINDS", "Axis", "Mount", "turned"]

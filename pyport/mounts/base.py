@@ -129,6 +129,14 @@ class Mount:
         return np.asarray(inside & (np.cos(second) >= np.sin(self.blind_deg * DEG)))
 
 
+def turned(across: Array, second: Array) -> Array:
+    """Return the turn about the first axis [rad] that moves directions across, x / cos E.
+
+    At the pole of the axis, where no turn does that, it is a quarter turn at most.
+    """
+    return np.clip(across / np.cos(second), -np.pi / 2, np.pi / 2)
+
+
 #: Sine of the distance from the first axis at which its angle is no more than rounding.
 ON_THE_AXIS = 1e-15
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array
 from pyport.effects.sky.atmosphere import ITERATIONS, mean_refraction
 from pyport.errors import BadInput
+from pyport.mounts import turned
 from pyport.pointing import exact_offsets, kernel, printed, recovered, swift
 from pyport.steering.grid import RT32_GRID, Grid, Table
 
@@ -254,9 +255,7 @@ def _any_offsets(
     except BadInput as error:
         wanted = "a table of azimuth and zenith distance is for one condition: --set COLUMN=VALUE"
         raise BadInput(f"{error.message}; {wanted}", model) from None
-    # at the zenith azimuth has no meaning; a quarter turn is as far as the blind spot asks for,
-    # and the RT32's form has turned by that already
-    more_az_deg = np.clip(x / np.cos(at.el) / DEG, -90, 90).reshape(az_deg.shape)
-    if loaded.base in _RT32:
+    more_az_deg = (turned(x, at.el) / DEG).reshape(az_deg.shape)
+    if loaded.base in _RT32:  # near the zenith its form has turned by a quarter already
         more_az_deg = np.where(np.abs(zd_deg) < BLIND_DEG, 0.0, more_az_deg)
     return d_az_deg + more_az_deg, d_zd_deg - (y / DEG).reshape(az_deg.shape)
