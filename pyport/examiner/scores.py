@@ -7,6 +7,7 @@ Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), section 4 (hour angl
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import math
@@ -66,34 +67,38 @@ def hour_angle(angle: Array) -> Array:
 
 
 Case = TypeVar("Case", bound="DataclassInstance")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 Outcome = dict[str, Any]
 
 
 def run(
-    wanted: Sequence[Case], examine: Callable[[Case], Outcome], file: Path, jobs: int = 1
+    wanted: Sequence[Case],
+    examine: Callable[[Case], Outcome],
+    file: Path,
+    jobs: int = 1,
+    made_by: object = None,
 ) -> Iterator[Outcome]:
     """Yield what comes out of every case: what the file has of this program, then the others.
 
-    Cases are frozen dataclasses of numbers and texts, whose fields are part of the outcome.
+    Cases are frozen dataclasses of numbers and texts, whose fields are part of the outcome, as is
+    `program`: what it was made by, this version where nothing is given.
     Every outcome is appended to the file as soon as it is there; a run that was killed goes on.
     """
-    kept = read(file, type(wanted[0])) if wanted else {}
+    kept = read(file, type(wanted[0]), made_by) if wanted else {}
     rest = []
     for case in wanted:
         if (outcome := kept.get(case)) is None:
             rest.append(case)
         else:
             yield outcome
-    file.parent.mkdir(parents=True, exist_ok=True)
-    for outcome in _outcomes(rest, examine, jobs):
-        with file.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(outcome) + "\n")
+    for outcome in each(examine, rest, jobs):
+        keep(file, outcome)
         yield outcome
 
 
-def _outcomes(
-    rest: Sequence[Case], examine: Callable[[Case], Outcome], jobs: int
-) -> Iterator[Outcome]:
+def each(examine: Callable[[Item], Result], rest: Sequence[Item], jobs: int) -> Iterator[Result]:
+    """Yield what becomes of every item as soon as it is there, `jobs` processes at it."""
     if jobs == 1:
         yield from map(examine, rest)
         return
@@ -102,20 +107,28 @@ def _outcomes(
             yield done.result()
 
 
-def read(file: Path, kind: type[Case]) -> dict[Case, Outcome]:
-    """Return the outcomes that a file has of the present program; a line cut short is none."""
-    found: dict[Case, Outcome] = {}
-    if not file.is_file():
-        return found
-    for line in file.read_text(encoding="utf-8").splitlines():
-        try:
-            outcome = json.loads(line)
-        except ValueError:
-            continue
-        if outcome.get("program") == program.version():
-            names = [field.name for field in dataclasses.fields(kind)]
-            found[kind(*(outcome[name] for name in names))] = outcome
-    return found
+def keep(file: Path, outcome: Outcome) -> None:
+    """Append an outcome to a file."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a", encoding="utf-8") as lines:
+        lines.write(json.dumps(outcome) + "\n")
+
+
+def lines(file: Path) -> Iterator[Outcome]:
+    """Yield the outcomes in a file, if it is there; a line cut short is none."""
+    for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else ():
+        with contextlib.suppress(ValueError):
+            yield json.loads(line)
+
+
+def read(file: Path, kind: type[Case], made_by: object = None) -> dict[Case, Outcome]:
+    """Return the outcomes that a file has of the present program, or of what else made them."""
+    names = [field.name for field in dataclasses.fields(kind)]
+    return {
+        kind(*(one[name] for name in names)): one
+        for one in lines(file)
+        if one.get("program") == (made_by or program.version())
+    }
 
 
 #: Standard deviations that hold 95 % of a normal distribution.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.examiner import program
+from pyport.examiner import program, scores
 from pyport.examiner.acceptance.best_delay import Best, best
 from pyport.examiner.nights import nights
 from pyport.examiner.nights.nights import Case
@@ -24,24 +22,13 @@ def outcomes(
     cases: list[Case], file: Path, pointings_per_false_alarm: float
 ) -> Iterator[dict[str, Any]]:
     """Yield what comes out of every case, those first that the file has of this program."""
-    kept = {}
-    for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else []:
-        one = json.loads(line)
-        if one["program"] == [program.version(), pointings_per_false_alarm]:
-            kept[_case(one)] = one
-    file.parent.mkdir(parents=True, exist_ok=True)
-    for case in cases:
-        found = kept.get(_case(dataclasses.asdict(case)))
-        if found is None:
-            found = nights.examine(case, pointings_per_false_alarm)
-            found["program"] = [program.version(), pointings_per_false_alarm]
-            with file.open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps(found) + "\n")
-        yield found
-
-
-def _case(one: dict[str, Any]) -> tuple[Any, ...]:
-    return tuple(one[field.name] for field in dataclasses.fields(Case))
+    made_by = {"program": [program.version(), pointings_per_false_alarm]}
+    return scores.run(
+        cases,
+        lambda case: nights.examine(case, pointings_per_false_alarm) | made_by,
+        file,
+        made_by=made_by["program"],
+    )
 
 
 def of_nulls(found: Iterable[dict[str, Any]], pointings_per_false_alarm: float) -> str:

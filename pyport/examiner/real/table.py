@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pyport.examiner import program
+from pyport.examiner import program, scores
 from pyport.examiner.real import sets
 from pyport.examiner.real.measures import Row, measure
 from pyport.examiner.real.published import Check
@@ -42,26 +40,20 @@ def rows(
     rest = [one for one in entries if one["name"] not in kept]
     yield from (kept[one["name"]] for one in entries if one["name"] in kept)
     call = partial(_row, data=data, subsets=subsets)
-    for row in _each(call, rest, jobs):
+    for row in scores.each(call, rest, jobs):
         if isinstance(row, Row):
-            file.parent.mkdir(parents=True, exist_ok=True)
             told = {"program": program.version(), "subsets": subsets, "row": asdict(row)}
-            with file.open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps(told) + "\n")
+            scores.keep(file, told)
         yield row
 
 
 def read(file: Path, subsets: int) -> dict[str, Row]:
     """Return the rows that a file has of the present program and as many subsets."""
-    found: dict[str, Row] = {}
-    for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else ():
-        try:
-            told = json.loads(line)
-        except ValueError:
-            continue
-        if (told["program"], told["subsets"]) == (program.version(), subsets):
-            found[told["row"]["name"]] = _row_of(told["row"])
-    return found
+    return {
+        told["row"]["name"]: _row_of(told["row"])
+        for told in scores.lines(file)
+        if (told["program"], told["subsets"]) == (program.version(), subsets)
+    }
 
 
 def _row_of(told: dict[str, Any]) -> Row:
@@ -70,17 +62,6 @@ def _row_of(told: dict[str, Any]) -> Row:
     }
     lists["checks"] = tuple(Check(**one) for one in told["checks"])
     return Row(**lists)
-
-
-def _each(
-    call: Callable[[dict[str, Any]], Row | str], entries: list[dict[str, Any]], jobs: int
-) -> Iterator[Row | str]:
-    if jobs == 1:
-        yield from map(call, entries)
-        return
-    with ProcessPoolExecutor(jobs) as pool:
-        for done in as_completed([pool.submit(call, one) for one in entries]):
-            yield done.result()
 
 
 def _row(entry: dict[str, Any], data: Path | None, subsets: int) -> Row | str:
