@@ -120,11 +120,6 @@ def write(model: Model, path: Path) -> None:
         file.write(text)
 
 
-def is_completed(content: Mapping[str, Any]) -> bool:
-    """Tell whether the tables of a TOML file are those of a completed model."""
-    return "schema" in content
-
-
 def read(content: Mapping[str, Any], path: Path) -> Model:
     """Return the completed model that the tables of a TOML file hold.
 
@@ -274,7 +269,7 @@ def model_of(path: Path) -> Model:
     Raises `BadInput`: the file does not describe a model.
     """
     text = load(path)
-    if is_completed(text):
+    if "schema" in text:
         return read(text, path)
     rows = text.get("term")
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):

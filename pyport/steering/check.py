@@ -110,11 +110,11 @@ def _zenith_blocks() -> list[Block]:
     return [block for block in published() if block.quantity == "d_zd"]
 
 
-def refraction_bounds(reading: str = "as-written") -> Bounds:
+def refraction_bounds() -> Bounds:
     """Return the bounds on R(z) that the published table sets."""
     height, low, high = [], [], []
     for block in _zenith_blocks():
-        at = block.az_deg, block.zd_deg, recovered(), "none", reading
+        at = block.az_deg, block.zd_deg, recovered(), "none", "as-written"
         _, without_deg = rt32_offsets(*at, exact=True)
         refraction_deg = without_deg - block.printed * block.unit_deg
         height.append(block.zd_deg)

@@ -137,7 +137,7 @@ def of_set(row: Row) -> str:
     lines = [row.name]
     lines += [f"  found: {one}" for one in row.findings]
     lines += [f"  note: {one}" for one in row.notes]
-    lines += [f"  {_mark(one.passed)}: {one.says}: {one.found}" for one in row.checks]
+    lines += [f"  {'yes' if one.passed else 'NO'}: {one.says}: {one.found}" for one in row.checks]
     return "\n".join(lines)
 
 
@@ -156,10 +156,6 @@ def text(rows: Sequence[Row], absent: Sequence[str]) -> str:
     for name, some in missed.items():
         lines += [f"missed in {name}: {one}" for one in some]
     return "\n".join(lines)
-
-
-def _mark(passed: bool) -> str:  # noqa: FBT001 - a column of the table
-    return "yes" if passed else "NO"
 
 
 def markdown(rows: Sequence[Row], absent: Sequence[str]) -> str:

@@ -157,7 +157,11 @@ def _again(
     jobs: int,
 ) -> Iterator[Check]:
     """Make recordings again with the code that was sealed, judge the answers to them, compare."""
-    cases = sorted(case for case, truth in _truths(folder) if _is_there(truth["spec"].get("data")))
+    cases = sorted(
+        case
+        for case, truth in _truths(folder)
+        if (data := truth["spec"].get("data")) is None or Path(data).is_dir()
+    )
     if absent := len(list(folder.opened.glob("*.json"))) - len(cases):
         told = f"{absent} cases have their noise from public recordings that are not here"
         yield Check("made again as far as can be", told, passed=True)
@@ -190,10 +194,6 @@ def _again(
 def _truths(folder: Folder) -> Iterator[tuple[str, dict[str, Any]]]:
     for path in folder.opened.glob("*.json"):
         yield path.name.removesuffix(".truth.json"), json.loads(path.read_text(encoding="utf-8"))
-
-
-def _is_there(data: str | None) -> bool:
-    return data is None or Path(data).is_dir()
 
 
 def _run(folder: Folder, package: Path, jobs: int, cases: list[str]) -> dict[str, Any]:

@@ -171,9 +171,7 @@ def imported(path: str) -> ModuleType:
     return module
 
 
-@cache
-def _loaded(path: str) -> ModuleType:
-    return imported(path)
+_loaded = cache(imported)
 
 
 def _ask(path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:

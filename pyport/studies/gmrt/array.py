@@ -80,7 +80,10 @@ def evidence(
     alone = {}
     if survey is not None:
         alone = {name: _array(_diagnosed(name, tell), survey).comparison for name in DAYS}
-    crab = {name: _predicted(array, _diagnosed(name, tell)) for name in CRAB}
+    crab = {}
+    for name in CRAB:
+        other = _diagnosed(name, tell)
+        crab[name] = predict(array, other.setup, other.after)
     return Evidence(array, alone, crab, tuple(_checks(array, alone)))
 
 
@@ -94,10 +97,6 @@ def _array(diagnosis: Diagnosis, survey: Survey | None) -> ArrayReport:
     if found is None:
         raise ValueError(f"{diagnosis.setup.recordings.file.stem} is no array's")
     return found
-
-
-def _predicted(array: ArrayReport, other: Diagnosis) -> Unseen:
-    return predict(array, other.setup, other.after)
 
 
 def _checks(array: ArrayReport, alone: dict[str, Comparison | None]) -> list[Check]:

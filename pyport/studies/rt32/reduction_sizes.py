@@ -89,7 +89,7 @@ class Agreement:
     away_from_sun: float
 
 
-def against_astropy(site: Site = RT32, count: int = 400) -> Agreement:
+def against_astropy(count: int = 400) -> Agreement:
     """Compare with astropy's AltAz, an independent way from catalogue to horizon.
 
     Catalogue positions (J2000) are precessed and turned by mean sidereal time of
@@ -104,11 +104,11 @@ def against_astropy(site: Site = RT32, count: int = 400) -> Agreement:
 
     misses, near_sun = [], []
     for span in CAMPAIGNS.values():
-        drawn = sky_over(site, *span, seed=1, count=count)
+        drawn = sky_over(RT32, *span, seed=1, count=count)
         ra, dec, at = _precessed(drawn.take(drawn.el < 80 * DEG))
         x, y = left_out(at, _OF_THE_SKY)
         place = EarthLocation.from_geodetic(
-            at.longitude() * units.rad, at.latitude() * units.rad, site.height_m * units.m
+            at.longitude() * units.rad, at.latitude() * units.rad, RT32.height_m * units.m
         )
         with iers.conf.set_temp("auto_download", value=False):
             times = Time(at.column("time"), format="unix")

@@ -58,18 +58,18 @@ def day(table: int) -> tuple[Row, ...]:
     return tuple(Row(n, tuple(row[:2]), tuple(row[2:])) for n, row in enumerate(body, 1))
 
 
-def antennas_down(table: int = 13) -> tuple[Row, ...]:
+def antennas_down() -> tuple[Row, ...]:
     """Return the rows of Table 13: one antenna (or two labels run together), then offsets."""
     rows = []
-    for number, cells in enumerate(lines(table)[2:], 1):
+    for number, cells in enumerate(lines(13)[2:], 1):
         labels = next((n for n, cell in enumerate(cells) if not LABEL.fullmatch(cell)), len(cells))
         rows.append(Row(number, tuple(cells[:labels]), tuple(cells[labels:])))
     return tuple(rows)
 
 
-def scans_across(table: int = 13) -> list[tuple[int, int]]:
+def scans_across() -> list[tuple[int, int]]:
     """Return direction (p is +1, m is -1) and elevation [deg] of each scan of Table 13."""
-    titles = " ".join(lines(table)[1])
+    titles = " ".join(lines(13)[1])
     signs = {"p": 1, "m": -1}
     return [(signs[sign], int(el)) for sign, el in re.findall(r"([pm])(\d+)", titles)]
 
