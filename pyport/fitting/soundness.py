@@ -37,29 +37,18 @@ def largest_offset(data: Stack, at: Circumstances) -> float:
     return float((np.abs(data.value) / reading).max(initial=0.0))
 
 
-def axis_rms(
-    data: Stack, residual: Array, used: NDArray[np.bool_], *, is_y: bool
-) -> tuple[float, int] | None:
-    """Return the rms of one axis [rad] and over how many offsets; None where there are none."""
-    rows = used & (data.is_y == is_y)
-    if not rows.any():
-        return None
-    return float(np.sqrt(np.mean(residual[rows] ** 2))), int(rows.sum())
-
-
-def sky_rms(data: Stack, residual: Array, used: NDArray[np.bool_]) -> tuple[float, int] | None:
-    """Return the rms on the sky [rad] and over how many pointings; None where none has both axes.
+def rms_of(data: Stack, residual: Array, used: NDArray[np.bool_]) -> list[tuple[float, int] | None]:
+    """Return the rms across, along and on the sky [rad], and of how many; None where of none.
 
     `data`: the m measured numbers.
     `residual`, `used`: what is left of each [rad], and whether it is no outlier, shape (m,).
     """
     across = np.flatnonzero(used & ~data.is_y)
     along = np.flatnonzero(used & data.is_y)
-    both, x, y = np.intersect1d(data.row[across], data.row[along], return_indices=True)
-    if len(both) == 0:
-        return None
-    squares = residual[across[x]] ** 2 + residual[along[y]] ** 2
-    return float(np.sqrt(squares.mean())), len(both)
+    _, x, y = np.intersect1d(data.row[across], data.row[along], return_indices=True)
+    square = residual**2
+    several = square[across], square[along], square[across[x]] + square[along[y]]
+    return [(float(np.sqrt(one.mean())), len(one)) if len(one) else None for one in several]
 
 
 #: Belsley, Kuh & Welsch 1980, Regression Diagnostics: moderate to strong dependencies above 30.

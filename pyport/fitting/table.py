@@ -11,7 +11,7 @@ from pyport.errors import BadInput
 from pyport.fitting import soundness
 from pyport.fitting.combinations import Combination, of_fit
 from pyport.fitting.fit import LABELS, Fit, by_label, completed, leftover_text
-from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, largest_offset, sky_rms
+from pyport.fitting.soundness import ON_SKY, PER_AXIS, largest_offset, rms_of
 from pyport.models import complete, toml
 from pyport.models.conditions import Completed, Value
 from pyport.recordings.schema import as_input, counted
@@ -34,13 +34,12 @@ def text(fit: Fit) -> str:
     ]
     lines.insert(0, f"{counted(as_input(fit.recordings))}, model {fit.model.name}")
     lines.append("")
-    for axis, is_y in zip(fit.recordings.at.mount.names, (False, True), strict=True):
-        rows = int((fit.stack.is_y == is_y).sum())
-        found = axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=is_y)
+    *axes, sky = rms_of(fit.stack, fit.residual, fit.noise.used)
+    counts = np.bincount(fit.stack.is_y, minlength=2)
+    for axis, found, rows in zip(fit.recordings.at.mount.names, axes, counts, strict=True):
         if found is not None:
             size, used = found
             lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {used} of {rows} offsets")
-    sky = sky_rms(fit.stack, fit.residual, fit.noise.used)
     if sky is not None:
         lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
     lines.append(f"condition number {fit.condition:.3g}")
@@ -131,13 +130,10 @@ def _model(fit: Fit) -> dict[str, object] | None:
 
 
 def _rms(fit: Fit) -> dict[str, float | str | None]:
-    found = {
-        "xel": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=False),
-        "el": axis_rms(fit.stack, fit.residual, fit.noise.used, is_y=True),
-        "sky": sky_rms(fit.stack, fit.residual, fit.noise.used),
-    }
+    found = rms_of(fit.stack, fit.residual, fit.noise.used)
     sizes: dict[str, float | str | None] = {
-        f"{name}_arcsec": None if one is None else one[0] / ARCSEC for name, one in found.items()
+        f"{name}_arcsec": None if one is None else one[0] / ARCSEC
+        for name, one in zip(("xel", "el", "sky"), found, strict=True)
     }
     return sizes | {"per_axis": PER_AXIS, "on_sky": ON_SKY}
 

@@ -13,7 +13,7 @@ from pyport.diagnosis.joint import Disagreement, Joint, rms
 from pyport.diagnosis.naming import remarks, words
 from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput
-from pyport.fitting.soundness import ON_SKY, PER_AXIS, axis_rms, sky_rms
+from pyport.fitting.soundness import ON_SKY, PER_AXIS, rms_of
 from pyport.least_squares.gram import inverted
 from pyport.models import complete as corrections
 from pyport.models import toml
@@ -155,12 +155,7 @@ def _median_floor(noises: list[Any]) -> float | None:
 
 
 def _rms(diagnosis: Diagnosis, fit: Joint) -> Rms:
-    left, data, used = diagnosis.left(fit), diagnosis.setup.stack, diagnosis.share > 0
-    sizes = (
-        axis_rms(data, left, used, is_y=False),
-        axis_rms(data, left, used, is_y=True),
-        sky_rms(data, left, used),
-    )
+    sizes = rms_of(diagnosis.setup.stack, diagnosis.left(fit), diagnosis.share > 0)
     return Rms(*(None if one is None else one[0] / ARCSEC for one in sizes))
 
 

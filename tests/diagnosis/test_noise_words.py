@@ -14,7 +14,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming.remarks import by_elevation
 from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
-from pyport.fitting.soundness import axis_rms, sky_rms
+from pyport.fitting.soundness import rms_of
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
 from pyport.recordings.schema import Stack
@@ -192,10 +192,11 @@ def test_the_sky_rms_is_that_of_pointings():
     data = Stack(np.array([0, 1, 0, 2]), np.array([False, False, True, True]), np.zeros(4))
     left, used = np.array([3.0, 100.0, 4.0, 100.0]), np.ones(4, bool)
 
-    assert sky_rms(data, left, used) == (pytest.approx(5.0), 1)
-    assert sky_rms(data, left, np.array([True, True, False, True])) is None
-    assert axis_rms(data, left, used, is_y=False) == (pytest.approx(np.hypot(3, 100) / 2**0.5), 2)
-    assert axis_rms(data, left, ~used, is_y=True) is None
+    across, _, sky = rms_of(data, left, used)
+    assert sky == (pytest.approx(5.0), 1)
+    assert rms_of(data, left, np.array([True, True, False, True]))[2] is None
+    assert across == (pytest.approx(np.hypot(3, 100) / 2**0.5), 2)
+    assert rms_of(data, left, ~used)[1] is None
 
 
 @pytest.mark.slow
@@ -212,6 +213,6 @@ def test_both_commands_say_the_same_rms_in_the_same_words():
         assert report["before"][f"rms_{axis}_arcsec"] == pytest.approx(
             ours[f"{axis}_arcsec"], rel=0.01
         )
-    assert sky_rms(fitted.stack, fitted.residual, fitted.noise.used)[0] == pytest.approx(
+    assert rms_of(fitted.stack, fitted.residual, fitted.noise.used)[2][0] == pytest.approx(
         np.sqrt(2) * 5 * ARCSEC, rel=0.15
     )
