@@ -16,6 +16,7 @@ from pyport.page.picture import Column, Picture, Side
 from pyport.page.story import Story
 from pyport.plots import style
 from pyport.plots.style import AFTER, BEFORE, GREY, REGION
+from pyport.report.figures import running_median
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -237,21 +238,13 @@ def _clouds(axes: Axes, picture: Picture, x: Array, name: str, side: Side, *, li
         size, alpha = (4.0, 0.7) if there.sum() < 400 else (2.4, 0.45)
         axes.plot(x[there], y[there], ".", ms=size, alpha=alpha, mew=0, color=colour, label=label)
         if lined:
-            centre, middle = _medians(x[there], y[there])
+            middle = running_median(x[there], y[there], BINS, 3)
             dashes = "--" if kind == "before" and picture.layers else "-"
-            axes.plot(centre, middle, dashes, color=colour, lw=1.4)
+            axes.plot(*middle, dashes, color=colour, lw=1.4)
     far = reach(side, side.before, side.after) / scale
     axes.set_ylim(-far, far)
     axes.set_ylabel(f"{name}\n[{unit}]")
     axes.legend(fontsize=7, loc="upper right", ncols=2, framealpha=0.85, markerscale=2.5)
-
-
-def _medians(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the medians in bins of equal count."""
-    if len(x) < 3 * BINS:
-        return np.zeros(0), np.zeros(0)
-    parts = np.array_split(np.argsort(x, kind="stable"), BINS)
-    return np.array([x[p].mean() for p in parts]), np.array([np.median(y[p]) for p in parts])
 
 
 def distributions(picture: Picture) -> Figure:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
 #: Dots per inch of a picture that is looked at on a screen.
 SCREEN_DPI = 110
-#: Bins of the running mean that shows what a cloud of points follows.
+#: Bins of the running median that shows what a cloud of points follows.
 BINS = 12
 #: Where panels stand, in shares of the picture. A layout that measures every label draws twice.
 _MARGINS = {"left": 0.08, "right": 0.985, "top": 0.9, "hspace": 0.36, "wspace": 0.17}
@@ -146,16 +146,15 @@ def _cloud(
         groups = [(rows[direction > 0], BLUE, "forward"), (rows[direction < 0], ORANGE, "reverse")]
     for some, colour, label in groups:
         axes.plot(x[some], y[some], ".", ms=3.5, alpha=0.45, color=colour, mew=0, label=label)
-        centre, mean = _running_mean(x[some], y[some])
-        axes.plot(centre, mean, "-", lw=1.8, color=colour)
+        axes.plot(*running_median(x[some], y[some], BINS, 2), "-", lw=1.8, color=colour)
     axes.tick_params(labelsize=9)
 
 
-def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the median in bins of equal count."""
-    if len(x) < 2 * BINS:
+def running_median(x: Array, y: Array, bins: int, least: int) -> tuple[Array, Array]:
+    """Return the median in bins of equal count, none where they hold less than `least` each."""
+    if len(x) < least * bins:
         return np.zeros(0), np.zeros(0)
-    parts = np.array_split(np.argsort(x, kind="stable"), BINS)
+    parts = np.array_split(np.argsort(x, kind="stable"), bins)
     return np.array([x[p].mean() for p in parts]), np.array([np.median(y[p]) for p in parts])
 
 
