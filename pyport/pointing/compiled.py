@@ -45,7 +45,7 @@ KERNEL = _installed()
 
 #: p1..p12 [deg] of the 3model table to nine decimals, inside the rounding of the printed six:
 #: the table's program, given these, writes every printed digit. Others near by do too; within
-#: which bounds, `pyport.steering.feasible` tells.
+#: which bounds, `tests/steering/feasible.py` tells.
 RECOVERED_DEG = (
     -0.049282183,
     -0.059631502,

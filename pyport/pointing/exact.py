@@ -81,9 +81,7 @@ def skewed(altitude: Array, sigma: float, beta: float) -> tuple[Array, Array]:
     return turn, np.arctan2(across, cos_h * np.cos(turn))
 
 
-def exact_offsets(
-    az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike, tilt: Tilt = tilted
-) -> tuple[Array, Array]:
+def exact_offsets(az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
     """Return the RT32's azimuth and altitude offsets, encoder minus true [rad].
 
     Parameters
@@ -94,9 +92,6 @@ def exact_offsets(
         True altitude [rad], beyond pi/2 in plunge; broadcasts with the azimuth.
     p
         The twelve parameters p1..p12 [rad], shape (12,).
-    tilt
-        How the tilt of the azimuth axis acts; the steering table's program had its own
-        way in plunge. With the usual way, the one above, `swift` does the work.
 
     Returns
     -------
@@ -108,8 +103,13 @@ def exact_offsets(
     -----
     Borkowski, RT32 Pointing Model (2004), eqs. 1 to 4, 15 to 19, routine Model.
     """
-    if tilt is tilted:
-        return swift.exact(az_south, altitude, p)
+    return swift.exact(az_south, altitude, p)
+
+
+def formulae(
+    az_south: ArrayLike, altitude: ArrayLike, p: ArrayLike, tilt: Tilt = tilted
+) -> tuple[Array, Array]:
+    """Return the same by the formulae above, however `tilt` says that the tilted axis acts."""
     az_south, altitude = np.broadcast_arrays(
         np.asarray(az_south, dtype=float), np.asarray(altitude, dtype=float)
     )

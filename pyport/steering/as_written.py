@@ -28,30 +28,12 @@ from pyport.legacy.intrinsics import (
     sin,
     tan,
 )
-from pyport.pointing.exact import tilted
 
 real4 = np.float32
 Array4 = NDArray[np.float32]
 
 #: Degrees in a radian, cut short, as the program's refraction has it.
 SHORT_RADIAN = real4(57.29)
-
-
-def tilted_over_the_shoulder(
-    az_south: Array, altitude: Array, xi: float, zeta: float
-) -> tuple[Array, Array]:
-    """Return what :func:`pyport.pointing.exact.tilted` does, with the program's way in plunge.
-
-    Beyond the zenith it takes the tilt at 180 deg - altitude with its sign turned, and
-    adds the changes that this makes. Model turns the sign too, but mirrors the change of
-    altitude: both agree to first order, not in the second.
-    """
-    plunging = np.cos(altitude) < 0
-    facing = np.where(plunging, math.pi - altitude, altitude)
-    ahead = tilted(az_south, facing, xi, zeta)
-    behind = tilted(az_south, facing, -xi, -zeta)
-    turn, reads = np.where(plunging, behind, ahead)
-    return turn, altitude + (reads - facing)
 
 
 def wrapped_deg(az_deg: float) -> float:

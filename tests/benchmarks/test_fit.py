@@ -12,7 +12,7 @@ from benchmarks import limits
 from pyport.angles import ARCSEC, DEG
 from pyport.effects import Circumstances
 from pyport.pointing import Rt32Model, printed
-from pyport.pointing.exact import exact_offsets, tilted
+from pyport.pointing.exact import formulae
 from pyport.recordings.schema import Recordings
 from pyport.studies.rt32 import fit_rt32
 
@@ -53,11 +53,8 @@ def test_exact(beside):
     made = campaign()
     az, el, level = made.at.az - np.pi, made.at.el, np.cos(made.at.el)
 
-    def usual(*given):
-        return tilted(*given)
-
     def residual(p):
-        d_az, d_alt = exact_offsets(az, el, p, usual)
+        d_az, d_alt = formulae(az, el, p)
         return np.concatenate([made.x - d_az * level, made.y - d_alt]) / SIGMA
 
     def theirs():

@@ -7,20 +7,22 @@ says how far the worst number must be let out of its rounding.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.pointing import exact_offsets, printed
+from pyport.pointing import printed
 from pyport.pointing.approximate import approximate_offsets
-from pyport.pointing.exact import Tilt
-from pyport.pointing.parameters import PRINTED_ROUNDING
-from pyport.steering.as_written import tilted_over_the_shoulder, wrapped_deg
+from pyport.pointing.exact import Tilt, formulae, tilted
+from pyport.steering.as_written import wrapped_deg
 from pyport.steering.published import Block, published
 from pyport.steering.tabulate import DEFAULT_REFRACTION, refraction4, rt32_offsets
 
+#: Half a unit of the last digit that the parameters are printed to [rad].
+PRINTED_ROUNDING = 0.5e-6 * DEG
 #: Unknowns of the programme: a millionth of a degree, the parameters' last printed digit.
 _UNIT = 1e-6 * DEG
 
@@ -46,6 +48,23 @@ class Feasibility:
     low: Array | None
     high: Array | None
     binding: tuple[tuple[str, float, float], ...]
+
+
+def tilted_over_the_shoulder(
+    az_south: Array, altitude: Array, xi: float, zeta: float
+) -> tuple[Array, Array]:
+    """Return what `tilted` does, with the program's way in plunge.
+
+    Beyond the zenith it takes the tilt at 180 deg - altitude with its sign turned, and
+    adds the changes that this makes. Model turns the sign too, but mirrors the change of
+    altitude: both agree to first order, not in the second.
+    """
+    plunging = np.cos(altitude) < 0
+    facing = np.where(plunging, math.pi - altitude, altitude)
+    ahead = tilted(az_south, facing, xi, zeta)
+    behind = tilted(az_south, facing, -xi, -zeta)
+    turn, reads = np.where(plunging, behind, ahead)
+    return turn, altitude + (reads - facing)
 
 
 def feasible(
@@ -118,7 +137,7 @@ def _prediction(block: Block, tilt: Tilt, refraction_name: str) -> Callable[[Arr
     lift_deg = refraction4(refraction_name, block.zd_deg).astype(float)
 
     def predicted(p: Array) -> Array:
-        d_az, d_alt = exact_offsets(az, alt, p, tilt)
+        d_az, d_alt = formulae(az, alt, p, tilt)
         if block.quantity.endswith("_difference"):
             rough_az, rough_alt = approximate_offsets(az, alt, p)
             d_az, d_alt = rough_az - d_az, rough_alt - d_alt

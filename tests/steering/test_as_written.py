@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from steering.feasible import tilted_over_the_shoulder
 
 from pyport import legacy
 from pyport.angles import DEG
@@ -37,7 +38,7 @@ def test_tilt_short_of_the_zenith_is_the_routines(az, alt, tilt):
     expected = tilted(az, alt, tilt, -tilt / 2)
 
     np.testing.assert_allclose(
-        as_written.tilted_over_the_shoulder(az, alt, tilt, -tilt / 2), expected, atol=1e-15
+        tilted_over_the_shoulder(az, alt, tilt, -tilt / 2), expected, atol=1e-15
     )
 
 
@@ -46,7 +47,7 @@ def test_tilt_in_plunge_differs_in_second_order(az, alt):
     """In plunge a tilt t turns azimuth by another t^2 tan^2 H at most, altitude by t^2 tan H."""
     az, alt = np.float64(az), np.float64(alt)
     t = 3e-5
-    theirs = as_written.tilted_over_the_shoulder(az, alt, t, 0.0)
+    theirs = tilted_over_the_shoulder(az, alt, t, 0.0)
     ours = tilted(az, alt, t, 0.0)
 
     assert abs(theirs[0] - ours[0]) <= 1.1 * (t * math.tan(alt)) ** 2
