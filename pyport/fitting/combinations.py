@@ -120,11 +120,6 @@ def amount(one: Direction) -> str:
     return f"{value:.{digits}f} +- {sigma:.{digits}f} arcsec"
 
 
-def visible_shares(columns: Array) -> Array:
-    """Return what the other columns leave of the rms of each of some columns (m, P), shape (P,)."""
-    return _visible(*_spectrum(columns)[1:])
-
-
 def combinations(
     names: Sequence[str],
     coefficients: Sequence[Coefficient],
@@ -207,7 +202,7 @@ def _spectrum(columns: Array) -> tuple[Array, Array, Array]:
 
 
 def _visible(eigenvalues: Array, vectors: Array) -> Array:
-    """Return the inverse root of each column's variance inflation, shape (P,)."""
+    """Return what the others leave of each column's rms, shape (P,): inflation's inverse root."""
     floor = ROUNDING * max(1.0, float(eigenvalues.max(initial=1.0)))
     inflation = (vectors**2 / np.maximum(eigenvalues, floor)).sum(axis=1)
     return np.asarray(1 / np.sqrt(inflation), float)

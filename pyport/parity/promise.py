@@ -18,7 +18,6 @@ from dataclasses import dataclass, fields
 from functools import cache
 from operator import add
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ from numpy.typing import NDArray
 from pyport.errors import BadInput
 from pyport.parity.compare import UNLIKE, Comparison, Pair, distances, neighbour
 from pyport.parity.described.description import Batch, Description, Port, Routine, Variable
-from pyport.parity.described.functions import Spelling, part, resolve, size, unspell
+from pyport.parity.described.functions import Spelling, part, resolve, size
 
 #: Asks one of the builds: (build, routine, batch) -> answers.
 Asker = Callable[[str, Routine, Batch], Batch]
@@ -254,13 +253,6 @@ def _read(path: Path) -> tuple[Deviation, ...]:
             raise BadInput(f"deviation {name}: `{min(missing)}` is missing", path)
         found.append(Deviation(**{**row, "outputs": tuple(row.get("outputs", ()))}))
     return tuple(found)
-
-
-def example(description: Description, entry: Deviation) -> Batch:
-    """Return an entry's input as one point."""
-    routine = description.routine(entry.routine)
-    given: dict[str, Any] = {key.lower(): value for key, value in entry.input.items()}
-    return {one.key: unspell([given[one.key]], one.type, one.shape) for one in routine.inputs}
 
 
 def explained(

@@ -48,14 +48,6 @@ class Rt32Model:
         d_az, d_alt = form(at.az - math.pi, at.el, self.parameters)
         return d_az * np.cos(at.el), d_alt
 
-    def columns(self, at: Circumstances) -> tuple[Array, Array]:
-        """Return d(x, y)/dp at these parameters, shape (n, 12) each."""
-        x, y = np.zeros((2, len(at), len(self.parameters)))
-        for whole, own in zip((x, y), self.slopes(at), strict=True):
-            for k, column in own.items():
-                whole[:, k] = column
-        return x, y
-
     def slopes(self, at: Circumstances, linear: Linear | None = None) -> tuple[Columns, Columns]:
         """Return d(x, y)/dp at these parameters for a fit's next step, columns of zeros left out.
 

@@ -11,7 +11,14 @@ from samples import sample
 
 from pyport.angles import ARCSEC
 from pyport.effects.base import Coefficient
-from pyport.fitting.combinations import HIDDEN, INFLATED, combinations, of_fit, visible_shares
+from pyport.fitting.combinations import (
+    HIDDEN,
+    INFLATED,
+    _spectrum,
+    _visible,
+    combinations,
+    of_fit,
+)
 from pyport.fitting.fit import fit
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
@@ -46,7 +53,7 @@ def solved(columns, truth, noise=1.0, seed=2, units=("arcsec",) * 3, largest=np.
 @pytest.mark.parametrize("apart", [0.05, 0.099, 0.101, 0.3])
 def test_a_visible_share_is_what_other_columns_leave(apart):
     """A column that differs from another by a share shows that share of itself."""
-    assert visible_shares(pair(apart)) == pytest.approx([apart, apart, 1.0])
+    assert _visible(*_spectrum(pair(apart))[1:]) == pytest.approx([apart, apart, 1.0])
 
 
 @pytest.mark.parametrize(("apart", "told"), [(0.05, True), (0.099, True), (0.101, False)])
@@ -80,7 +87,7 @@ def test_what_is_merely_inflated_goes_with_what_it_hides():
     rng = np.random.default_rng(3)
     one, other, rest = np.linalg.qr(rng.normal(size=(300, 3)))[0].T
     columns = np.stack([one, other, 0.5 * one + other + 0.08 * rest], axis=1)
-    shares = visible_shares(columns)
+    shares = _visible(*_spectrum(columns)[1:])
 
     assert shares[0] > HIDDEN > shares[1]
     assert shares[0] ** -2 > INFLATED

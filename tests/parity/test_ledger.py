@@ -8,7 +8,7 @@ from mpmath import isnan, mpf
 from rt32_inputs import points
 
 from pyport.parity import promise
-from pyport.parity.described.functions import ask_port, hexadecimal
+from pyport.parity.described.functions import ask_port, hexadecimal, unspell
 
 LEDGER = {entry.id: entry for entry in promise.deviations(rt32.DESCRIPTION)}
 #: Entries whose region sets a part of the sky aside.
@@ -25,7 +25,9 @@ def example(entry):
     """Return an entry's input as one point, and its routine and output."""
     routine = rt32.DESCRIPTION.routine(entry.routine)
     output = next(one for one in routine.outputs if one.label == entry.output)
-    return routine, output, promise.example(rt32.DESCRIPTION, entry)
+    given = {key.lower(): value for key, value in entry.input.items()}
+    at = {one.key: unspell([given[one.key]], one.type, one.shape) for one in routine.inputs}
+    return routine, output, at
 
 
 def answer(port, entry):

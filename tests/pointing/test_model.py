@@ -89,6 +89,14 @@ def test_model_in_the_programs_frame():
     np.testing.assert_array_equal(y, d_alt)
 
 
+def columns(model, at):
+    """Return d(x, y)/dp of a model, zeros in full, shape (2, n, 12)."""
+    found = np.zeros((2, len(at), 12))
+    for whole, slopes in zip(found, model.slopes(at), strict=True):
+        whole[:, list(slopes)] = np.stack(list(slopes.values()), axis=1)
+    return found
+
+
 @pytest.mark.parametrize("exact", [True, False])
 def test_columns_predict_a_small_change(exact):
     """A change of the parameters moves the offsets by the columns times that change."""
@@ -98,7 +106,7 @@ def test_columns_predict_a_small_change(exact):
     after = Rt32Model(printed() + change, exact)
 
     for moved, still, column in zip(
-        after.offsets(at), before.offsets(at), before.columns(at), strict=True
+        after.offsets(at), before.offsets(at), columns(before, at), strict=True
     ):
         np.testing.assert_allclose(moved - still, column @ change, rtol=0, atol=1e-4 * ARCSEC)
 
@@ -112,7 +120,7 @@ def test_a_fit_by_columns_finds_the_parameters_again():
     for _ in range(3):
         here = Rt32Model(p)
         misfit = target - np.concatenate(here.offsets(at))
-        p = p + np.linalg.lstsq(np.concatenate(here.columns(at)), misfit, rcond=None)[0]
+        p = p + np.linalg.lstsq(np.concatenate(columns(here, at)), misfit, rcond=None)[0]
 
     np.testing.assert_allclose(p, truth, rtol=0, atol=1e-5 * ARCSEC)
 
