@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from pyport.angles import ARCMIN, HOUR, Array
+from pyport.diagnosis.joint import rms
 from pyport.effects import MissingColumn
 from pyport.fitting.fit import Fit
 from pyport.studies.gmrt.curves import Cosine, Curve, Track, condition, curve, tracks
@@ -135,9 +136,9 @@ def _beside(
         curve(track),
         on,
         stretches,
-        _rms(offset - wave(hour_angle)),
-        _rms(fit.residual[used]),
-        np.nan if on is None else _rms(offset - on(hour_angle)),
+        rms(offset - wave(hour_angle)),
+        rms(fit.residual[used]),
+        np.nan if on is None else rms(offset - on(hour_angle)),
     )
 
 
@@ -156,10 +157,6 @@ def _cosines(fit: Fit) -> dict[tuple[str, ...], Cosine]:
             if np.isfinite(value).all():
                 cosines[labels] = Cosine(value, fit.covariance[np.ix_(of, of)])
     return cosines
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 #: A normal sample's median of absolute values is this share of its sigma.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
+from pyport.diagnosis.joint import rms
 from pyport.pointing import PARAMETERS, printed, printed_sigmas
 from pyport.recordings.schema import as_input, counted
 from pyport.report import typed
@@ -90,7 +91,7 @@ def recovered(made: Sequence[Made]) -> str:
         lines.append(
             f"{k:3d}  {small.sum():5d} {fit.inside.sum():5d}   "
             f"{np.sqrt(np.mean(error[small] ** 2)) / ARCSEC:5.2f} {fit.rms / ARCSEC:5.2f}   "
-            f"{_rms(miss):5.2f} {miss.max():5.2f} (p{miss.argmax() + 1})"
+            f"{rms(miss):5.2f} {miss.max():5.2f} (p{miss.argmax() + 1})"
         )
     head = [
         f"     below {made[0][0].level / DEG:g} deg   rms [arcsec]   Model3 missed [honest sigmas]",
@@ -105,7 +106,7 @@ def _over_all(made: Sequence[Made]) -> list[str]:
     off = np.array([fit.values[:size] - printed() for fit, _, _ in made])
     honest = np.array([sigma[:size] for _, sigma, _ in made])
     formal = np.array([fit.sigmas[:size] for fit, _, _ in made])
-    honestly, formally = _rms(off / honest), _rms(off / formal)
+    honestly, formally = rms((off / honest).ravel()), rms((off / formal).ravel())
     worst, ratio = np.abs(off / honest).max(), np.median(honest / formal)
     return [
         f"Model3 was missed by {honestly:.2f} honest sigmas (rms; at most {worst:.1f}), by",
@@ -115,10 +116,6 @@ def _over_all(made: Sequence[Made]) -> list[str]:
 
 def _count(part: int, whole: int) -> str:
     return f"{part} of {whole} ({part / whole:.0%})"
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 #: What the table says that each parameter multiplies.
