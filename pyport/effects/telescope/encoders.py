@@ -173,6 +173,9 @@ def _azimuth_scale(variant: str) -> Effect:
 def _azimuth_scales(at: Circumstances) -> tuple[Effect, ...]:
     """Return the scale of the azimuth as recorded and, if others may be meant, about the cuts."""
     recorded, *cuts = _CUTS
+    axis = (at if at.sky is None else at.sky).mount.first
+    if axis.high - axis.low <= 2 * np.pi:  # its angle is never counted on beyond a turn
+        return (_azimuth_scale(recorded),)
     chosen = [name for name in cuts if np.ptp(_CUTS[name](at.az) - at.az) > np.pi]
     return tuple(map(_azimuth_scale, (recorded, *chosen)))
 
