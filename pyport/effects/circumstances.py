@@ -130,11 +130,11 @@ class Circumstances:
         if self.mount is ALTAZ:
             return self
         over = np.equal(self.side, -1.0) if self.mount.turns_over else None
-        first, second = self.mount.angles(self.az, self.el, self._frame, over)
+        first, second = self.mount.angles(self.az, self.el, self.frame, over)
         return replace(self, az=first, el=second, fine=None, mount=ALTAZ, sky=self)
 
     @property
-    def _frame(self) -> float:
+    def frame(self) -> float:
         """Return the latitude [rad] that the mount's axes depend on; 0 where they do not."""
         return self.latitude() if self.mount.needs_latitude else 0.0
 
@@ -156,7 +156,7 @@ class Circumstances:
         """
         if self.mount is ALTAZ:
             return None
-        return self.mount.turn(self.az, self.el, self._frame)
+        return self.mount.turn(self.az, self.el, self.frame)
 
     def take(self, index: Index) -> Circumstances:
         """Return the pointings that a mask, slice or list of rows selects."""

@@ -1,15 +1,19 @@
 """Edges of any form: the best one, all that are as likely, and the jump averaged over them."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.shapes.edge_paths import CLIMB, _good, _log_likely, _path
 from pyport.diagnosis.shapes.edges import _path as cheapest
 from pyport.diagnosis.shapes.edges import sky_of
 from pyport.effects.telescope.structure import FreeEdge
 from pyport.formats.models import load
+from pyport.mounts import KINDS
 
 DEG = np.pi / 180
 
@@ -100,3 +104,46 @@ def test_a_jump_above_a_jagged_edge_comes_out_with_its_size(seed):
     assert first.effect == "subreflector_jump"
     assert abs(jump.value + 20) < 3 * jump.sigma
     assert np.median(np.abs(el - jagged(az))) < 2 * DEG
+
+
+def stepped(kind, n, seed, x=None, y=None):
+    """Return recordings of another mount that steps by `x` or `y` [arcsec], with noise of 3."""
+    made = recordings(n, seed)
+    at = dataclasses.replace(made.at, mount=KINDS[kind])
+    rng = np.random.default_rng(seed)
+    offsets = [3 * rng.normal(size=n) + (0 if add is None else add(at.axes)) for add in (x, y)]
+    return dataclasses.replace(made, at=at, x=offsets[0] * ARCSEC, y=offsets[1] * ARCSEC)
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "at_deg", "variant"),
+    [
+        ("xy-ns", "y", 20, "in Y, beyond X 20"),
+        ("fork", "x", -30, "in hour angle, beyond hour angle -30"),
+    ],
+)
+def test_an_edge_in_the_angle_of_an_axis_is_found_where_it_is(kind, axis, at_deg, variant):
+    """One of the first axis was a wave, a scale or an eccentricity of it, or had no name."""
+
+    def step(at):
+        return 8 * (at.az >= at_deg * DEG) * (np.cos(at.el) if axis == "x" else 1.0)
+
+    found = diagnose(stepped(kind, 500, 5, **{axis: step}), load("altaz").on(KINDS[kind]))
+    first = found.findings[0]
+
+    assert (first.effect, first.verdict) == ("subreflector_jump", "named")
+    place = float(first.variant.removesuffix(" deg").rpartition(" ")[2])
+    assert first.variant.startswith(variant.rpartition(" ")[0])
+    assert abs(place - at_deg) < 1
+    assert abs(first.parameters[0].value - 8) < 3 * first.parameters[0].sigma
+
+
+def test_a_step_of_y_at_the_zenith_is_play_or_a_jump():
+    """What follows the sky turns back in Y where X crosses zero: both are one curve."""
+    found = diagnose(
+        stepped("xy-ns", 300, 7, y=lambda at: 8 * (at.az >= 0)), load("altaz").on(KINDS["xy-ns"])
+    )
+    first = found.findings[0]
+
+    assert first.verdict == "ambiguous"
+    assert set(first.members) == {"backlash_y", "subreflector_jump"}

@@ -12,6 +12,7 @@ from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.empirical.fields import oscillation
 from pyport.effects.telescope.receiver import band_of, bands
+from pyport.mounts import KINDS
 
 AT = campaign()
 MOST = 41
@@ -291,6 +292,41 @@ def test_edges_lie_inside_the_sky_that_was_observed():
     one = dataclasses.replace(AT, az=np.ones(len(AT)), el=np.ones(len(AT)))
     with pytest.raises(MissingColumn, match="a second direction"):
         variants("subreflector_jump", one)
+
+
+@pytest.mark.parametrize("mount", ["xy-ns", "german", "fork"])
+def test_edges_of_a_mount_lie_in_the_angles_of_its_axes(mount):
+    """Either axis steps at curves in both, at those in azimuth and elevation both may."""
+    side = np.where(np.arange(len(AT)) % 2 == 0, "east", "west")
+    at = dataclasses.replace(replaced(AT, pier_side=side), mount=KINDS[mount])
+    members = CATALOGUE["subreflector_jump"].variants(at)
+    of_axes = [one for one in members if "axis" in one.member]
+
+    first, second = (
+        {one.variant for one in of_axes if one.member["axis"] == axis}
+        for axis in ("first", "second")
+    )
+    assert not first & second
+    assert len(of_axes) > len(members) / 2
+    for one in of_axes:
+        across = one.member["axis"] == "first"
+        moved, still = one.columns(at) if across else one.columns(at)[::-1]
+        size = at.side * (np.cos(at.axes.el) if across else 1.0)
+        beyond = at.axes.az >= one.member.get("beyond_az_rad", -np.inf)
+        beyond &= at.axes.el >= one.edge(at.axes.az)
+
+        np.testing.assert_allclose(moved[:, 0], size * beyond)
+        assert not still.any()
+        assert 0 < beyond.sum() < len(at)
+    straight = {one.member.get("beyond_az_rad") for one in of_axes}
+    assert 0.0 in straight
+
+
+def test_an_axis_that_never_turns_twice_is_nowhere_cut_open():
+    """Cut in the north an X from -90 to 90 deg would step by a turn at the zenith."""
+    at = dataclasses.replace(AT, mount=KINDS["xy-ns"])
+
+    assert variants("azimuth_scale", at) == ["azimuth as recorded"]
 
 
 def test_an_oscillation_is_of_one_antenna():

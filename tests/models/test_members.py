@@ -166,6 +166,19 @@ def test_a_soft_edge_comes_back_and_knows_whole_turns():
     assert 0 < np.median(one.columns(inside)[1]) < 1
 
 
+def test_an_edge_of_an_axis_comes_back_below_zero_too():
+    """Y goes from -90 deg on: the levels of its soft edges are counted from the lowest."""
+    share = np.tile(np.linspace(0, 1, 181), (36, 1))
+    edge, soft = FreeEdge((-1.5, 1.5), (-0.5, 0.4)), SoftEdge(-np.pi / 2, np.radians(5), share, -90)
+    at = Circumstances(np.zeros(3), np.radians([-89.5, 0.5, 89.5]))
+    for axis, size in (("first", np.cos(at.el)), ("second", 1.0)):
+        back = effect_of("subreflector_jump", there_and_back(jump_above(edge, soft, axis).member))
+        moved, still = back.columns(at)[:: 1 if axis == "first" else -1]
+
+        np.testing.assert_allclose(moved[:, 0], size * np.array([1, 91, 180]) / 180)
+        assert not still.any()
+
+
 @pytest.mark.parametrize(
     ("identity", "member", "said"),
     [
@@ -185,6 +198,7 @@ def test_a_soft_edge_comes_back_and_knows_whole_turns():
             },
             "an edge of 1000000000000 levels",
         ),
+        ("subreflector_jump", {"axis": "third", "above_el_rad": 1.0}, "no axis is called 'third'"),
     ],
 )
 def test_a_member_that_is_none_is_refused(identity, member, said):

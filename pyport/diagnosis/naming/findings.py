@@ -100,7 +100,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         axes(setup, np.where(curve != 0, seen, 0.0)),
         moved_antennas(scene, curve),
         chosen.candidate.region,
-        curve=curve_points(chosen.candidate),
+        curve=curve_points(setup, effect),
         since=words.since(effect),
     )
     return Finding(

@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from scipy.special import expit
 
 from pyport.angles import DEG, Array, Codes
-from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.searching.turns import Outcome
-from pyport.diagnosis.shapes.edges import LEVELS, Sky, sky_of
+from pyport.diagnosis.shapes.edges import Sky, angles_of, levels_of, sky_of, whole
 from pyport.diagnosis.weighing import weigh_alike
-from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
+from pyport.effects import Effect
+from pyport.effects.telescope.structure import FreeEdge, SoftEdge, elsewhere
 from pyport.least_squares.gram import inverted
 from pyport.noise.series import Noise
 from pyport.noise.whitening import FAR, by_pointing, factor
@@ -109,13 +110,19 @@ def averaged(outcome: Outcome) -> Outcome:
 
     A reading counts as above with the share of the edges that leave it above. The scatter of
     the jump from edge to edge goes into its error. Edges that are straight or wave are left as
-    they are: a few numbers hold them.
+    they are: a few numbers hold them; and so are those of what else steps than the second axis.
     """
     for chosen in outcome.chosen:
-        edge = chosen.candidate.effect.edge
-        if isinstance(edge, FreeEdge):
+        effect = chosen.candidate.effect
+        edge = effect.edge
+        if isinstance(edge, FreeEdge) and _of_second(outcome.setup, effect):
             outcome = _with_middle_edge(outcome, chosen, edge)
     return outcome
+
+
+def _of_second(setup: Problem, effect: Effect) -> bool:
+    """Tell whether a jump moves the second axis alone, by as much in every reading."""
+    return np.array_equal(whole(setup, effect), setup.stack.is_y)
 
 
 def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
@@ -126,7 +133,7 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     columns = np.where(setup.stack.is_y, found.above, 0.0)[:, None]
     candidate = replace(
         old.candidate,
-        effect=jump_above(found.edge, found.soft),
+        effect=_jump(old.candidate.effect, found),
         columns=np.array([setup.size]),
     )
     setup = setup.with_columns(columns)
@@ -136,6 +143,11 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     # The noise is that of the edge which fitted best; readings beside it are judged anew.
     weighed = weigh_alike(setup, chosen, outcome.weighed.covariance)
     return replace(outcome, setup=setup, chosen=chosen, steps=steps, weighed=weighed)
+
+
+def _jump(old: Effect, found: _Drawn) -> Effect:
+    edge, soft = found.edge, found.soft
+    return elsewhere(old, edge_az_rad=edge.az, edge_el_rad=edge.el, share=soft.member)
 
 
 @dataclass(frozen=True)
@@ -163,8 +175,9 @@ class _Drawn:
 def _drawn(outcome: Outcome, old: Chosen, edge: FreeEdge) -> _Drawn | None:
     """Draw edges; None where one side of them all but empties."""
     setup = outcome.setup
-    at, row = setup.recordings.at, setup.stack.row
-    sky = sky_of(at.az[row], at.el[row], setup.stack.is_y, COLUMN)
+    at, row = angles_of(setup, old.candidate.effect), setup.stack.row
+    levels = levels_of(at, old.candidate.effect)
+    sky = sky_of(at.az[row], at.el[row], setup.stack.is_y, COLUMN, levels)
     tracks, fixed = _taken_apart(outcome, old, sky)
     rng = np.random.default_rng(setup.seed)
     path = sky.path_of(edge)
@@ -198,9 +211,9 @@ def _drawn(outcome: Outcome, old: Chosen, edge: FreeEdge) -> _Drawn | None:
 
 def _soft(sky: Sky, paths: Codes) -> SoftEdge:
     """Return how many of some edges (draws, columns) leave each place in the sky above."""
-    levels = np.arange(len(LEVELS))
+    levels = np.arange(len(sky.levels))
     share = np.mean(levels[None, None, :] > paths[:, :, None], axis=0)
-    return SoftEdge(sky.start, sky.width, share)
+    return SoftEdge(sky.start, sky.width, share, float(sky.levels[0]))
 
 
 def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track], Array]:

@@ -10,7 +10,17 @@ from typing import Any
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.effects.base import SKY, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import (
+    AXES,
+    SKY,
+    Circumstances,
+    Coefficient,
+    Effect,
+    MissingColumn,
+    stack,
+)
+from pyport.effects.mounts import on
+from pyport.mounts import ALTAZ
 
 Edge = Callable[[Array], Array]
 
@@ -18,6 +28,9 @@ Edge = Callable[[Array], Array]
 MOST_EDGES = 7
 #: A file tells an edge on at most so many levels of elevation: a degree each, and some more.
 MOST_LEVELS = 1000
+#: What steps: by the axis of a member, elevation without one.
+STEPS = {"": "elevation", "first": "azimuth", "second": "elevation"}
+_FORMULAE = ("", "j above a curve in the sky"), ("j cos E above a curve in the sky", "")
 #: How far the leaning edges that are tried rise and fall with azimuth. [rad]
 LEAN = 10 * DEG
 
@@ -28,6 +41,7 @@ def subreflector_jump(
     parameter: float | None = None,
     member: Mapping[str, Any] | None = None,
     share: Callable[[Array, Array], Array] | None = None,
+    axis: str = "",
 ) -> Effect:
     """Return a step in elevation above a curve in the sky.
 
@@ -37,12 +51,15 @@ def subreflector_jump(
     `member`: the curve as a file holds it: see `Effect`.
     `share`: azimuth, elevation -> how much of the step is there, for an edge that is known only so
       well; by default all of it at the curve and above.
+    `axis`: which axis of the mount steps, "first" or "second", at a curve in the angles of both;
+      the curve is in azimuth and elevation without it.
     """
+    if axis not in STEPS:
+        raise ValueError(f"no axis is called {axis!r}")
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        if share is not None:
-            return stack(at, (0, share(at.az, at.el)))
-        return stack(at, (0, np.where(at.el >= edge(at.az), 1.0, 0.0)))
+        there = np.where(at.el >= edge(at.az), 1.0, 0.0) if share is None else share(at.az, at.el)
+        return stack(at, (there * np.cos(at.el), 0) if axis == "first" else (0, there))
 
     return Effect(
         "subreflector_jump",
@@ -50,15 +67,15 @@ def subreflector_jump(
         "Borkowski, RT32 Pointing Model (2004), eq. 19 and routine Hjump",
         (Coefficient("jump"),),
         basis,
-        variant=name,
+        variant=f"in {STEPS[axis]}, {name}" if axis else name,
         profile=_edges_tried,
-        acts_in=SKY,
-        pattern="a step in elevation at a curve in the sky",
+        acts_in=AXES if axis else SKY,
+        pattern=f"a step in {STEPS[axis]} at a curve in the sky",
         means={"secondary": "a loose secondary mirror"},
-        formula=("", "j above a curve in the sky"),
+        formula=_FORMULAE[axis == "first"],
         parameter=parameter,
         edge=edge,
-        member=member or {},
+        member={**(member or {}), **({"axis": axis} if axis else {})},
         make=_jump,
     )
 
@@ -70,16 +87,22 @@ def _jump(
     edge_az_rad: Sequence[float] = (),
     edge_el_rad: Sequence[float] = (),
     share: Mapping[str, Any] | None = None,
+    axis: str = "",
 ) -> Effect:
     """Return a jump at the edge that a file tells: a straight one, a wave, or one of any form."""
     if beyond_az_rad is not None:
-        return _beyond(beyond_az_rad)
+        return _beyond(beyond_az_rad, axis)
     if wave_rad:
-        return curved_jump(tuple(wave_rad))
+        return curved_jump(tuple(wave_rad), axis)
     if edge_az_rad:
         edge = FreeEdge(tuple(edge_az_rad), tuple(edge_el_rad))
-        return jump_above(edge, None if share is None else SoftEdge.of(**share))
-    return _above(60 * DEG if above_el_rad is None else above_el_rad)
+        return jump_above(edge, None if share is None else SoftEdge.of(**share), axis)
+    return _above(60 * DEG if above_el_rad is None else above_el_rad, axis)
+
+
+def elsewhere(effect: Effect, **where: Any) -> Effect:  # noqa: ANN401 - what a file may hold
+    """Return a jump at another edge: of the same axis, in the words of the same mount."""
+    return (effect.make or _jump)(**where, axis=effect.member.get("axis", ""))
 
 
 def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
@@ -143,11 +166,19 @@ class SoftEdge:
     start: float
     width: float
     #: For each column and degree of elevation the share of the step, shape (columns, levels): level
-    #: n holds elevations from n - 1 to n degrees.
+    #: n holds elevations from n - 1 to n degrees above the lowest.
     share: Array
+    lowest_deg: float = 0.0
 
     @classmethod
-    def of(cls, start_rad: float, width_rad: float, levels: int, rows: Sequence[Any]) -> SoftEdge:
+    def of(
+        cls,
+        start_rad: float,
+        width_rad: float,
+        levels: int,
+        rows: Sequence[Any],
+        lowest_deg: float = 0.0,
+    ) -> SoftEdge:
         """Return it from what a file holds: see `member`."""
         if not 0 < levels <= MOST_LEVELS:
             raise ValueError(f"an edge of {levels} levels of elevation")
@@ -155,7 +186,7 @@ class SoftEdge:
         for column, (first, *values) in zip(share, rows, strict=True):
             column[first : first + len(values)] = values
             column[first + len(values) :] = values[-1] if values else 0.0
-        return cls(start_rad, width_rad, share)
+        return cls(start_rad, width_rad, share, lowest_deg)
 
     def __call__(self, az: Array, el: Array) -> Array:
         """Return the share of the step at some places [rad]."""
@@ -163,7 +194,7 @@ class SoftEdge:
         near = _nearest_turn(az, self.start, self.start + columns * self.width)
         first = round(self.start / self.width)
         column = np.clip(np.floor(near / self.width).astype(int) - first, 0, columns - 1)
-        level = np.clip((el / DEG).astype(int) + 1, 0, levels - 1)
+        level = np.clip((el / DEG - self.lowest_deg).astype(int) + 1, 0, levels - 1)
         return np.asarray(self.share[column, level])
 
     @property
@@ -184,10 +215,10 @@ class SoftEdge:
             "width_rad": self.width,
             "levels": self.share.shape[1],
             "rows": rows,
-        }
+        } | ({"lowest_deg": self.lowest_deg} if self.lowest_deg else {})
 
 
-def jump_above(edge: FreeEdge, soft: SoftEdge | None = None) -> Effect:
+def jump_above(edge: FreeEdge, soft: SoftEdge | None = None, axis: str = "") -> Effect:
     """Return a step above a curve of any form, soft where the curve is known only so well."""
     el = np.array(edge.el) / DEG
     top = int(np.argmax(el))
@@ -199,11 +230,11 @@ def jump_above(edge: FreeEdge, soft: SoftEdge | None = None) -> Effect:
     if soft is not None:
         member["share"] = soft.member
     return subreflector_jump(
-        edge, f"{name} {np.degrees(edge.az[top]) % 360:.0f} deg", edge.el[0], member, soft
+        edge, f"{name} {_counted(edge.az[top] / DEG, axis):.0f} deg", edge.el[0], member, soft, axis
     )
 
 
-def curved_jump(shape: tuple[float, ...]) -> Effect:
+def curved_jump(shape: tuple[float, ...], axis: str = "") -> Effect:
     """Return a step above a curve that waves once and twice with azimuth.
 
     `shape` holds the curve's height and its cosine and sine once and twice
@@ -217,44 +248,64 @@ def curved_jump(shape: tuple[float, ...]) -> Effect:
     el = edge(np.radians(np.arange(360.0))) / DEG
     name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
     member = {"wave_rad": [float(one) for one in shape]}
-    return subreflector_jump(edge, f"{name} {int(el.argmax())} deg", shape[0], member)
-
-
-def _above(el: float) -> Effect:
-    name = f"above elevation {el / DEG:.1f} deg"
-    return subreflector_jump(lambda az: np.full(len(az), el), name, el, {"above_el_rad": el})
-
-
-def _beyond(az: float) -> Effect:
-    name = f"beyond azimuth {az / DEG:.1f} deg"
     return subreflector_jump(
-        lambda there: np.where(there >= az, -np.inf, np.inf), name, az, {"beyond_az_rad": az}
+        edge, f"{name} {_counted(int(el.argmax()), axis):.0f} deg", shape[0], member, axis=axis
     )
 
 
-def _tilted_edges(el: Array) -> list[Effect]:
+def _counted(az_deg: float, axis: str) -> float:
+    """Return an azimuth from 0 to 360 deg, the angle of another first axis from -180 to 180."""
+    return (az_deg + 180) % 360 - 180 if axis else az_deg % 360
+
+
+def _above(el: float, axis: str = "") -> Effect:
+    name, member = f"above elevation {el / DEG:.1f} deg", {"above_el_rad": el}
+    return subreflector_jump(lambda az: np.full(len(az), el), name, el, member, axis=axis)
+
+
+def _beyond(az: float, axis: str = "") -> Effect:
+    name, member = f"beyond azimuth {az / DEG:.1f} deg", {"beyond_az_rad": az}
+    return subreflector_jump(
+        lambda there: np.where(there >= az, -np.inf, np.inf), name, az, member, axis=axis
+    )
+
+
+def _tilted_edges(el: Array, axis: str) -> list[Effect]:
     """Return steps above circles that lean: a first guess of a curve that waves with azimuth."""
     leans = [LEAN * np.array([np.cos(a), np.sin(a)]) for a in np.radians(np.arange(0, 360, 90))]
     heights = np.unique(np.quantile(el, (0.4, 0.7)))
     return [
-        curved_jump((float(height), float(lean[0]), float(lean[1]), 0.0, 0.0))
+        curved_jump((float(height), float(lean[0]), float(lean[1]), 0.0, 0.0), axis)
         for height in heights
         for lean in leans
     ]
 
 
 def _edges_tried(at: Circumstances) -> tuple[Effect, ...]:
-    """Return steps at straight edges, an eighth of the rows apart, and above leaning circles."""
-    shares = np.arange(1, MOST_EDGES + 1) / (MOST_EDGES + 1)
-    found = [
-        make(float(value))
-        for make, where in ((_above, at.el), (_beyond, at.az))
-        for value in np.unique(np.quantile(where, shares))
-        if where.min() < value
-    ]
+    """Return steps at straight edges, an eighth of the rows apart, and above leaning circles.
+
+    On a mount with other axes than azimuth and elevation those of either axis too.
+    """
+    found = _edges_of(at, "")
+    if at.mount is not ALTAZ:
+        own = [one for axis in ("first", "second") for one in _edges_of(at.axes, axis)]
+        found += [on(one, at.mount) for one in own]
     if not found:
         raise MissingColumn("a second direction")
-    return (*found, *_tilted_edges(at.el))
+    return tuple(found)
+
+
+def _edges_of(at: Circumstances, axis: str) -> list[Effect]:
+    """Return the edges in some angles: of an axis also where the load on it turns over, at zero."""
+    shares = np.arange(1, MOST_EDGES + 1) / (MOST_EDGES + 1)
+    zero = [0.0] if axis else []
+    found = [
+        make(float(value), axis)
+        for make, where in ((_above, at.el), (_beyond, at.az))
+        for value in np.unique([*np.quantile(where, shares), *zero])
+        if where.min() < value <= where.max()
+    ]
+    return [*found, *_tilted_edges(at.el, axis)] if found else []
 
 
 EFFECTS = (_above(60 * DEG),)
