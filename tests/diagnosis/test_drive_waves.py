@@ -229,3 +229,26 @@ def test_on_a_grid_a_wave_has_its_like(k, grid_deg, like):
 def test_a_like_that_is_too_short_is_none(grid_deg, open_):
     """Drives have no waves that nobody looks for."""
     assert (waves.alias(azimuth_harmonics(12), grid_deg) is not None) == open_
+
+
+@pytest.mark.parametrize(("from_deg", "size", "seed"), [(50, 20, 4), (55, 25, 5), (60, 40, 7)])
+def test_a_term_that_begins_at_some_elevation_is_no_harmonic(from_deg, size, seed):
+    """Beside zero, sag and tilt a low harmonic draws nearly that; it was `named`, with k 2 to 4."""
+
+    def bent(at):
+        return size * np.maximum(at.el - from_deg * DEG, 0) / ((79 - from_deg) * DEG)
+
+    first = diagnose(recordings(500, seed, y=bent), load("altaz")).findings[0]
+
+    assert first.verdict != "named"
+    assert "bend" in f"{first.looks_like} {first.decide_by}"
+
+
+@pytest.mark.parametrize("k", [6, 8])
+def test_a_harmonic_that_comes_again_keeps_its_name(k):
+    """No bend draws what was seen to rise and fall and rise."""
+    wave = recordings(400, 9, y=lambda at: 9 * np.sin(k * at.el + 1))
+    first = diagnose(wave, load("altaz")).findings[0]
+
+    assert (first.effect, first.verdict) == ("elevation_encoder_harmonics", "named")
+    assert first.variant == f"k = {k}"

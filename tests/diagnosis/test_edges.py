@@ -147,3 +147,12 @@ def test_a_step_of_y_at_the_zenith_is_play_or_a_jump():
 
     assert first.verdict == "ambiguous"
     assert set(first.members) == {"backlash_y", "subreflector_jump"}
+
+
+def test_a_ramp_of_an_axis_is_not_two_steps():
+    """Two steps of Y one behind the other draw it: a bend does so better."""
+    ramp = stepped("xy-ns", 700, 13, y=lambda at: 12 * np.maximum(at.el - 20 * DEG, 0))
+    found = diagnose(ramp, load("altaz").on(KINDS["xy-ns"]))
+
+    assert found.findings
+    assert all(one.verdict != "named" for one in found.findings)

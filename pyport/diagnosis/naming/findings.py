@@ -78,6 +78,9 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
         checks.append(waves.own_period(scene, chosen))
     if of_drive:
         checks.append(waves.throughout(scene, chosen))
+    elif waves.may_be_a_bend(effect):
+        unbent, like = waves.bend(scene, chosen)
+        checks.append(unbent)
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
@@ -92,7 +95,7 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     few = len(called.members) <= MOST_MEMBERS
     refuting = [one.words for one in checks if not one.passed]
     named = effect.physical and few and not refuting
-    # A wave looks like another on a grid.
+    # A wave looks like another on a grid, or like a bend.
     one = len(called.members) == 1 and not called.others and not like
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(

@@ -9,15 +9,17 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.evidence import VISIBLE, at_best
 from pyport.diagnosis.joint import excess_of
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.scene import Check, Scene
 from pyport.diagnosis.shapes import drive_waves
+from pyport.diagnosis.shapes.edges import levels_of
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.oscillations import likeliest_period
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
-from pyport.thresholds import CONVINCING
+from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED
 
 #: Order of the curve by which the amplitude of a drive's wave may change along its angle: a third
 #: of a turn with the wave and two thirds without show in it.
@@ -67,6 +69,51 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
     uneven = found > CONVINCING
     how = f"not the same all along, evidence {found:.0f}" if uneven else "the same all along"
     return Check(not uneven, f"the wave is {how}")
+
+
+def may_be_a_bend(effect: Effect) -> bool:
+    """Tell whether an effect follows the second angle: its harmonics, and steps of its axis."""
+    harmonic = (effect.of or effect.id) == "elevation_encoder_harmonics"
+    return harmonic or effect.member.get("axis") == "second"
+
+
+def bend(scene: Scene, chosen: Chosen) -> tuple[Check, str | None]:
+    """Check that no curve that bends once explains what harmonics or steps of the second axis do.
+
+    A harmonic that takes more than was observed for a period was not seen to come again, and two
+    steps are a ramp: what begins at some elevation draws them too. All of their kind together are
+    held against one term that begins there and grows with the angle, or with its sine. Returns also
+    what would distinguish the two where the recordings exclude neither.
+    """
+    setup, effect, at = scene.setup, chosen.candidate.effect, scene.setup.recordings.at
+    chosen_in = scene.outcome.chosen
+    alike = [
+        one
+        for one in chosen_in
+        if one.candidate.effect.id == effect.id and not drive_waves.is_short(one.candidate.effect)
+    ]
+    others = tuple(one for one in chosen_in if not any(one is each for each in alike))
+    ground = Ground(setup, scene.weighed, others)
+    prices = sum(scene.outcome.step_of(one).price for one in alike)
+    held = ground.evidence(setup.expanded(alike)) - prices - NAME_PRICE * (len(alike) - 1)
+    is_y, angle = setup.stack.is_y[:, None], at.axes.el[setup.stack.row, None]
+    from_rad = levels_of(at.axes, effect) * DEG
+    beyond = (is_y & (angle > from_rad)).sum(axis=0)
+    from_rad = from_rad[(beyond >= FEWEST) & (is_y.sum() - beyond >= FEWEST)]
+    rises = [angle - from_rad, np.sin(angle) - np.sin(from_rad)]
+    bends = is_y * (angle > from_rad) * np.stack(rises)
+    information, alone, moments = ground.products(np.concatenate(bends, axis=1))
+    power, length = np.diag(information), np.diag(alone)
+    seen = np.flatnonzero(power > VISIBLE**2 * length)
+    if len(seen) == 0:
+        return Check(passed=True, words="no bend could be seen"), None
+    best = seen[[np.argmax(moments[seen] ** 2 / power[seen])]]
+    lead = at_best(power[best], moments[best])[0] - 2 * float(np.log(len(power))) - held
+    where = f"{from_rad[best[0] % len(from_rad)] / DEG:.0f} deg of {at.mount.second.name}"
+    like = f"follow sources through {where}, from which on something else may act: a bend is sudden"
+    how = "more" if lead > 0 else "less"
+    words = f"a bend at {where} has {how} evidence, by {abs(lead):.0f}"
+    return Check(lead <= CONVINCING, words), like if lead > -NOT_EXCLUDED else None
 
 
 def of_drive(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Parameter]:
