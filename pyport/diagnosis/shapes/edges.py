@@ -179,7 +179,7 @@ def _cut(view: View, az: Array, size: Array) -> list[float]:
 
 
 def _free(
-    view: View, az: Array, el: Array, size: Array, levels: Array
+    view: View, az: Array, el: Array, size: Array, levels: Array = LEVELS
 ) -> tuple[FreeEdge, float] | None:
     """Return the edge of any form that fits best, and how many numbers its form is worth.
 

@@ -76,7 +76,7 @@ def test_an_edge_has_eight_readings_on_either_side(above, there):
     az = np.linspace(0, 6, n)
     el = np.where(np.arange(n) < above, 1.4, 0.5)
     left = np.where(np.arange(n) < above, 5.0, 0.0)
-    found = edges._free(viewed(left - left.mean()), az, el, np.ones(n, bool))
+    found = edges._free(viewed(left - left.mean()), az, el, np.ones(n))
 
     assert (found is not None) == there
 
@@ -86,9 +86,23 @@ def test_an_edge_needs_thirty_two_elevations():
     az, el = np.linspace(0, 6, 40), np.linspace(0.2, 1.4, 40)
     left = np.where(el > 0.8, 3.0, -3.0)
 
-    assert edges._free(viewed(left), az, el, np.ones(40, bool)) is not None
+    assert edges._free(viewed(left), az, el, np.ones(40)) is not None
     few = slice(0, 40, 2)
-    assert edges._free(viewed(left[few]), az[few], el[few], np.ones(20, bool)) is None
+    assert edges._free(viewed(left[few]), az[few], el[few], np.ones(20)) is None
+
+
+@pytest.mark.parametrize(("beyond", "placed"), [(8, True), (7, False), (4, False), (15, True)])
+def test_a_cut_has_eight_readings_on_either_side(beyond, placed):
+    """Where fewer stand beyond, it is somewhere else."""
+    az = np.random.default_rng(1).permutation(np.linspace(-1.5, 1.5, 60))
+    order = np.argsort(az)
+    left = np.zeros(60)
+    left[order[-beyond:]] = 5.0
+    (found,) = edges._cut(viewed(left - left.mean(), np.full((60, 1), 60**-0.5)), az, np.ones(60))
+    middle = az[order[-beyond - 1 : 60 - beyond + 1]].mean()
+
+    assert (abs(found - middle) < 1e-9) == placed
+    assert edges._cut(viewed(left[:15]), az[:15], np.ones(15)) == []
 
 
 @pytest.mark.parametrize(("rows", "inside"), [(128, True), (110, False), (60, False), (250, True)])
