@@ -13,6 +13,9 @@ import numpy as np
 from pyport.angles import DEG, Array
 from pyport.pointing.compiled import RECOVERED_DEG
 
+#: Half a unit of the last digit that the parameters are printed to [rad].
+PRINTED_ROUNDING = 0.5e-6 * DEG
+
 
 @dataclass(frozen=True)
 class Rt32Parameter:

@@ -17,12 +17,11 @@ from pyport.angles import DEG, Array
 from pyport.pointing import printed
 from pyport.pointing.approximate import approximate_offsets
 from pyport.pointing.exact import Tilt, formulae, tilted
+from pyport.pointing.parameters import PRINTED_ROUNDING
 from pyport.steering.as_written import wrapped_deg
 from pyport.steering.published import Block, published
 from pyport.steering.tabulate import DEFAULT_REFRACTION, refraction4, rt32_offsets
 
-#: Half a unit of the last digit that the parameters are printed to [rad].
-PRINTED_ROUNDING = 0.5e-6 * DEG
 #: Unknowns of the programme: a millionth of a degree, the parameters' last printed digit.
 _UNIT = 1e-6 * DEG
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from steering.feasible import PRINTED_ROUNDING, feasible
+from steering.feasible import feasible
 
 from pyport.pointing import PARAMETERS, printed, recovered
 from pyport.pointing.exact import tilted
+from pyport.pointing.parameters import PRINTED_ROUNDING
 from pyport.steering.check import candidates, refraction_bounds
 
 pytestmark = pytest.mark.slow
