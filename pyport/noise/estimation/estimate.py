@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,12 +19,21 @@ from pyport.least_squares.robust import Refit
 from pyport.noise import scatter
 from pyport.noise.covariance import Covariance, both_axes
 from pyport.noise.estimation import departures
-from pyport.noise.estimation.drift import BEYOND, beside, draft, grid_of, likeliest, within_reach
+from pyport.noise.estimation.drift import (
+    BEYOND,
+    Draft,
+    beside,
+    draft,
+    grid_of,
+    likeliest,
+    within_reach,
+)
 from pyport.noise.estimation.first import LEAST, first
 from pyport.noise.estimation.frame import Frame, floors_of
 from pyport.noise.estimation.likelihood import Departing
 from pyport.noise.estimation.pooling import moderated
 from pyport.noise.series import Noise, Possible, Series
+from pyport.runs.workers import side_by_side
 from pyport.thresholds import (
     ENOUGH_SQUARES,
     FEWEST,
@@ -82,27 +92,29 @@ def estimate(
     grid = grid_of(parts)
     beyond = BEYOND if averaged else within_reach(grid)
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
+
+    def drafted(covariance: Covariance, which: tuple[int, int | None]) -> Draft:
+        n, start = which
+        part = parts[n]
+        rows = part.rows
+        return draft(
+            value[rows],
+            columns[n],
+            _departing(covariance, given.possible, n),
+            covariance.weights[rows],
+            covariance.precision[rows],
+            residual[rows],
+            part,
+            grid,
+            floors[part.is_y],
+            start,
+            beyond,
+        )
+
     for _ in range(TURNS):
         found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found, possible=given.possible)
-        drafts = []
-        for n, part in enumerate(parts):
-            rows = part.rows
-            drafts.append(
-                draft(
-                    value[rows],
-                    columns[n],
-                    _departing(covariance, given.possible, n),
-                    covariance.weights[rows],
-                    covariance.precision[rows],
-                    residual[rows],
-                    part,
-                    grid,
-                    floors[part.is_y],
-                    starts[n],
-                    beyond,
-                )
-            )
+        drafts = side_by_side(partial(drafted, covariance), enumerate(starts))
         starts = [one.best for one in drafts]
         chances = [beside(drafts, parts, n) for n in range(len(parts))]
         if not averaged:
