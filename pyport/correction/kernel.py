@@ -130,13 +130,13 @@ class Kernel:
         for effect, values in self.rest:
             if effect is RT32_JUMP:
                 found.append((_rt32_jump, float(values[0])))
-            elif effect.id == RT32_JUMP.id:
+            elif _in_elevation(effect):
                 found.append((jump_at(effect.member), float(values[0])))
         return tuple(found)
 
     @cached_property
     def _slow(self) -> tuple[tuple[Effect, Array], ...]:
-        return tuple(one for one in self.rest if one[0].id != RT32_JUMP.id)
+        return tuple(one for one in self.rest if not _in_elevation(one[0]))
 
     @cached_property
     def _base(self) -> Callable[[float, float], tuple[float, float]] | None:
@@ -153,6 +153,11 @@ class Kernel:
             return float(x[0]) / math.cos(el), float(y[0])
 
         return one
+
+
+def _in_elevation(effect: Effect) -> bool:
+    """Tell whether an effect is a step in elevation: one in azimuth has an axis of its own."""
+    return effect.id == RT32_JUMP.id and effect.member.get("axis") != "first"
 
 
 def _rt32_jump(az: float, el: float) -> float:

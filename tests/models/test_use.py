@@ -67,6 +67,7 @@ MODELS = {
     "refraction": model((CATALOGUE["refraction"], (60,))),
     "rt32": model(base="rt32-exact"),
     "rt32, approximate": model(base="rt32-approximate"),
+    "of one axis": model((jump_above(FreeEdge((0.1, 3.0), (0.4, 0.9)), axis="first"), (20,))),
     "temperature": model((WARM, (0.3, 1.5))),
     "field": model((BUMPS, (9, -4))),
 }
