@@ -113,6 +113,9 @@ def look(
         if not quiet:
             _say_map(recordings, proposed, save_columns, as_json=as_json)
         return
+    if save_columns is not None and not given.mapping and not quiet:
+        said = "not written: the columns are read under the names that they have"
+        click.echo(f"{save_columns}: {said}", err=True)
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
     with working("looking"):

@@ -288,3 +288,15 @@ def test_an_offset_by_nearly_its_name_is_refused(tmp_path, name, right):
 
     with pytest.raises(BadInput, match=f"{name!r} is not known, did you mean {right}"):
         read(path)
+
+
+def test_a_map_that_nobody_needs_is_not_written_and_said_so(tmp_path):
+    """A file under pyport's own names."""
+    path, kept = tmp_path / "offsets.csv", tmp_path / "map.toml"
+    rows = "".join(f"{20 * n},{30 + n},{n % 3},{n % 2}\n" for n in range(18))
+    path.write_text("az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n" + rows)
+
+    assert "map.toml: not written: the columns are read" in run(
+        "look", path, "--save-columns", kept
+    )
+    assert not kept.exists()
