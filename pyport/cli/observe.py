@@ -105,17 +105,17 @@ def look(
     from pyport.recordings.formats import mapped
     from pyport.runs.stages import working
 
-    if save_columns is not None and given.mapping:
-        mapped.save(given.mapping, save_columns)
-    if not given.mapping and (proposed := _proposed(recordings, given)):
-        if save_columns is not None:
-            mapped.save(proposed, save_columns)
+    proposed = {} if given.mapping else _proposed(recordings, given)
+    columns = given.mapping or proposed
+    if save_columns is not None and columns:
+        mapped.save(columns, save_columns)
+    elif save_columns is not None and not quiet:
+        said = "not written: the columns are read under the names that they have"
+        click.echo(f"{save_columns}: {said}", err=True)
+    if proposed:
         if not quiet:
             _say_map(recordings, proposed, save_columns, as_json=as_json)
         return
-    if save_columns is not None and not given.mapping and not quiet:
-        said = "not written: the columns are read under the names that they have"
-        click.echo(f"{save_columns}: {said}", err=True)
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
     with working("looking"):
