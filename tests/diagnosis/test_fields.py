@@ -1,18 +1,29 @@
 """What no effect explains: fields and boxes stand where the misfit is."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import numbers, shapes_of
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
-from pyport.diagnosis.shapes.fields import Ground, region
+from pyport.diagnosis.shapes.fields import (
+    Ground,
+    Worth,
+    _same_bumps,
+    _together_with,
+    as_candidate,
+    region,
+)
 from pyport.diagnosis.weighing import weigh
 from pyport.effects import Circumstances, Site
-from pyport.effects.empirical.fields import last_slew
+from pyport.effects.empirical.fields import from_sun, last_slew
 from pyport.formats.models import load
 from pyport.recordings.schema import stack
 
@@ -65,6 +76,71 @@ def test_a_structure_that_rests_slowly_after_slews_is_told_from_a_drift():
 
     assert [one.variant for one in found.findings] == ["el: follows the last slew in el"]
     assert found.findings[0].verdict == "unknown"
+
+
+def ring(at):
+    """Return a ridge of 25 arcsec all around the Sun, 60 deg away from it."""
+    return 25 / (1 + ((np.degrees(from_sun(at)) - 60) / 5) ** 2)
+
+
+def with_the_sun(n, seed, y=None):
+    """Return recordings with the Sun's place beside them."""
+    rng = np.random.default_rng([seed, 1])
+    angles = {"sun_az": rng.uniform(0, 2 * np.pi, n), "sun_el": rng.uniform(-0.5, 1.2, n)}
+    return recordings(n, seed, y=y, **angles)
+
+
+@pytest.mark.slow
+def test_what_goes_with_the_distance_from_the_sun_is_found_as_one_finding():
+    """It is fine enough to take two turns: what its bumps draw in both is one field."""
+    found = diagnose(with_the_sun(600, 5, ring), load("altaz"))
+    only = found.findings[0]
+
+    assert [one.variant for one in found.findings] == ["el: follows sun_distance_deg"]
+    assert only.verdict == "unknown"
+    assert only.visible_rms == pytest.approx(
+        np.std(ring(found.setup.recordings.at)) * ARCSEC, rel=0.3
+    )
+
+
+def test_the_distance_from_the_sun_is_an_angle_between_directions():
+    """Recorded places of the Sun are used; without them, time and site would do."""
+    at = Circumstances(
+        np.radians([10, 190, 10.0]),
+        np.radians([30, 30, 90.0]),
+        Site(0.9),
+        {"sun_az": np.radians([10, 10, 70.0]), "sun_el": np.radians([10, 60, 25.0])},
+    )
+
+    assert np.degrees(from_sun(at)) == pytest.approx([20, 90, 65])
+    assert not any(
+        "sun" in field.variant for _, field in families(prepare(recordings(60, 1), load("altaz")))
+    )
+
+
+def test_what_the_same_bumps_draw_in_a_second_turn_joins_the_first():
+    """On one axis first and on both then: one field, whose columns draw both."""
+    setup = prepare(recordings(200, 3), load("altaz"))
+    form = next(one for _, one in families(setup) if one.variant == "follows temperature_c")
+    first = replace(form, axes=(1, 1, 1), which=(0, 4, 9), variant="el: a")
+    second = replace(form, axes=(0, 0, 1, 1, 1), which=(2, 3, 0, 4, 9), variant="both axes: a")
+    rng = np.random.default_rng(0)
+    early, late = (
+        Worth(one, 20.0, 25.0, 2, rng.normal(size=(len(one.axes), 2)), rng.normal(size=2))
+        for one in (first, second)
+    )
+    chosen = SimpleNamespace(candidate=as_candidate(early, np.arange(2), np.ones(2)))
+    winner = SimpleNamespace(evidence=20.0, gain=25.0, dof=2, values=early.values)
+    step = SimpleNamespace(chosen=chosen, winner=winner)
+    for one in (replace(early, field=second), late):
+        assert _same_bumps(step, one.field)
+    assert not _same_bumps(step, replace(first, axes=(0, 0, 0)))
+    joined = _together_with(step, late)
+
+    assert joined.field.variant == "both axes: a"
+    assert (joined.evidence, joined.gain, joined.dof) == (40.0, 50.0, 4)
+    curve = sum(one.field.columns @ one.directions @ one.values for one in (early, late))
+    assert joined.field.columns @ joined.directions @ joined.values == pytest.approx(curve)
 
 
 def test_the_last_slew_stays_while_a_source_is_tracked():

@@ -101,6 +101,7 @@ def bumps():
             "values": AT.numbers("temperature_c").tolist(),
         },
         "slew": {"name": "el_deg", "count": 10, "values": np.linspace(-0.5, 0.5, 20).tolist()},
+        "sun": {"count": 10, "values": np.linspace(0.2, 2.5, 20).tolist()},
         "time": {"length_s": 3600.0, "centres_s": [time.min(), time.mean()]},
         "box": {"az_rad": [6.0, 6.6], "el_rad": [0.3, 0.9]},
         "waves": {"each": [[1, 2], [2, 1]]},

@@ -14,6 +14,7 @@ from pyport.diagnosis.candidates import numbers
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.weighing import WhitenedData, plain_view
+from pyport.effects.base import MissingColumn
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps, inside
 from pyport.thresholds import FEWEST
@@ -92,7 +93,8 @@ def families(setup: Problem) -> Iterator[tuple[int, Field]]:
         for m in WAVES_AROUND
         for n in WAVES_UPWARD
     ]
-    for kind in (sky, waves, [*_curves(setup), *_after_slews(setup), *_in_time(setup)]):
+    curves = [*_curves(setup), *_about_the_sun(setup), *_after_slews(setup), *_in_time(setup)]
+    for kind in (sky, waves, curves):
         for one in kind:
             yield len(kind), one
 
@@ -148,6 +150,18 @@ def _after_slews(setup: Problem) -> Iterator[Field]:
             how = f"follows the last slew in {name.removesuffix('_deg')}"
             told = {"name": name, "count": ALONG_COLUMN, "values": known}
             yield _field(setup, "a smooth curve", how, "slew", **told)
+
+
+def _about_the_sun(setup: Problem) -> Iterator[Field]:
+    """Yield bumps along the distance from the Sun, where its place is recorded or can be known."""
+    try:
+        away = fields.from_sun(setup.recordings.at)
+    except MissingColumn:
+        return
+    known = np.sort(away[np.isfinite(away)]).tolist()
+    if len(set(known)) > ALONG_COLUMN:
+        along = "sun_distance_deg", away[setup.stack.row] / DEG
+        yield _curve(setup, "sun", along, count=ALONG_COLUMN, values=known)
 
 
 def _curve(setup: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401

@@ -253,6 +253,10 @@ def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
 def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     """Return the search with a field from some turn on; None where it does not predict."""
     setup, before, steps = outcome.setup, outcome.chosen[:turn], outcome.steps[:turn]
+    gain, same = worth.gain, next((one for one in steps if _same_bumps(one, worth.field)), None)
+    if same is not None:
+        worth, steps = _together_with(same, worth), tuple(one for one in steps if one is not same)
+    others = tuple(one for one in before if same is None or one is not same.chosen)
     columns = worth.field.columns @ worth.directions
     # Of unit rms, so that a coefficient is the size of what it stands for.
     unit = np.sqrt(np.mean(columns**2, axis=0))
@@ -261,11 +265,11 @@ def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     wider = setup.with_columns(columns)
     candidate = as_candidate(worth, places, unit)
     new = Chosen(candidate, "all")
-    seen = weigh(wider, before)
-    after = (*before, new)
-    if not predicts(wider, seen, before, after, worth.gain):
+    after = (*others, new)
+    if not predicts(wider, weigh_model(wider, before), before, after, gain):
         return None
-    beside = seen.evidence.beside([wider.part(one) for one in (*wider.base, *before)])
+    seen = weigh(wider, others)
+    beside = seen.evidence.beside([wider.part(one) for one in (*wider.base, *others)])
     trials = trials_of(wider, beside)
     own = beside.trials([(candidate, "all")])
     if not own:
@@ -275,3 +279,37 @@ def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
     first = outcome.p_value if steps else min(outcome.p_value, chance)
     step = Step(winner, new, (*trials, winner), beside, chance, candidate.price)
     return Outcome(wider, after, (*steps, step), weigh(wider, after), first, ())
+
+
+def _same_bumps(step: Step, field: Field) -> bool:
+    """Tell whether a turn chose a field of the same bumps on an axis of this one."""
+    told = step.chosen.candidate.effect.member
+    return told.get("bumps") == field.bumps and bool({*told["axes"]} & {*field.axes})
+
+
+def _together_with(step: Step, worth: Worth) -> Worth:
+    """Return a field with what the same bumps were found to draw in an earlier turn.
+
+    One of them is of both axes, or both are of one: the wider holds the other.
+    """
+    told, new = step.chosen.candidate.effect.member, worth.field
+    old = replace(
+        new, axes=tuple(told["axes"]), which=tuple(told["which"]), variant=told["variant"]
+    )
+    wide = max(new, old, key=lambda one: len(one.axes))
+    place = {pair: n for n, pair in enumerate(zip(wide.axes, wide.which, strict=True))}
+
+    def widened(field: Field, directions: Array) -> Array:
+        out = np.zeros((len(place), directions.shape[1]))
+        out[[place[pair] for pair in zip(field.axes, field.which, strict=True)]] = directions
+        return out
+
+    before = step.winner
+    return Worth(
+        wide,
+        worth.evidence + before.evidence,
+        worth.gain + before.gain,
+        worth.dof + before.dof,
+        np.hstack([widened(old, np.array(told["directions"])), widened(new, worth.directions)]),
+        np.concatenate([before.values, worth.values]),
+    )

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.sky.site import sun_seen
 
 #: The id of what no effect of the catalogue explains.
 UNKNOWN = "unknown"
@@ -89,6 +90,19 @@ def slew(at: Circumstances, name: str, count: int, values: Sequence[float]) -> A
     return _ranked(last_slew(at)[int(name != "az_deg")], count, values)
 
 
+def from_sun(at: Circumstances) -> Array:
+    """Return how far from the Sun each direction is [rad], shape (n,)."""
+    azimuth, elevation = sun_seen(at)
+    cosine = np.sin(at.el) * np.sin(elevation)
+    cosine = cosine + np.cos(at.el) * np.cos(elevation) * np.cos(at.az - azimuth)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def sun(at: Circumstances, count: int, values: Sequence[float]) -> Array:
+    """Return bumps over the ranks of the distance from the Sun, shape (n, K)."""
+    return _ranked(from_sun(at), count, values)
+
+
 def _ranked(here: Array, count: int, values: Sequence[float]) -> Array:
     ordered = np.sort(np.asarray(values, float))
     rank = np.searchsorted(ordered, here) / len(ordered)
@@ -143,7 +157,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
 
 KINDS: dict[str, Callable[..., Array]] = {
     one.__name__: one
-    for one in (sky, wave, waves, azimuth, elevation, column, slew, time, box, stretch, curve)
+    for one in (sky, wave, waves, azimuth, elevation, column, slew, sun, time, box, stretch, curve)
 }
 
 
@@ -208,6 +222,8 @@ def field(
 
 
 def _needs(bumps: Bumps) -> tuple[str, ...]:
+    if bumps["kind"] == "sun":
+        return ("sun_az_deg and sun_el_deg, or time_utc with latitude_deg and longitude_deg",)
     if bumps["kind"] in {"time", "slew"} or bumps.get("name") == "time":
         return ("time_utc",)
     named = bumps["kind"] in {"column", "curve"} and bumps["name"] not in {"az_deg", "el_deg"}

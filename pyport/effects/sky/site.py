@@ -123,6 +123,13 @@ def sun(at: Circumstances, lag_s: float = 0.0) -> tuple[Array, Array]:
     return azimuth, elevation
 
 
+def sun_seen(at: Circumstances) -> tuple[Array, Array]:
+    """Return azimuth and elevation of the Sun [rad], as recorded where both were, else computed."""
+    if "sun_az" in at and "sun_el" in at:
+        return at.numbers("sun_az"), at.numbers("sun_el")
+    return sun(at)
+
+
 def _day_by_day(what: str, utc: Array) -> Array:
     """Return vectors or matrices (n, 3, ...) of the Earth's way, interpolated between midnights.
 
