@@ -25,6 +25,7 @@ from pyport.diagnosis.weighing import weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import from_sun, last_slew
 from pyport.formats.models import load
+from pyport.mounts import KINDS
 from pyport.recordings.schema import stack
 
 
@@ -76,6 +77,22 @@ def test_a_structure_that_rests_slowly_after_slews_is_told_from_a_drift():
 
     assert [one.variant for one in found.findings] == ["el: follows the last slew in el"]
     assert found.findings[0].verdict == "unknown"
+
+
+@pytest.mark.slow
+def test_a_notch_in_the_second_axis_lies_along_its_angle():
+    """Of an XY mount: in azimuth and elevation it would be a bow."""
+    made = recordings(600, 11)
+    at = replace(made.at, mount=KINDS["xy-ns"])
+    x, y = 3 * ARCSEC * np.random.default_rng(11).normal(size=(2, 600))
+    off = np.abs(np.degrees(at.axes.el) - 20)
+    notched = replace(made, at=at, x=x, y=y + 20 * ARCSEC * np.clip(1 - off / 8, 0, None))
+    found = diagnose(notched, load("altaz").on(at.mount))
+    stretch = found.findings[0].where.region[0]
+
+    assert [one.variant for one in found.findings] == ["el: follows y_deg"]
+    assert stretch.column == "y_deg"
+    assert (stretch.low, stretch.high) == pytest.approx((16, 24), abs=2)
 
 
 def ring(at):

@@ -3,6 +3,7 @@
 import json
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.formats.model_file import WORDS
 from pyport.models.members import apart, effect_of, frozen
+from pyport.mounts import KINDS as KINDS_OF_MOUNTS
 from pyport.recordings.schema import stack
 from pyport.toml_text import toml_spelled
 
@@ -124,6 +126,17 @@ def test_every_kind_of_field_comes_back(kind):
     np.testing.assert_array_equal(y, one.columns(AT)[1])
     np.testing.assert_array_equal(y[:, 0], 2 * values(told, AT)[:, k - 1])
     assert np.abs(x).max() > 0
+
+
+def test_a_field_in_the_axes_of_a_mount_comes_back_along_their_angles():
+    """Bumps along Y of an XY mount are those along elevation, Y for elevation."""
+    at = replace(AT, mount=KINDS_OF_MOUNTS["xy-ns"])
+    told = {"kind": "elevation", "width_rad": 0.1, "centres_rad": [0.2, 0.4], "in_axes": True}
+    one = field(told, [1], [1], [[1.0]], "a", "b")
+    back = effect_of("unknown", there_and_back(one.member))
+    height = at.mount.angles(at.az, at.el, 0.0)[1]
+
+    np.testing.assert_allclose(back.columns(at)[1][:, 0], np.exp(-50 * (height - 0.4) ** 2))
 
 
 def test_every_shape_that_a_diagnosis_tries_can_be_kept():

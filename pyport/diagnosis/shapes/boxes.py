@@ -14,9 +14,10 @@ from pyport.diagnosis.candidates import numbers
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.weighing import WhitenedData, plain_view
-from pyport.effects.base import MissingColumn
+from pyport.effects.base import Circumstances, MissingColumn
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps, inside
+from pyport.mounts import ALTAZ
 from pyport.thresholds import FEWEST
 
 #: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
@@ -122,21 +123,39 @@ def _wave_name(m: int, n: int) -> str:
 
 
 def _curves(setup: Problem) -> Iterator[Field]:
-    """Yield bumps along azimuth, elevation and every column of numbers."""
+    """Yield bumps along azimuth, elevation, the angles of other axes and every column of numbers.
+
+    A circle of azimuth is counted from north, other first axes from minus half a turn.
+    """
     at, row = setup.recordings.at, setup.stack.row
-    az, el = at.az[row], at.el[row]
-    for width in ALONG_AZIMUTH:
-        along = "az_deg", az % (2 * np.pi) / DEG
-        yield _curve(setup, "azimuth", along, width_rad=width)
-    for width in ALONG_ELEVATION:
-        centres = np.arange(el.min(), el.max() + width, width).tolist()
-        along = "el_deg", el / DEG
-        yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres)
+    yield from _angles(setup, at, ("az_deg", at.az % (2 * np.pi)), "el_deg")
+    if (mount := at.mount) is not ALTAZ:
+        first = (at.axes.az + np.pi) % (2 * np.pi) - np.pi
+        names = f"{mount.first.column}_deg", f"{mount.second.column}_deg"
+        yield from _angles(setup, at.axes, (names[0], first), names[1], in_axes=True)
     for name, values in numbers(setup.recordings).items():
         if name not in ("az_deg", "el_deg", "time", "order"):
             ordered = np.sort(values[np.isfinite(values)]).tolist()
             along = name, values[row]
             yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+
+
+def _angles(
+    setup: Problem,
+    at: Circumstances,
+    first: tuple[str, Array],
+    second: str,
+    **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
+) -> Iterator[Field]:
+    """Yield bumps along two angles, what the first is called and counted as, and the second's."""
+    row = setup.stack.row
+    for width in ALONG_AZIMUTH:
+        along = first[0], first[1][row] / DEG
+        yield _curve(setup, "azimuth", along, width_rad=width, **numbers_of)
+    for width in ALONG_ELEVATION:
+        centres = np.arange(at.el[row].min(), at.el[row].max() + width, width).tolist()
+        along = second, at.el[row] / DEG
+        yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres, **numbers_of)
 
 
 def _after_slews(setup: Problem) -> Iterator[Field]:

@@ -162,8 +162,13 @@ KINDS: dict[str, Callable[..., Array]] = {
 
 
 def values(bumps: Bumps, at: Circumstances) -> Array:
-    """Return the bumps that `{"kind": one of KINDS, ...}` stands for, shape (n, K)."""
-    return KINDS[bumps["kind"]](at, **{key: one for key, one in bumps.items() if key != "kind"})
+    """Return the bumps that `{"kind": one of KINDS, ...}` stands for, shape (n, K).
+
+    With `"in_axes": true` azimuth and elevation are the angles of the mount's axes.
+    """
+    told = dict(bumps)
+    here = at.axes if told.pop("in_axes", False) else at
+    return KINDS[told.pop("kind")](here, **told)
 
 
 def field(
