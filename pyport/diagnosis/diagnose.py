@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Problem, prepare
+from pyport.diagnosis.case import Chosen, Problem, prepare
 from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.holdout import Unseen, unseen
 from pyport.diagnosis.joint import Disagreement, disagreements
@@ -26,6 +26,7 @@ from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
+from pyport.fitting.misread import misread
 from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.runs.stages import stage
@@ -72,6 +73,8 @@ class Diagnosis:
         Set where there were too few recordings to look for anything.
     combinations
         What is known of coefficients that are not known alone, the model's and those found.
+    misread
+        How the file may have been misread, if another reading of it fits much better.
     """
 
     setup: Problem
@@ -91,6 +94,7 @@ class Diagnosis:
     two_axes: tuple[Disagreement, ...] = ()
     combinations: tuple[Combination, ...] = ()
     too_few: guards.TooFew | None = None
+    misread: str | None = None
 
     @property
     def mismatch(self) -> bool:
@@ -173,7 +177,21 @@ def diagnose(
         two_axes=() if few else disagreements(setup, weighed, outcome.chosen),
         combinations=scene.combinations,
         too_few=few,
+        misread=_misread(setup, weighed, outcome.chosen, refit),
     )
+
+
+def _misread(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    refit: Collection[str] | None,
+) -> str | None:
+    """Return how the file may have been misread; what has no name is no other explanation."""
+    named = tuple(one for one in chosen if one.candidate.effect.physical)
+    fitted = joint.fit(setup, weighed, named)
+    left, spent = setup.residual - fitted.predicted, sum(setup.part(one).size for one in named)
+    return misread(setup.recordings, setup.model, refit, left, weighed.used, spent)
 
 
 def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:

@@ -95,7 +95,7 @@ def fit(
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)
-    columns, owners = _expanded(recordings, data, terms)
+    columns, owners = expanded(recordings, data, terms)
     if wrong := undetermined(len(value), columns.shape[1]):
         raise BadInput(wrong, recordings.file)
     noise = WEIGHTS[weights](value, columns, frame(recordings, data))
@@ -153,7 +153,7 @@ def _two_axes(
             yield term, found
 
 
-def _expanded(
+def expanded(
     recordings: Recordings, data: Stack, terms: list[Term]
 ) -> tuple[Array, list[tuple[Term, tuple[str, ...]]]]:
     """Return a column for every coefficient, (m, P), and the term and group of each set of them."""

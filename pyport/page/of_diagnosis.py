@@ -213,6 +213,8 @@ def _card(finding: Finding, layer: int | None) -> Card:
 
 def _warnings(report: Report) -> tuple[str, ...]:
     said = []
+    if report.misread:
+        said.append(report.misread)
     if report.noisy:
         said.append(f"Drown in their own noise and are not counted: {' '.join(report.noisy)}.")
     together = [one.sentence for one in report.combinations[:MOST_COMBINATIONS]]

@@ -81,6 +81,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
         warnings=tuple(warnings(diagnosis)),
         completed_model=_completed(whole),
         array=None if array is None else array_json(array),
+        misread=diagnosis.misread,
         too_few=diagnosis.too_few is not None,
         noisy=tuple(diagnosis.noisy),
         corrections=()

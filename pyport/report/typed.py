@@ -331,6 +331,7 @@ class Report:
     array: Annotated[
         dict[str, Any] | None, "of several antennas: what they share, `docs/recordings.md`"
     ] = None
+    misread: Annotated[str | None, "how the file may have been misread"] = None
     too_few: Annotated[bool, "whether nothing was looked for"] = field(
         default=False, metadata=NOT_WRITTEN
     )

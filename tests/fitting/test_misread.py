@@ -1,0 +1,104 @@
+"""A file that was misread is told from one that is right, whatever the telescope does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from diagnosis.made import recordings
+
+from pyport.angles import ARCSEC
+from pyport.diagnosis.diagnose import diagnose
+from pyport.fitting.fit import fit
+from pyport.fitting.misread import misread
+from pyport.formats.models import load
+from pyport.mounts import KINDS
+
+ALTAZ = load("altaz")
+
+
+def said(measured, model=ALTAZ):
+    """Return what is said of recordings with the model alone fitted to them."""
+    found = fit(measured, model)
+    return misread(found.recordings, model, None, found.residual, found.noise.used)
+
+
+def turned(measured, where, **sign):
+    """Return recordings with the sign of some offsets turned."""
+    signs = {
+        axis: np.where(where, -getattr(measured, axis), getattr(measured, axis)) for axis in sign
+    }
+    return replace(measured, **signs)
+
+
+def test_a_file_that_is_right_is_not_doubted():
+    """Neither plain, nor with a sag that the model lacks, which zenith distances would draw too."""
+    assert said(recordings(300, 1)) is None
+    nodding = recordings(300, 2, y=lambda at: 60 * (np.sin(at.el) - np.cos(at.el)))
+
+    assert "zenith" in said(nodding)
+    assert diagnose(nodding, ALTAZ).misread is None
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda r: replace(r, at=replace(r.at, az=-r.at.az)), "azimuth is counted the other way"),
+        (lambda r: replace(r, x=-r.x), "or its offsets have the other sign"),
+        (lambda r: replace(r, at=replace(r.at, el=np.pi / 2 - r.at.el)), "zenith distances"),
+        (lambda r: replace(r, x=r.x / np.cos(r.at.el)), "lack the cosine that brings azimuth onto"),
+        (
+            lambda r: replace(r, x=r.x * np.cos(r.at.el)),
+            "offsets of azimuth are on the sky already",
+        ),
+        (lambda r: replace(r, x=r.y, y=r.x), "in each other's place"),
+        (lambda r: turned(r, r.at.column("session") == "s2", y=1), "elevation of session s2"),
+        (lambda r: turned(r, r.at.column("session") == "s1", x=1, y=1), "both axes of session s1"),
+    ],
+)
+def test_the_reading_that_is_right_is_named(wrong, words):
+    """Of all that a column may hold the one that fits."""
+    assert words in said(wrong(recordings(300, 3)))
+
+
+def test_what_has_no_name_is_no_other_explanation():
+    """A wave over the sky draws what a circle counted backwards does, and says nothing."""
+    right = recordings(300, 4, x=lambda at: 12 * np.sin(at.az) * np.sin(at.el))
+    found = diagnose(replace(right, at=replace(right.at, az=-right.at.az)), ALTAZ)
+
+    assert found.findings[0].verdict == "unknown"
+    assert "counted the other way" in found.misread
+
+
+def test_nights_that_differ_in_their_zeros_are_not_taken_for_signs():
+    """A night off by as much the other way has no shape that says so."""
+    night = {"s0": 20.0, "s1": 20.0, "s2": -20.0, "s3": 20.0}
+    zeros = recordings(
+        300, 5, y=lambda at: 24 * np.array([night[one] for one in at.column("session")]) / 20
+    )
+
+    assert said(zeros) is None
+
+
+def test_outliers_say_nothing_and_neither_do_arrays():
+    """One reading in twenty is wrong by anything; antennas have terms of their own."""
+    measured = recordings(300, 6)
+    wild = np.random.default_rng(6).random(300) < 0.05
+    assert said(replace(measured, y=np.where(wild, measured.y + 4000 * ARCSEC, measured.y))) is None
+    backwards = replace(measured, x=-measured.x)
+    array = {**backwards.at.columns, "antenna": np.resize(["A", "B"], 300)}
+    assert said(backwards) is not None
+    assert said(replace(backwards, at=replace(backwards.at, columns=array))) is None
+
+
+def test_the_axes_of_other_mounts_have_their_own_names():
+    """An hour angle counted the other way; on that mount there is no height to misread."""
+    made = recordings(300, 7)
+    at = replace(made.at, mount=KINDS["fork"])
+    model = load("altaz").on(at.mount)
+    drawn = [term.effect.columns(at) for term in model.fitted(None)]
+    x, y = (sum(one[axis].sum(axis=1) for one in drawn) * 30 * ARCSEC for axis in (0, 1))
+    noise = 3 * ARCSEC * np.random.default_rng(7).normal(size=(2, 300))
+    right = replace(made, at=at, x=x + noise[0], y=y + noise[1])
+
+    assert said(right, model) is None
+    assert "hour angle is counted the other way" in said(replace(right, x=-right.x), model)
