@@ -13,7 +13,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
-from pyport.diagnosis.searching import winner
+from pyport.diagnosis.searching import confirmed_changes, contenders, winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
@@ -196,9 +196,9 @@ def test_a_single_session_holds_two_periods():
 def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, wins):
     """As every change with time, its period paid for."""
     asked = []
-    monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or sure)
+    monkeypatch.setattr(contenders, "confirmed", lambda *given: asked.append(given[-1]) or sure)
     setup = case(SWINGS["held"])
-    found = winner._oscillating(setup, weigh(setup), (), -np.inf)
+    found = confirmed_changes._oscillating(setup, weigh(setup), (), -np.inf)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
     independent = 2 * np.log(periods.scan_of(setup).coherent)
@@ -214,7 +214,7 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
     beside = weighed.evidence.beside([setup.part(one) for one in setup.base])
     trials = winner.trials_of(setup, beside)
     monkeypatch.setattr(
-        winner,
+        contenders,
         "confirmed",
         lambda _, __, one, ___: {"epoch_offset": 50.0, OSCILLATION: 20.0}.get(
             one.candidate.effect.id, 0.0

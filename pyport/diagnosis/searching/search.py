@@ -11,8 +11,9 @@ import numpy as np
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.confirming import confirmed
+from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
-from pyport.diagnosis.searching.winner import alone, joined, trials_of, winner_of, without_idle
+from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
 from pyport.diagnosis.shapes.fields import field_instead
 from pyport.diagnosis.weighing import weigh
 from pyport.runs.workers import side_by_side

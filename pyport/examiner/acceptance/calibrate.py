@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from pyport.diagnosis.case import prepare
+from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
 from pyport.diagnosis.searching.turns import family_p_value
-from pyport.diagnosis.searching.winner import confirmed_changes, trials_of
+from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.weighing import weigh
 from pyport.examiner import program
 from pyport.examiner.nulls import nulls

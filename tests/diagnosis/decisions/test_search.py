@@ -11,9 +11,17 @@ from scipy.stats import chi2
 from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import remarks
-from pyport.diagnosis.searching import changes, confirming, search, turns, winner
+from pyport.diagnosis.searching import (
+    changes,
+    confirmed_changes,
+    confirming,
+    contenders,
+    search,
+    turns,
+    winner,
+)
+from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed, threshold
-from pyport.diagnosis.searching.winner import Winner
 from pyport.diagnosis.shapes import fields
 from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
@@ -22,9 +30,9 @@ QUIET = lambda _: None  # noqa: E731
 
 
 def won(effect="refraction", evidence=20.0, **changes):
-    """Return a winner without anything to refine."""
+    """Return a contender without anything to refine."""
     one = trial(effect, evidence, **changes)
-    return Winner(one, setup(part=lambda _: None), Chosen(one.candidate, one.scope), 0.0)
+    return Contender(one, setup(part=lambda _: None), Chosen(one.candidate, one.scope), 0.0)
 
 
 def outcome(*steps, p_value=0.5, last=(), **more):
@@ -261,7 +269,9 @@ def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda 
     )
     monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
-    monkeypatch.setattr(winner, "_confirmed", lambda one, _: sure(one) if callable(sure) else sure)
+    monkeypatch.setattr(
+        winner, "evidence_anew", lambda one, _: sure(one) if callable(sure) else sure
+    )
     monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
@@ -303,7 +313,9 @@ def test_of_one_curve_the_first_stands_for_all(forth, back, scope, kept):
 def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
     """A second formula of one curve leaves room for another curve."""
     monkeypatch.setattr(
-        winner, "_refined", lambda of, _w, _c, one: Winner(one, of, Chosen(one.candidate, "all"), 0)
+        winner,
+        "refined",
+        lambda of, _w, _c, one: Contender(one, of, Chosen(one.candidate, "all"), 0),
     )
     alike = {NAMES[0], NAMES[1]}
     same = SimpleNamespace(
@@ -372,7 +384,7 @@ def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least,
     """No trial has its period; it must beat what the noise can do, and the least."""
     wave = won("azimuth_harmonics", 20.0)
     monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
-    monkeypatch.setattr(winner, "_of_its_case", lambda *_: [wave])
+    monkeypatch.setattr(winner, "waves_of", lambda *_: [wave])
     now = SimpleNamespace(covariance=None)
     drives = winner._of_drives(setup(), now, (), least, banned)
     found = turn(monkeypatch, drives=drives, sure=sure, mismatch=False)
@@ -394,11 +406,13 @@ def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least,
 )
 def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more, found):
     """Its evidence is then that of the worlds with it and without; what fails may have company."""
-    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
-    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
-    monkeypatch.setattr(winner, "_confirmed", lambda *_: sure)
-    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
-    monkeypatch.setattr(winner, "_beside_it", lambda one, sure, *_: (one, sure + more))
+    monkeypatch.setattr(
+        confirmed_changes, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)])
+    )
+    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", 40.0))
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
+    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure + more))
     moved = winner._changes(setup(), None, (), (), (), -np.inf)
 
     joint = sure if sure > 6 else sure + more
@@ -409,40 +423,60 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     ("shown", "sure", "more"),
     [
         ({"temperature": 17.0, "refraction": 9.0}, 18.0, 10.0),
-        ({"temperature": 17.0, "refraction": 19.0}, 18.0, -8.0),  # another shows better
-        ({"temperature": 17.0}, 5.0, -8.0),  # the noise does that as well
-        ({"temperature": 13.0}, 18.0, -8.0),  # both together promise too little
-        ({"temperature": 5.0}, 18.0, -8.0),  # nothing shows
-        ({}, 18.0, -8.0),
+        ({"temperature": 17.0, "refraction": 19.0}, 18.0, -9.0),  # another shows better
+        ({"temperature": 17.0}, 5.0, -9.0),  # the noise does that as well
+        ({"temperature": 13.0}, 18.0, -9.0),  # both together promise too little
+        ({"temperature": 5.0}, 18.0, -9.0),  # nothing shows
+        ({}, 18.0, -9.0),
     ],
 )
 def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, shown, sure, more):
     """When it is confirmed there; another change is none, nor what one antenna has alone."""
-    change, moved = won("epoch_offset"), won("epoch_offset")
+    change, moved = (
+        won(of=replace(of, effect=replace(of.effect, parameter=since)))
+        for of, since in ((candidate("epoch_offset"), one) for one in (1.2e9, 1.3e9))
+    )
     trials = [trial(one) for one in shown]
     trials += [trial("epoch_tilt"), trial("azimuth_scale", scope="antenna")]
-    monkeypatch.setattr(winner, "joined", lambda _, __, new: (new,))
-    monkeypatch.setattr(winner, "seen_beside", lambda *_: None)
+    monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
+    monkeypatch.setattr(confirmed_changes, "seen_beside", lambda *_: None)
     monkeypatch.setattr(
-        winner,
+        confirmed_changes,
         "best_shown",
         lambda *given: max(
             ((one, shown[one.effect.id]) for one in given[-1]), key=lambda pair: pair[1]
         ),
     )
-    monkeypatch.setattr(winner, "_refined", lambda *_: moved)
-    monkeypatch.setattr(winner, "_confirmed", lambda one, _: -8.0 if one is moved else -9.0)
+    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: moved)
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: -8.0)
 
     def confirmed(_, others, one, __):
         assert others in ((change.chosen,), (moved.chosen,))
         return sure if one.candidate.effect.id == "temperature" else -5.0
 
-    monkeypatch.setattr(winner, "confirmed", confirmed)
-    still = winner.WhitenedData(None, None, None)
-    best, found = winner._beside_it(change, -8.0, still, (), trials)
+    monkeypatch.setattr(confirmed_changes, "confirmed", confirmed)
+    still = confirmed_changes.WhitenedData(None, None, None)
+    best, found = confirmed_changes._beside_it(change, -9.0, still, (), trials)
 
     assert found == more
     assert best is (moved if more > 0 else change)
+
+
+def test_a_change_that_does_not_move_is_not_confirmed_again(monkeypatch):
+    """What is known of it counts, with that of the lasting effect."""
+    change = won("epoch_offset")
+    other = Chosen(candidate("temperature"), "all")
+    monkeypatch.setattr(confirmed_changes, "_best_beside", lambda *_: (other, 17.0))
+    monkeypatch.setattr(confirmed_changes, "joined", lambda *_: ())
+    monkeypatch.setattr(confirmed_changes, "seen_beside", lambda *_: None)
+    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_offset"))
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: pytest.fail("asked again"))
+    monkeypatch.setattr(confirmed_changes, "confirmed", lambda *_: 18.0)
+    still = confirmed_changes.WhitenedData(None, None, None)
+    best, found = confirmed_changes._beside_it(change, -8.0, still, (), ())
+
+    assert best is change
+    assert found == 10.0
 
 
 @pytest.mark.parametrize(
@@ -450,10 +484,12 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
 )
 def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, weighed):
     """Beside noise that holds still, at its best moment."""
-    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 1.0)]))
-    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", evidence))
-    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
-    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(
+        confirmed_changes, "proposed", lambda *_: (None, [trial("epoch_tilt", 1.0)])
+    )
+    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", evidence))
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
+    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
 
     assert bool(winner._changes(setup(), None, (), (), (), -np.inf)) == weighed
 
@@ -473,14 +509,14 @@ def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
     """What promises most may be what the noise does as well."""
     promised = {"drift": 12.0, "epoch_sag": 50.0, "epoch_tilt": 3.0, "epoch_offset": 30.0}
     kinds = [trial(name, 40.0) for name in promised]
-    monkeypatch.setattr(winner, "proposed", lambda *_: (None, kinds))
+    monkeypatch.setattr(confirmed_changes, "proposed", lambda *_: (None, kinds))
     monkeypatch.setattr(
-        winner,
-        "_refined",
+        confirmed_changes,
+        "refined",
         lambda *given: won(given[3].candidate.effect.id, promised[given[3].candidate.effect.id]),
     )
-    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
-    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
+    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
     found = winner._changes(setup(), None, (), (), (), -np.inf)
 
     assert {one.chosen.candidate.effect.id for one in found} == {
@@ -493,11 +529,15 @@ def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
 @pytest.mark.parametrize(("above", "found"), [(39.0, 1), (41.0, 0)])
 def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, found):
     """An oscillation is asked for as much."""
-    monkeypatch.setattr(winner, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)]))
-    monkeypatch.setattr(winner, "_refined", lambda *_: won("epoch_tilt", 40.0))
-    monkeypatch.setattr(winner, "_confirmed", lambda *_: 20.0)
+    monkeypatch.setattr(
+        confirmed_changes, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)])
+    )
+    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", 40.0))
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     asked = []
-    monkeypatch.setattr(winner, "_oscillating", lambda *given: asked.append(given[-1]) or [])
+    monkeypatch.setattr(
+        confirmed_changes, "_oscillating", lambda *given: asked.append(given[-1]) or []
+    )
 
     assert len(winner._changes(setup(), None, (), (), (), above)) == found
     assert asked == [above]
@@ -507,8 +547,10 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
 def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
     """It is a tilt with a zero: beside nights that lean a little it would be claimed by itself."""
     kinds = [trial(name, 40.0) for name in ("epoch_clock", "epoch_tilt")]
-    monkeypatch.setattr(winner, "proposed", lambda *_: (None, kinds))
-    monkeypatch.setattr(winner, "_refined", lambda *given: won(given[3].candidate.effect.id, 40.0))
+    monkeypatch.setattr(confirmed_changes, "proposed", lambda *_: (None, kinds))
+    monkeypatch.setattr(
+        confirmed_changes, "refined", lambda *given: won(given[3].candidate.effect.id, 40.0)
+    )
     confirmed = []
 
     def sure(one, _):
@@ -516,9 +558,9 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
         confirmed.append(name)
         return tilts if name == "epoch_tilt" else 30.0
 
-    monkeypatch.setattr(winner, "_confirmed", sure)
-    monkeypatch.setattr(winner, "_beside_it", lambda one, sure, *_: (one, sure))
-    monkeypatch.setattr(winner, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
+    monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure))
+    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
     winner._changes(setup(), None, (), (), (), -np.inf)
 
     assert confirmed == ["epoch_tilt", "epoch_clock"][:asked]
@@ -527,13 +569,13 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
 def test_a_confirmation_pays_for_its_choice(monkeypatch):
     """For the moment that was refined, and for the members of its family."""
     asked = []
-    monkeypatch.setattr(winner, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
-    monkeypatch.setattr(winner, "joined", lambda _, chosen, new: (*chosen, new))
+    monkeypatch.setattr(contenders, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
+    monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
     of = candidate("epoch_tilt", choices=7)
     refined = (setup(), Chosen(of, "all"), 1.0, 3.0)
-    monkeypatch.setattr(winner, "refine", lambda *_: refined)
-    one = winner._refined(setup(), None, (), trial("epoch_tilt", of=of))
-    winner._confirmed(one, ())
+    monkeypatch.setattr(contenders, "refine", lambda *_: refined)
+    one = contenders.refined(setup(), None, (), trial("epoch_tilt", of=of))
+    contenders.evidence_anew(one, ())
 
     assert asked == [pytest.approx(3.0 + 2 * np.log(7))]
 

@@ -1,0 +1,120 @@
+"""Changes with time, confirmed: what the noise, estimated anew, cannot do as well."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.evidence import CandidateFit
+from pyport.diagnosis.searching.changes import proposed
+from pyport.diagnosis.searching.confirming import confirmed
+from pyport.diagnosis.searching.contenders import (
+    Contender,
+    evidence_anew,
+    joined,
+    refined,
+    waves_of,
+)
+from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.weighing import WhitenedData, best_shown, seen_beside
+from pyport.effects.empirical.fields import OSCILLATION
+from pyport.runs.workers import side_by_side
+from pyport.thresholds import CONVINCING
+
+
+def confirmed_changes(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+    banned: Collection[str] = (),
+    above: float = -np.inf,
+) -> list[Contender]:
+    """Return the changes that are proposed, each with its evidence beside noise estimated anew.
+
+    Only those that promise more than `above` beside noise that holds still: steps at their best
+    moment, for hours beside it a drift does as well.
+    """
+    waves = [] if OSCILLATION in banned else _oscillating(setup, weighed, chosen, above)
+    # What wins must be told from a wave: its columns stand in the case of every change.
+    wider, beside = (waves[0].setup, waves[0].beside) if waves else (setup, None)
+    still, best = proposed(setup, weighed, chosen, trials, banned)
+    moved = [refined(wider, still, chosen, trial) for trial in best]
+
+    def sure_of(one: Contender) -> Contender:
+        # Beside noise that holds still it gained what the noise would have taken.
+        sure = evidence_anew(one, chosen)
+        if sure <= CONVINCING:
+            one, sure = _beside_it(one, sure, still, chosen, trials)
+        return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
+
+    least = max(CONVINCING, above)
+    worth = [one for one in moved if one.trial.evidence > least]
+    found = side_by_side(sure_of, [one for one in worth if not one.effect.part_of])
+    standing = {one.effect.of or one.effect.id for one in found if one.trial.evidence > CONVINCING}
+    found += side_by_side(sure_of, [one for one in worth if one.effect.part_of in standing])
+    return [*found, *waves]
+
+
+def _beside_it(
+    change: Contender,
+    sure: float,
+    still: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+) -> tuple[Contender, float]:
+    """Return a change and its evidence with that of the lasting effect that shows best beside it.
+
+    Two that either alone the noise does as well it may not do together: a step among nights that
+    the weather moves, too, at its best moment beside what the weather does.
+    """
+    found = _best_beside(change, still, chosen, trials)
+    if found is None:
+        return change, sure
+    other, worth = found
+    seen = seen_beside(change.setup, still, still.covariance, (*chosen, other))
+    moved = refined(change.setup, seen, (*chosen, other), change.trial)
+    worlds = [(change, sure)]
+    if moved.effect.parameter != change.effect.parameter:
+        worlds.append((moved, evidence_anew(moved, chosen)))
+    best, most = change, sure
+    for one, alone in worlds:
+        if alone + worth > CONVINCING:
+            after = joined(one.setup, chosen, one.chosen)
+            added = confirmed(one.setup, after, other, other.candidate.price)
+            if added > CONVINCING and alone + added > most:
+                best, most = one, alone + added
+    return best, most
+
+
+def _best_beside(
+    change: Contender,
+    still: WhitenedData,
+    chosen: tuple[Chosen, ...],
+    trials: Sequence[CandidateFit],
+) -> tuple[Chosen, float] | None:
+    """Return the lasting effect that shows best beside a change, and its evidence there."""
+    setup, after = change.setup, joined(change.setup, chosen, change.chosen)
+    lasting = [
+        one.candidate
+        for one in trials
+        if one.candidate.effect.physical
+        and one.scope == "all"
+        and not confounded(setup, one.candidate.effect)
+    ]
+    if not lasting:
+        return None
+    seen = seen_beside(setup, still, still.covariance, after)
+    best, worth = best_shown(setup, seen, after, lasting)
+    return (Chosen(best, "all"), worth) if worth > CONVINCING else None
+
+
+def _oscillating(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], above: float
+) -> list[Contender]:
+    """Return the oscillation that is proposed, if any, as a contender whose period is a new one."""
+    proposal = oscillations.proposed(setup, weighed.covariance, chosen, above)
+    return waves_of(setup, chosen, proposal)

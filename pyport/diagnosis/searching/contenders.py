@@ -1,0 +1,95 @@
+"""Contenders: what may join in a turn, each in the case that it makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.searching.changes import refine
+from pyport.diagnosis.searching.confirming import confirmed
+from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.weighing import WhitenedData, weigh
+from pyport.effects.base import Effect
+from pyport.thresholds import CONVINCING
+
+
+@dataclass(frozen=True)
+class Contender:
+    """What may join in a turn: its trial, the case with its columns, the choice.
+
+    `price` is what its choice among its family costs, a refined moment or edge included.
+    `beside` is what it was tried in where that is not the turn's: a wave's columns joined the case.
+    `rivals` are the other changes, each with the evidence that the noise leaves it.
+    """
+
+    trial: CandidateFit
+    setup: Problem
+    chosen: Chosen
+    price: float
+    beside: Projection | None = None
+    rivals: tuple[CandidateFit, ...] = ()
+
+    @property
+    def effect(self) -> Effect:
+        """Return its effect, with the moment or edge that it has."""
+        return self.chosen.candidate.effect
+
+
+def refined(
+    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], trial: CandidateFit
+) -> Contender:
+    """Return a trial with its moment or edge moved to where it fits best."""
+    plain = Chosen(trial.candidate, trial.scope)
+    wider, new, more, price = refine(setup, weighed, chosen, plain)
+    added = trial.gain * (more - 1)
+    better = replace(
+        trial,
+        gain=trial.gain + added,
+        delta_bic=trial.delta_bic + added - price,
+        evidence=trial.evidence + added - price,
+    )
+    return Contender(better, wider, new, price + new.candidate.price)
+
+
+def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> list[Contender]:
+    """Return the wave that is proposed, if the noise cannot do it as well, with its columns."""
+    if one is None:
+        return []
+    wider, price = oscillations.widened(setup, one), one.candidate.price
+    sure = confirmed(wider, chosen, one, price)
+    if sure <= CONVINCING:
+        return []
+    seen = weigh(wider, chosen)
+    beside = seen.evidence.beside([wider.part(each) for each in (*wider.base, *chosen)])
+    trials = beside.trials([(one.candidate, one.scope)])
+    return [
+        Contender(
+            replace(each, evidence=sure, gain=sure, delta_bic=sure), wider, one, price, beside
+        )
+        for each in trials
+    ]
+
+
+def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
+    """Return the evidence of a contender beside noise estimated anew, its price paid."""
+    others = joined(one.setup, chosen, one.chosen)[:-1]
+    return confirmed(one.setup, others, one.chosen, one.price)
+
+
+def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+    """Add a choice; earlier ones whose every curve it can draw make way for it."""
+    columns = setup.picked(new.candidate.columns)
+    groups = setup.blocks.groups(new.scope)
+    kept = []
+    for one in chosen:
+        own = setup.picked(one.candidate.columns)
+        left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
+        inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
+        # Blocks that share a coefficient of the new choice must share one of the old, too.
+        pairs = np.unique(np.stack([groups, setup.blocks.groups(one.scope)]), axis=1)
+        if not (inside and len(np.unique(pairs[0])) == pairs.shape[1]):
+            kept.append(one)
+    return (*kept, new)
