@@ -38,6 +38,7 @@ NEGLIGIBLE = 1e-15
 BLOCK = 8192
 
 Numbers = NDArray[Any]
+_Jump = Callable[[float, float], tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ class Kernel:
             d_az, d_alt = self._base(az - math.pi, el)
             x, y = x + d_az * up.real, y + d_alt
         for jump, size in self._jumps:
-            y += size * jump(az, el)
+            across, along = jump(az, el)
+            x, y = x + size * across, y + size * along
         if self._slow:
             at = Circumstances(np.array([az]), np.array([el]), site, _arrays(columns))
             for effect, values in self._slow:
@@ -124,19 +126,17 @@ class Kernel:
         return x, y
 
     @cached_property
-    def _jumps(self) -> tuple[tuple[Callable[[float, float], float], float], ...]:
+    def _jumps(self) -> tuple[tuple[_Jump, float], ...]:
         """Return the steps at edges, each for one direction at a time, and their sizes."""
-        found: list[tuple[Callable[[float, float], float], float]] = []
-        for effect, values in self.rest:
-            if effect is RT32_JUMP:
-                found.append((_rt32_jump, float(values[0])))
-            elif _in_elevation(effect):
-                found.append((jump_at(effect.member), float(values[0])))
-        return tuple(found)
+        return tuple(
+            (_rt32_jump if effect is RT32_JUMP else jump_at(effect.member), float(values[0]))
+            for effect, values in self.rest
+            if effect.id == RT32_JUMP.id
+        )
 
     @cached_property
     def _slow(self) -> tuple[tuple[Effect, Array], ...]:
-        return tuple(one for one in self.rest if not _in_elevation(one[0]))
+        return tuple(one for one in self.rest if one[0].id != RT32_JUMP.id)
 
     @cached_property
     def _base(self) -> Callable[[float, float], tuple[float, float]] | None:
@@ -155,13 +155,8 @@ class Kernel:
         return one
 
 
-def _in_elevation(effect: Effect) -> bool:
-    """Tell whether an effect is a step in elevation: one in azimuth has an axis of its own."""
-    return effect.id == RT32_JUMP.id and effect.member.get("axis") != "first"
-
-
-def _rt32_jump(az: float, el: float) -> float:
-    return float(has_jumped_one(az - math.pi, el))
+def _rt32_jump(az: float, el: float) -> tuple[float, float]:
+    return 0.0, float(has_jumped_one(az - math.pi, el))
 
 
 def _arrays(columns: dict[str, Any]) -> dict[str, Numbers]:

@@ -68,6 +68,7 @@ MODELS = {
     "rt32": model(base="rt32-exact"),
     "rt32, approximate": model(base="rt32-approximate"),
     "of one axis": model((jump_above(FreeEdge((0.1, 3.0), (0.4, 0.9)), axis="first"), (20,))),
+    "wave of one axis": model((curved_jump((0.9, 0.1, 0.05, 0.0, 0.02), "first"), (20,))),
     "temperature": model((WARM, (0.3, 1.5))),
     "field": model((BUMPS, (9, -4))),
 }

@@ -105,9 +105,16 @@ def elsewhere(effect: Effect, **where: Any) -> Effect:  # noqa: ANN401 - what a 
     return (effect.make or _jump)(**where, axis=effect.member.get("axis", ""))
 
 
-def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
-    """Return how much of a jump there is in one direction [rad], as arrays of one have it."""
-    effect = _jump(**member)
+def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], tuple[float, float]]:
+    """Return the offsets of a jump of one in one direction [rad], as arrays of one have them."""
+    above = _above_at(member)
+    if member.get("axis") == "first":
+        return lambda az, el: (above(az, el) * math.cos(el), 0.0)
+    return lambda az, el: (0.0, above(az, el))
+
+
+def _above_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
+    """Return how much of a jump there is in one direction [rad]."""
     if "beyond_az_rad" in member:
         az_edge = float(member["beyond_az_rad"])
         return lambda az, _: 1.0 if az >= az_edge else 0.0
@@ -121,13 +128,14 @@ def jump_at(member: Mapping[str, Any]) -> Callable[[float, float], float]:
 
         return above_wave
     if "edge_az_rad" in member:
-        return lambda az, el: float(effect.basis(_one(az, el))[1][0, 0])
+        basis = _jump(**{**member, "axis": ""}).basis
+
+        def above_edge(az: float, el: float) -> float:
+            return float(basis(Circumstances(np.array([az]), np.array([el])))[1][0, 0])
+
+        return above_edge
     el_edge = float(member.get("above_el_rad", 60 * DEG))
     return lambda _, el: 1.0 if el >= el_edge else 0.0
-
-
-def _one(az: float, el: float) -> Circumstances:
-    return Circumstances(np.array([az]), np.array([el]))
 
 
 def _nearest_turn(az: Array, low: float, high: float) -> Array:
