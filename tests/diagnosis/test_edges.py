@@ -9,8 +9,8 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.shapes.edge_paths import CLIMB, _good, _log_likely, _path
+from pyport.diagnosis.shapes.edges import LEVELS, sky_of
 from pyport.diagnosis.shapes.edges import _path as cheapest
-from pyport.diagnosis.shapes.edges import sky_of
 from pyport.effects.telescope.structure import FreeEdge
 from pyport.formats.models import load
 from pyport.mounts import KINDS
@@ -42,7 +42,7 @@ def test_the_cheapest_path_follows_the_edge_and_pays_for_climbing():
 def test_sums_above_each_level():
     """Each cell holds what lies above its level in its column."""
     az, el = np.array([2, 3, 12, 13]) * DEG, np.array([0.5, 1.5, 1.5, 2.5]) * DEG
-    sky = sky_of(az, el, np.ones(4, bool), 10 * DEG)
+    sky = sky_of(az, el, np.ones(4, bool), 10 * DEG, LEVELS)
     sums = sky.above_each(np.array([1.0, 10.0, 100.0, 1000.0]))
 
     np.testing.assert_array_equal(sums[:, :3], [[11, 10, 0], [1100, 1100, 1000]])
@@ -60,7 +60,7 @@ def test_a_free_edge_is_straight_between_its_corners():
 def test_a_path_becomes_a_curve_and_a_path_again():
     """A curve's levels in the middles of the columns are those it was made of."""
     rng = np.random.default_rng(2)
-    sky = sky_of(rng.uniform(-1, 5, 300), rng.uniform(0, 1.5, 300), np.ones(300, bool), 0.1)
+    sky = sky_of(rng.uniform(-1, 5, 300), rng.uniform(0, 1.5, 300), np.ones(300, bool), 0.1, LEVELS)
     path = rng.integers(0, 90, sky.columns)
 
     np.testing.assert_array_equal(sky.path_of(sky.edge_of(path)), path)

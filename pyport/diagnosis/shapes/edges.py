@@ -145,9 +145,7 @@ class Sky:
         return np.rint((el - self.levels[0]) / (self.levels[1] - self.levels[0])).astype(int)
 
 
-def sky_of(
-    az: Array, el: Array, counted: NDArray[np.bool_], width: float, levels: Array = LEVELS
-) -> Sky:
+def sky_of(az: Array, el: Array, counted: NDArray[np.bool_], width: float, levels: Array) -> Sky:
     """Sort readings (m,) into columns that begin where those that are `counted` begin."""
     column = np.floor(az / width).astype(int)
     first, last = int(column[counted].min()), int(column[counted].max())
@@ -179,7 +177,7 @@ def _cut(view: View, az: Array, size: Array) -> list[float]:
 
 
 def _free(
-    view: View, az: Array, el: Array, size: Array, levels: Array = LEVELS
+    view: View, az: Array, el: Array, size: Array, levels: Array
 ) -> tuple[FreeEdge, float] | None:
     """Return the edge of any form that fits best, and how many numbers its form is worth.
 

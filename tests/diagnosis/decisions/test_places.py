@@ -76,7 +76,7 @@ def test_an_edge_has_eight_readings_on_either_side(above, there):
     az = np.linspace(0, 6, n)
     el = np.where(np.arange(n) < above, 1.4, 0.5)
     left = np.where(np.arange(n) < above, 5.0, 0.0)
-    found = edges._free(viewed(left - left.mean()), az, el, np.ones(n))
+    found = edges._free(viewed(left - left.mean()), az, el, np.ones(n), edges.LEVELS)
 
     assert (found is not None) == there
 
@@ -86,9 +86,9 @@ def test_an_edge_needs_thirty_two_elevations():
     az, el = np.linspace(0, 6, 40), np.linspace(0.2, 1.4, 40)
     left = np.where(el > 0.8, 3.0, -3.0)
 
-    assert edges._free(viewed(left), az, el, np.ones(40)) is not None
+    assert edges._free(viewed(left), az, el, np.ones(40), edges.LEVELS) is not None
     few = slice(0, 40, 2)
-    assert edges._free(viewed(left[few]), az[few], el[few], np.ones(20)) is None
+    assert edges._free(viewed(left[few]), az[few], el[few], np.ones(20), edges.LEVELS) is None
 
 
 @pytest.mark.parametrize(("beyond", "placed"), [(8, True), (7, False), (4, False), (15, True)])
@@ -416,6 +416,7 @@ def test_levels_and_columns_of_the_sky():
         np.array([10.5, 20.5, 91.0]) * DEG,
         np.ones(3, bool),
         edges.COLUMN,
+        edges.LEVELS,
     )
 
     assert sky.columns == 3
