@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG
-from pyport.recordings.raw import BLANK
-from pyport.recordings.sky import CELLS, ORDER, SESSIONS, TIMES
-
-if TYPE_CHECKING:
-    from pyport.diagnosis.diagnose import Diagnosis
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
-
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
 from pyport.fitting.soundness import doubts
 from pyport.least_squares import robust
 from pyport.models.conditions import undetermined
+from pyport.recordings.raw import BLANK
+from pyport.recordings.sky import CELLS, ORDER, SESSIONS, TIMES
 from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
+
+if TYPE_CHECKING:
+    from pyport.diagnosis.diagnose import Diagnosis
 
 _HOW = {"session": "Night-to-night", "source": "Source-to-source"}
 _WHOSE = {"session": "nights", "source": "sources"}
@@ -44,18 +42,22 @@ class NoiseRemarks:
 
 def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
     """Return what the noise of a diagnosis does beyond scattering evenly."""
+    left = diagnosis.left(diagnosis.after)
     return NoiseRemarks(
-        departures(diagnosis), drifts(diagnosis), by_elevation(diagnosis), uneven(diagnosis)
+        departures(diagnosis, left),
+        drifts(diagnosis, left),
+        by_elevation(diagnosis),
+        uneven(diagnosis, left),
     )
 
 
-def departures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def departures(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
     """Return the random departures of sessions and sources, and which departs most, for reports.
 
-    By its number where a term has one, else by its length.
+    By its number where a term has one, else by its length. `left` are the residuals (m,) of the
+    fit with everything found.
     """
     covariance = diagnosis.weighed.covariance
-    left = diagnosis.setup.residual - diagnosis.after.predicted
     found = []
     for one, values in zip(covariance.departures, covariance.departed_by(left), strict=True):
         labels = list(dict.fromkeys(one.labels))
@@ -104,19 +106,18 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return found
 
 
-def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
     """Return what a single antenna drifts by in each axis, and the sessions furthest from usual.
 
-    Rms of what a drift has moved the readings by, its memory, and the mean residual of the lowest
-    and the highest session, everything found fitted and departures predicted; only where that
-    widens the scatter by a quarter and more.
+    Rms of what a drift has moved the readings by, its memory, and the mean of the residuals
+    `left` (m,) of the lowest and the highest session, departures predicted; only where that widens
+    the scatter by a quarter and more.
     """
     setup = diagnosis.setup
     if setup.blocks.antennas > 1:
         return []
     of_order = ORDER in setup.recordings.meta
     covariance = diagnosis.weighed.covariance
-    left = setup.residual - diagnosis.after.predicted
     moved = left - covariance.departed(left)
     session = setup.session_names
     found = []
@@ -144,16 +145,16 @@ def drifts(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     return found
 
 
-def uneven(diagnosis: Diagnosis) -> list[str]:
+def uneven(diagnosis: Diagnosis, left: Array) -> list[str]:
     """Return a sentence for each axis of a single antenna in which one session scatters more.
 
-    Everything found fitted; only where its scatter is larger by a quarter, and by more than chance.
+    Of the residuals `left` (m,) by everything found; only where its scatter is larger by a quarter,
+    and by more than chance.
     """
     setup = diagnosis.setup
     session, axis = setup.session, setup.stack.is_y.astype(int)
     if setup.blocks.antennas > 1 or len(np.unique(session)) < 2:
         return []
-    left = setup.residual - diagnosis.after.predicted
     names = setup.session_names
     found = []
     for is_y, name in enumerate(setup.recordings.at.mount.names):
