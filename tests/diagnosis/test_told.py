@@ -57,7 +57,7 @@ def test_a_parameter_beyond_the_data_is_known():
 def test_a_finding_of_an_array_without_a_significant_part_is_reported_as_it_was_fitted(monkeypatch):
     """No finding of the search is lost on the way to the reader."""
     chosen = SimpleNamespace(scope="antenna")
-    outcome = SimpleNamespace(chosen=(chosen,), steps=(SimpleNamespace(chosen=chosen),))
+    outcome = SimpleNamespace(chosen=(chosen,), step_of=lambda _: None)
     scene = SimpleNamespace(setup=SimpleNamespace(base=()), outcome=outcome)
     monkeypatch.setattr(findings, "taken_apart", lambda *_: SimpleNamespace())
     monkeypatch.setattr(findings, "of_array", lambda *_: [])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from pyport.diagnosis.joint import contribution, largest_offset, visible
 from pyport.diagnosis.naming import waves, words
 from pyport.diagnosis.naming.finding import Finding, Where, beyond
 from pyport.diagnosis.naming.scene import (
+    Check,
     Scene,
     axes,
     centred,
@@ -39,14 +42,15 @@ from pyport.thresholds import MOST_MEMBERS
 def collect(scene: Scene) -> list[Finding]:
     """Return the findings, strongest first."""
     found: list[Finding] = []
+    bend_of = cache(partial(waves.bend, scene))
     first = len(scene.setup.base)
     for n, chosen in enumerate(scene.outcome.chosen):
-        step = next(one for one in reversed(scene.outcome.steps) if one.chosen is chosen)
+        step = scene.outcome.step_of(chosen)
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n) if "antenna" in chosen.scope else None
         told = of_array(scene, first + n, step, earlier, parts) if parts else []
         # Where neither an antenna's own part nor the common one is significant: as it was fitted.
-        told = told or [_single(scene, first + n, step)]
+        told = told or [_single(scene, first + n, step, bend_of)]
         told = honest(scene, first + n, step, told)
         found += [replace(one, choice=first + n) for one in told]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
@@ -59,8 +63,13 @@ def _partial(setup: Problem, curve: Array) -> bool:
     return not acting.all()
 
 
-def _single(scene: Scene, choice: int, step: Step) -> Finding:
-    """Return a finding whose coefficients stand as they were fitted."""
+def _single(
+    scene: Scene, choice: int, step: Step, bend_of: Callable[[str], tuple[Check, str | None]]
+) -> Finding:
+    """Return a finding whose coefficients stand as they were fitted.
+
+    `bend_of` is `waves.bend`, asked once for each kind of effect.
+    """
     setup, chosen = scene.setup, scene.joint.choices[choice]
     curve = contribution(setup, scene.joint, choice)
     seen = visible(setup, scene.weighed, curve)
@@ -79,14 +88,13 @@ def _single(scene: Scene, choice: int, step: Step) -> Finding:
     if of_drive:
         checks.append(waves.throughout(scene, chosen))
     elif waves.may_be_a_bend(effect):
-        unbent, like = waves.bend(scene, chosen)
+        unbent, like = bend_of(effect.id)
         checks.append(unbent)
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]
     whole = scene.outcome.chosen
-    others = tuple(one for one in whole if one is not chosen)
-    heldout = held_out(scene, others, whole, np.ones(len(curve), bool))
+    heldout = held_out(scene, scene.outcome.others(chosen), whole, np.ones(len(curve), bool))
     together = None if of_time else scene.combination(choice)
     mounts = declared(setup.recordings.meta)
     largest = largest_offset(setup)

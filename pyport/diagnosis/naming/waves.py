@@ -77,21 +77,22 @@ def may_be_a_bend(effect: Effect) -> bool:
     return harmonic or effect.member.get("axis") == "second"
 
 
-def bend(scene: Scene, chosen: Chosen) -> tuple[Check, str | None]:
-    """Check that no curve that bends once explains what harmonics or steps of the second axis do.
+def bend(scene: Scene, kind: str) -> tuple[Check, str | None]:
+    """Check that no curve that bends once explains what a kind of effect does: it may be a bend.
 
     A harmonic that takes more than was observed for a period was not seen to come again, and two
     steps are a ramp: what begins at some elevation draws them too. All of their kind together are
     held against one term that begins there and grows with the angle, or with its sine. Returns also
     what would distinguish the two where the recordings exclude neither.
     """
-    setup, effect, at = scene.setup, chosen.candidate.effect, scene.setup.recordings.at
+    setup, at = scene.setup, scene.setup.recordings.at
     chosen_in = scene.outcome.chosen
     alike = [
         one
         for one in chosen_in
-        if one.candidate.effect.id == effect.id and not drive_waves.is_short(one.candidate.effect)
+        if one.candidate.effect.id == kind and not drive_waves.is_short(one.candidate.effect)
     ]
+    effect = next(one.candidate.effect for one in alike if may_be_a_bend(one.candidate.effect))
     others = tuple(one for one in chosen_in if not any(one is each for each in alike))
     ground = Ground(setup, scene.weighed, others)
     prices = sum(scene.outcome.step_of(one).price for one in alike)
@@ -124,7 +125,7 @@ def of_drive(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Para
     """
     chosen = scene.joint.choices[choice]
     effect = chosen.candidate.effect
-    others = [one for one in scene.outcome.chosen if one is not chosen]
+    others = scene.outcome.others(chosen)
     turns_of, noise = float(effect.member["k"]), scene.weighed.covariance
     sigma = drive_waves.sigma_of(scene.setup, noise, others, effect)
     period = Parameter("period", 360 / turns_of, 360 / turns_of**2 * sigma, "deg")
@@ -177,7 +178,7 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     """
     chosen, setup = scene.joint.choices[choice], scene.setup
     effect = chosen.candidate.effect
-    others = [one for one in scene.outcome.chosen if one is not chosen]
+    others = scene.outcome.others(chosen)
     _, sigma, _ = likeliest_period(setup, scene.weighed.covariance, others, effect)
     found = [Parameter("period", effect.member["period_s"] / 60, sigma / 60, "min")]
     known = scene.joint.solution.known[scene.joint.slice(choice)]
