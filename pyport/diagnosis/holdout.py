@@ -13,7 +13,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import HeldOut
 from pyport.diagnosis.searching.changes import columns_anew
-from pyport.diagnosis.weighing import WhitenedData
+from pyport.diagnosis.weighing import WhitenedData, whitened
 from pyport.least_squares import robust
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
@@ -133,7 +133,8 @@ def _of_products(
     the others were whitened.
     """
     columns = setup.expanded((*setup.base, *chosen))
-    white, choices = _whitened(setup, tempered(weighed.covariance), chosen)
+    noise = tempered(weighed.covariance)
+    white, choices = whitened(setup, noise, (*setup.base, *chosen))
     for one, solution, _ in _without_each(setup, white, choices, partition):
         yield one, columns, solution, None, np.zeros(len(columns))
 
@@ -153,7 +154,7 @@ def _of_others(
         key = *map(id, whole), id(weighed.covariance), partition.fold.tobytes(), int(one)
         if chosen and key not in setup.anew:
             # What the key's identities belong to is kept as long as the key.
-            found = columns_anew(setup, weighed, covariance, whole)
+            found = columns_anew(setup, covariance, whole)
             setup.anew[key] = found, (*whole, weighed.covariance)
         anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
         columns = np.concatenate([base, *(anew[id(each)].columns for each in chosen)], axis=1)
@@ -175,7 +176,7 @@ def unseen_misfit(
     Noise and outliers weigh in it as they do in the fit, and what cannot be
     predicted counts as far off.
     """
-    white, choices = _whitened(setup, weighed.covariance, chosen)
+    white, choices = whitened(setup, weighed.covariance, (*setup.base, *chosen))
     columns = setup.expanded(choices, of=white)
     total = 0.0
     for _, solution, rows in _without_each(setup, white, choices, partition):
@@ -195,22 +196,6 @@ def _left_open(solution: Solution, columns: Array) -> NDArray[np.bool_]:
         return np.zeros(len(columns), bool)
     beyond = columns - columns @ (solution.covariance @ solution.normal)
     return np.asarray(np.linalg.norm(beyond, axis=1) > OPEN * np.linalg.norm(columns, axis=1), bool)
-
-
-def _whitened(
-    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]
-) -> tuple[Array, list[Chosen]]:
-    """Return the whitened columns of the model and the data, and the choices of those columns."""
-    choices = (*setup.base, *chosen)
-    needed = [one.candidate.columns for one in choices]
-    columns = setup.picked(np.concatenate([np.zeros(0, np.intp), *needed]))
-    data = np.concatenate([columns, setup.residual[:, None]], axis=1)
-    starts = np.cumsum([0, *map(len, needed)])
-    own = [
-        replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
-        for one, low, high in zip(choices, starts, starts[1:], strict=False)
-    ]
-    return covariance.whiten(data), own
 
 
 def _without_each(

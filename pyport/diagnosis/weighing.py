@@ -85,28 +85,26 @@ def weigh_model(
     if setup.blocks.antennas >= ENOUGH_ANTENNAS:
         return weigh(setup, chosen, searching=searching)
     covariance = noise(setup, chosen, searching=searching)
-    white = whiten_model(setup, covariance, (*setup.base, *chosen))
+    choices = (*setup.base, *chosen)
+    own, _ = whitened(setup, covariance, choices)
+    # Column by column in memory: no page of those that stay zero is touched.
+    white = np.zeros((len(own), setup.size + 1), order="F")
+    white[:, np.concatenate([*(one.candidate.columns for one in choices), [setup.size]])] = own
     return _weighed(setup, chosen, covariance, white)
 
 
-def whiten_model(setup: Problem, covariance: Covariance, choices: Sequence[Chosen]) -> Array:
-    """Return some choices' columns and the data, whitened, all others zero, (M, K + 1)."""
-    size = setup.size
-    columns = [np.zeros(0, np.intp), *(one.candidate.columns for one in choices)]
-    own = np.unique(np.concatenate(columns))
-    data = np.concatenate([setup.picked(own), setup.residual[:, None]], axis=1)
-    # Column by column in memory: no page of those that stay zero is touched.
-    white = np.zeros((covariance.means.stop, size + 1), order="F")
-    white[:, np.append(own, size)] = covariance.whiten(data)
-    return white
-
-
-def seen_beside(
-    setup: Problem, weighed: WhitenedData, covariance: Covariance, chosen: Sequence[Chosen]
-) -> WhitenedData:
-    """Return a case with the model and some choices whitened by another noise."""
-    white = whiten_model(setup, covariance, (*setup.base, *chosen))
-    return replace(weighed, covariance=covariance, white=white)
+def whitened(
+    setup: Problem, covariance: Covariance, choices: Sequence[Chosen]
+) -> tuple[Array, list[Chosen]]:
+    """Return some choices' columns and the data, whitened, and the choices of those columns."""
+    needed = [one.candidate.columns for one in choices]
+    columns = setup.picked(np.concatenate([np.zeros(0, np.intp), *needed]))
+    starts = np.cumsum([0, *map(len, needed)])
+    own = [
+        replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
+        for one, (low, high) in zip(choices, pairwise(starts), strict=True)
+    ]
+    return covariance.whiten(np.concatenate([columns, setup.residual[:, None]], axis=1)), own
 
 
 def _weighed(
@@ -197,39 +195,55 @@ class View:
     left: Array
 
 
-def plain_view(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> View:
+def plain_view(setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model, outliers left out."""
-    scatter = weighed.covariance.scatter
-    rows = np.flatnonzero(weighed.used)
-    root = np.sqrt(weighed.weights[rows]) / scatter[rows]
+    rows = np.flatnonzero(covariance.used)
+    root = np.sqrt(covariance.weights[rows]) / covariance.scatter[rows]
     model = setup.expanded((*setup.base, *chosen))[rows] * root[:, None]
     basis = spanned(model)[0]
     data = setup.residual[rows] * root
     return View(rows, root, basis, data - basis @ (basis.T @ data))
 
 
+def left_beside(
+    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], columns: Array
+) -> tuple[Array, Array]:
+    """Return columns (m, k) whitened, and what the model leaves of them and of the data.
+
+    The model is the base and what is chosen; both are of M rows, the data the last column.
+    """
+    white, choices = whitened(setup, covariance, (*setup.base, *chosen))
+    model = setup.expanded(choices, of=white)
+    own = covariance.whiten(columns)
+    both = np.concatenate([own, white[:, -1:]], axis=1)
+    return own, both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+
+
+def shown_beside(
+    setup: Problem,
+    covariance: Covariance,
+    chosen: Sequence[Chosen],
+    candidates: Sequence[Candidate],
+) -> list[tuple[Array, Array]]:
+    """Return what the data show of each candidate beside the model and what is chosen: `shown`."""
+    places = [one.columns for one in candidates]
+    own, left = left_beside(setup, covariance, chosen, setup.picked(np.concatenate(places)))
+    length = np.linalg.norm(own, axis=0)
+    starts = np.cumsum([0, *map(len, places)])
+    return [shown(left[:, low:up], length[low:up], left[:, -1]) for low, up in pairwise(starts)]
+
+
 def best_shown(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], candidates: Sequence[Candidate]
+    setup: Problem,
+    covariance: Covariance,
+    chosen: Sequence[Chosen],
+    candidates: Sequence[Candidate],
 ) -> tuple[Candidate, float]:
     """Return the candidate that shows best beside the model, and its evidence, its price paid."""
-    seen = shown_beside(setup, weighed, chosen, candidates)
+    seen = shown_beside(setup, covariance, chosen, candidates)
     worth = [
         at_best(*each)[0] - one.price if len(each[0]) else -np.inf
         for each, one in zip(seen, candidates, strict=True)
     ]
     best = int(np.argmax(worth))
     return candidates[best], float(worth[best])
-
-
-def shown_beside(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], candidates: Sequence[Candidate]
-) -> list[tuple[Array, Array]]:
-    """Return what the data show of each candidate beside the model and what is chosen: `shown`."""
-    model = setup.expanded((*setup.base, *chosen), of=weighed.white)
-    places = [one.columns for one in candidates]
-    own = weighed.covariance.whiten(setup.picked(np.concatenate(places)))
-    both = np.concatenate([own, weighed.white[:, -1:]], axis=1)
-    left = both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
-    length = np.linalg.norm(own, axis=0)
-    starts = np.cumsum([0, *map(len, places)])
-    return [shown(left[:, low:up], length[low:up], left[:, -1]) for low, up in pairwise(starts)]

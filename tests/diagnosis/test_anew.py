@@ -36,8 +36,8 @@ def test_what_is_left_out_chooses_nothing(outcome):
     covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
     data = np.where(hidden, 4000 * ARCSEC, setup.residual)
     absurd = replace(setup, data=np.column_stack([setup.whole[:, :-1], data]), added=None, anew={})
-    as_it_is = columns_anew(setup, weighed, covariance, outcome.chosen)
-    beside_absurd = columns_anew(absurd, weighed, covariance, outcome.chosen)
+    as_it_is = columns_anew(setup, covariance, outcome.chosen)
+    beside_absurd = columns_anew(absurd, covariance, outcome.chosen)
 
     for one, other in zip(as_it_is, beside_absurd, strict=True):
         np.testing.assert_array_equal(one.columns, other.columns)

@@ -13,7 +13,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
-from pyport.diagnosis.searching import confirmed_changes, contenders, winner
+from pyport.diagnosis.searching import contenders, winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
@@ -198,7 +198,8 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     asked = []
     monkeypatch.setattr(contenders, "confirmed", lambda *given: asked.append(given[-1]) or sure)
     setup = case(SWINGS["held"])
-    found = confirmed_changes._oscillating(setup, weigh(setup), (), -np.inf)
+    proposal = oscillations.proposed(setup, weigh(setup).covariance, ())
+    found = contenders.waves_of(setup, (), proposal)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
     independent = 2 * np.log(periods.scan_of(setup).coherent)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,8 +25,8 @@ from pyport.diagnosis.weighing import (
     View,
     WhitenedData,
     best_shown,
+    left_beside,
     plain_view,
-    seen_beside,
     shown_beside,
 )
 from pyport.effects import Effect, catalogue
@@ -39,18 +40,18 @@ from pyport.thresholds import FEWEST
 @stage("proposing changes")
 def proposed(
     setup: Problem,
-    weighed: WhitenedData,
+    present: Covariance,
     chosen: Sequence[Chosen],
     trials: Sequence[CandidateFit],
     banned: Collection[str],
-) -> tuple[WhitenedData, list[CandidateFit]]:
-    """Return the case beside noise that holds still, and the best changes of each kind there.
+) -> tuple[Covariance, list[CandidateFit]]:
+    """Return the noise that holds still, and the best changes of each kind beside it.
 
     Of each kind they are the best step and the best of the others, which lie in one session.
-    `trials` are those of the turn; a change that shows in none of them is not proposed, nor one
-    of a term that the model lacks: first that term is looked for. One source's place is proposed
-    like a change, for the noise may have taken it for what all sources scatter by. Oscillations
-    are proposed by `oscillations`, which looks for their period.
+    `present` is the noise of the turn, `trials` are its trials; a change that shows in none of them
+    is not proposed, nor one of a term that the model lacks: first that term is looked for. One
+    source's place is proposed like a change, for the noise may have taken it for what all sources
+    scatter by. Oscillations are proposed by `oscillations`, which looks for their period.
     """
     effects = [one.candidate.effect for one in (*setup.base, *chosen)]
     has = {"", *(one.of or one.id for one in effects)}
@@ -63,7 +64,7 @@ def proposed(
         and one.candidate.effect.change_of in has
         and not _departs(setup, one.candidate.effect)
     ]
-    still = seen_beside(setup, weighed, still_noise(setup, weighed.covariance), chosen)
+    still = still_noise(setup, present)
     if not wanted:
         return still, []
     seen = shown_beside(setup, still, chosen, [one.candidate for one in wanted])
@@ -118,7 +119,7 @@ STRETCHES = 24
 
 @stage("refining steps and edges")
 def refine(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], plain: Chosen
+    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], plain: Chosen
 ) -> tuple[Problem, Chosen, float, float]:
     """Move the moment or edge of a choice to where it fits best, beside the rest of the model.
 
@@ -138,7 +139,7 @@ def refine(
     step = effect.is_change and effect.parameter is not None
     if not step and effect.edge is None:
         return setup, plain, 1.0, 0.0
-    view = plain_view(setup, weighed, chosen)
+    view = plain_view(setup, covariance, chosen)
     of_number = np.log(max(len(view.rows), 3))
     if step:
         tried = [(one, float(of_number)) for one in _moments(setup, view, effect)]
@@ -148,7 +149,7 @@ def refine(
     which = list(plain.candidate.coefficients)
     found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one, _ in tried]
     old = setup.picked(plain.candidate.columns)
-    before, *gains = _gains(setup, weighed, chosen, [old, *found])
+    before, *gains = _gains(setup, covariance, chosen, [old, *found])
     best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
     more = gains[best] / max(before, 1e-300)
     price = tried[best][1] - plain.candidate.price
@@ -163,18 +164,14 @@ def refine(
 
 
 def _gains(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], some: Sequence[Array]
+    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], some: Sequence[Array]
 ) -> list[float]:
     """Return what each of some blocks of columns (m, k) gains beside the model."""
-    model = setup.expanded((*setup.base, *chosen), of=weighed.white)
-    white = weighed.covariance.whiten(np.concatenate(some, axis=1))
-    both = np.concatenate([white, weighed.white[:, -1:]], axis=1)
-    both -= model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
-    gains, start = [], 0
-    for columns in some:
-        own = both[:, start : start + columns.shape[1]]
-        start += columns.shape[1]
-        seen = own.T @ both[:, -1]
+    _, left = left_beside(setup, covariance, chosen, np.concatenate(some, axis=1))
+    gains = []
+    for low, up in pairwise(np.cumsum([0, *(columns.shape[1] for columns in some)])):
+        own = left[:, low:up]
+        seen = own.T @ left[:, -1]
         gains.append(float(seen @ np.linalg.pinv(own.T @ own, hermitian=True) @ seen))
     return gains
 
@@ -237,33 +234,25 @@ def _from_the_end(values: Array) -> Array:
 
 
 @stage("choosing anew")
-def columns_anew(
-    setup: Problem, weighed: WhitenedData, covariance: Covariance, chosen: Sequence[Chosen]
-) -> list[Anew]:
+def columns_anew(setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> list[Anew]:
     """Return each choice as readings of full weight would choose it.
 
     Parameters
     ----------
-    setup, weighed
-        The case and its last weighing.
+    setup
+        The case.
     covariance
         Its noise, with no weight on the readings that must not choose.
     chosen
         What was chosen from all readings.
     """
     return [
-        _anew(setup, weighed, covariance, [each for each in chosen if each is not one], one)
+        _anew(setup, covariance, [each for each in chosen if each is not one], one)
         for one in chosen
     ]
 
 
-def _anew(
-    setup: Problem,
-    weighed: WhitenedData,
-    covariance: Covariance,
-    others: Sequence[Chosen],
-    one: Chosen,
-) -> Anew:
+def _anew(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Chosen) -> Anew:
     effect = one.candidate.effect
     if effect.id == OSCILLATION:
         fresh = oscillations.again(setup, covariance, others, effect)
@@ -281,9 +270,8 @@ def _anew(
         return Anew(setup.expanded([one]))
     if confounded(setup, effect):
         covariance = still_noise(setup, covariance)
-    seen = seen_beside(setup, weighed, covariance, others)
-    best, _ = best_shown(setup, seen, others, family)
+    best, _ = best_shown(setup, covariance, others, family)
     if any(each is one.candidate for each in family):
         return Anew(setup.expanded([Chosen(best, one.scope)]))
-    wider, refined, *_ = refine(setup, seen, others, Chosen(best, one.scope))
+    wider, refined, *_ = refine(setup, covariance, others, Chosen(best, one.scope))
     return Anew(wider.expanded([refined]))

@@ -19,15 +19,16 @@ from pyport.diagnosis.searching.contenders import (
     waves_of,
 )
 from pyport.diagnosis.shapes import oscillations
-from pyport.diagnosis.weighing import WhitenedData, best_shown, seen_beside
+from pyport.diagnosis.weighing import best_shown
 from pyport.effects.empirical.fields import OSCILLATION
+from pyport.noise.covariance import Covariance
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING
 
 
 def confirmed_changes(
     setup: Problem,
-    weighed: WhitenedData,
+    present: Covariance,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
     banned: Collection[str] = (),
@@ -36,12 +37,14 @@ def confirmed_changes(
     """Return the changes that are proposed, each with its evidence beside noise estimated anew.
 
     Only those that promise more than `above` beside noise that holds still: steps at their best
-    moment, for hours beside it a drift does as well.
+    moment, for hours beside it a drift does as well. `present` is the noise of the turn.
     """
-    waves = [] if OSCILLATION in banned else _oscillating(setup, weighed, chosen, above)
+    waves = []
+    if OSCILLATION not in banned:
+        waves = waves_of(setup, chosen, oscillations.proposed(setup, present, chosen, above))
     # What wins must be told from a wave: its columns stand in the case of every change.
     wider, beside = (waves[0].setup, waves[0].beside) if waves else (setup, None)
-    still, best = proposed(setup, weighed, chosen, trials, banned)
+    still, best = proposed(setup, present, chosen, trials, banned)
     moved = [refined(wider, still, chosen, trial) for trial in best]
 
     def sure_of(one: Contender) -> Contender:
@@ -62,7 +65,7 @@ def confirmed_changes(
 def _beside_it(
     change: Contender,
     sure: float,
-    still: WhitenedData,
+    still: Covariance,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
 ) -> tuple[Contender, float]:
@@ -75,8 +78,7 @@ def _beside_it(
     if found is None:
         return change, sure
     other, worth = found
-    seen = seen_beside(change.setup, still, still.covariance, (*chosen, other))
-    moved = refined(change.setup, seen, (*chosen, other), change.trial)
+    moved = refined(change.setup, still, (*chosen, other), change.trial)
     worlds = [(change, sure)]
     if moved.effect.parameter != change.effect.parameter:
         worlds.append((moved, evidence_anew(moved, chosen)))
@@ -92,7 +94,7 @@ def _beside_it(
 
 def _best_beside(
     change: Contender,
-    still: WhitenedData,
+    still: Covariance,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
 ) -> tuple[Chosen, float] | None:
@@ -107,14 +109,5 @@ def _best_beside(
     ]
     if not lasting:
         return None
-    seen = seen_beside(setup, still, still.covariance, after)
-    best, worth = best_shown(setup, seen, after, lasting)
+    best, worth = best_shown(setup, still, after, lasting)
     return (Chosen(best, "all"), worth) if worth > CONVINCING else None
-
-
-def _oscillating(
-    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], above: float
-) -> list[Contender]:
-    """Return the oscillation that is proposed, if any, as a contender whose period is a new one."""
-    proposal = oscillations.proposed(setup, weighed.covariance, chosen, above)
-    return waves_of(setup, chosen, proposal)

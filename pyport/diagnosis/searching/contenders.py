@@ -11,8 +11,9 @@ from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import oscillations
-from pyport.diagnosis.weighing import WhitenedData, weigh
+from pyport.diagnosis.weighing import weigh
 from pyport.effects.base import Effect
+from pyport.noise.covariance import Covariance
 from pyport.thresholds import CONVINCING
 
 
@@ -39,11 +40,11 @@ class Contender:
 
 
 def refined(
-    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], trial: CandidateFit
+    setup: Problem, covariance: Covariance, chosen: tuple[Chosen, ...], trial: CandidateFit
 ) -> Contender:
     """Return a trial with its moment or edge moved to where it fits best."""
     plain = Chosen(trial.candidate, trial.scope)
-    wider, new, more, price = refine(setup, weighed, chosen, plain)
+    wider, new, more, price = refine(setup, covariance, chosen, plain)
     added = trial.gain * (more - 1)
     better = replace(
         trial,

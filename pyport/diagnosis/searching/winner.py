@@ -130,7 +130,7 @@ def _changes(
     above: float,
 ) -> list[Contender]:
     """Return the changes with time that are more than the noise can do."""
-    found = confirmed_changes(setup, weighed, chosen, trials, banned, above)
+    found = confirmed_changes(setup, weighed.covariance, chosen, trials, banned, above)
     return [one for one in found if one.trial.evidence > CONVINCING]
 
 
@@ -169,7 +169,7 @@ def _lasting(
         one = Contender(trial, setup, Chosen(trial.candidate, trial.scope), trial.candidate.price)
         if trial.candidate.effect.id not in moved:
             moved.add(trial.candidate.effect.id)
-            one = refined(setup, weighed, chosen, trial)
+            one = refined(setup, weighed.covariance, chosen, trial)
         if one.trial.evidence > least:
             found.append(one)
     found.sort(key=_rank)

@@ -213,7 +213,7 @@ Edges = tuple[float, float, float, float]
 
 def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
     """Return the box of each axis whose offset explains most of what a model leaves."""
-    seen = plain_view(setup, weighed, chosen)
+    seen = plain_view(setup, weighed.covariance, chosen)
     at, row = setup.recordings.at, setup.stack.row
     az, el = at.az % (2 * np.pi), at.el
     found = []

@@ -42,7 +42,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     weighed = weigh(setup)
     beside = weighed.evidence.beside([setup.part(one) for one in setup.base])
     trials = trials_of(setup, beside)
-    changes = confirmed_changes(setup, weighed, (), trials)
+    changes = confirmed_changes(setup, weighed.covariance, (), trials)
     return vars(case) | {
         "program": program.version(),
         "p_value": family_p_value(trials),

@@ -118,7 +118,7 @@ def misfit(monkeypatch, off, *, known=True, factor=1.0):
         covariance=np.zeros((1, 1)),
         normal=np.ones((1, 1)),
     )
-    monkeypatch.setattr(holdout, "_whitened", lambda *_: (white, []))
+    monkeypatch.setattr(holdout, "whitened", lambda *_: (white, []))
     monkeypatch.setattr(
         holdout, "_without_each", lambda *_: [(0, solution, np.array([0])), (1, solution, [1])]
     )

@@ -27,6 +27,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
 
 QUIET = lambda _: None  # noqa: E731
+WEIGHED = SimpleNamespace(covariance=None)
 
 
 def won(effect="refraction", evidence=20.0, **changes):
@@ -322,7 +323,7 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
         share=lambda *some: float({one.candidate.effect.id for one in some} <= alike)
     )
     trials = [one.trial for one in RANKED]
-    found = winner._lasting(setup(), None, (), trials, (), 0.0, same)
+    found = winner._lasting(setup(), WEIGHED, (), trials, (), 0.0, same)
 
     assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 2, 3, 4)]
 
@@ -385,8 +386,7 @@ def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least,
     wave = won("azimuth_harmonics", 20.0)
     monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
     monkeypatch.setattr(winner, "waves_of", lambda *_: [wave])
-    now = SimpleNamespace(covariance=None)
-    drives = winner._of_drives(setup(), now, (), least, banned)
+    drives = winner._of_drives(setup(), WEIGHED, (), least, banned)
     found = turn(monkeypatch, drives=drives, sure=sure, mismatch=False)
 
     assert (found is not None) == wins
@@ -411,9 +411,9 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     )
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
-    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure + more))
-    moved = winner._changes(setup(), None, (), (), (), -np.inf)
+    moved = winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
 
     joint = sure if sure > 6 else sure + more
     assert [one.trial.evidence for one in moved] == ([joint] if found else [])
@@ -439,7 +439,6 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
     trials = [trial(one) for one in shown]
     trials += [trial("epoch_tilt"), trial("azimuth_scale", scope="antenna")]
     monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
-    monkeypatch.setattr(confirmed_changes, "seen_beside", lambda *_: None)
     monkeypatch.setattr(
         confirmed_changes,
         "best_shown",
@@ -455,8 +454,7 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
         return sure if one.candidate.effect.id == "temperature" else -5.0
 
     monkeypatch.setattr(confirmed_changes, "confirmed", confirmed)
-    still = confirmed_changes.WhitenedData(None, None, None)
-    best, found = confirmed_changes._beside_it(change, -9.0, still, (), trials)
+    best, found = confirmed_changes._beside_it(change, -9.0, None, (), trials)
 
     assert found == more
     assert best is (moved if more > 0 else change)
@@ -468,12 +466,10 @@ def test_a_change_that_does_not_move_is_not_confirmed_again(monkeypatch):
     other = Chosen(candidate("temperature"), "all")
     monkeypatch.setattr(confirmed_changes, "_best_beside", lambda *_: (other, 17.0))
     monkeypatch.setattr(confirmed_changes, "joined", lambda *_: ())
-    monkeypatch.setattr(confirmed_changes, "seen_beside", lambda *_: None)
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_offset"))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: pytest.fail("asked again"))
     monkeypatch.setattr(confirmed_changes, "confirmed", lambda *_: 18.0)
-    still = confirmed_changes.WhitenedData(None, None, None)
-    best, found = confirmed_changes._beside_it(change, -8.0, still, (), ())
+    best, found = confirmed_changes._beside_it(change, -8.0, None, (), ())
 
     assert best is change
     assert found == 10.0
@@ -489,9 +485,9 @@ def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, w
     )
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", evidence))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
-    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
+    monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
 
-    assert bool(winner._changes(setup(), None, (), (), (), -np.inf)) == weighed
+    assert bool(winner._changes(setup(), WEIGHED, (), (), (), -np.inf)) == weighed
 
 
 def test_a_change_is_told_from_the_changes_that_it_competed_with(monkeypatch):
@@ -516,8 +512,8 @@ def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
         lambda *given: won(given[3].candidate.effect.id, promised[given[3].candidate.effect.id]),
     )
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
-    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
-    found = winner._changes(setup(), None, (), (), (), -np.inf)
+    monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
+    found = winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
 
     assert {one.chosen.candidate.effect.id for one in found} == {
         "drift",
@@ -536,10 +532,10 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     asked = []
     monkeypatch.setattr(
-        confirmed_changes, "_oscillating", lambda *given: asked.append(given[-1]) or []
+        confirmed_changes.oscillations, "proposed", lambda *given: asked.append(given[-1])
     )
 
-    assert len(winner._changes(setup(), None, (), (), (), above)) == found
+    assert len(winner._changes(setup(), WEIGHED, (), (), (), above)) == found
     assert asked == [above]
 
 
@@ -560,8 +556,8 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
 
     monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure))
-    monkeypatch.setattr(confirmed_changes, "_oscillating", lambda *_: [])
-    winner._changes(setup(), None, (), (), (), -np.inf)
+    monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
+    winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
 
     assert confirmed == ["epoch_tilt", "epoch_clock"][:asked]
 
@@ -891,7 +887,7 @@ def proposed(monkeypatch, evidences, **more):
     """Return the changes that are proposed for a closer look, with their evidence."""
     columns, trials, data, plain = steps_of(evidences)
     base = [
-        SimpleNamespace(candidate=candidate(name))
+        Chosen(candidate(name), "all")
         for name in ("azimuth_zero", "elevation_zero", "tilt", "sag_cosine", "collimation")
     ]
     problem = setup(
@@ -902,11 +898,7 @@ def proposed(monkeypatch, evidences, **more):
         expanded=lambda _, of: np.zeros((len(of), 1)),
     )
     monkeypatch.setattr(changes, "still_noise", lambda *_: plain)
-    white = np.concatenate([columns, data[:, None]], axis=1)
-    still = SimpleNamespace(covariance=plain, white=white)
-    monkeypatch.setattr(changes, "seen_beside", lambda *_: still)
-    weighed = SimpleNamespace(covariance=plain, evidence=None)
-    found = changes.proposed(problem, weighed, (), trials, more.get("banned", ()))[1]
+    found = changes.proposed(problem, None, (), trials, more.get("banned", ()))[1]
     names = ["{}" if one.candidate.effect.parameter is None else "{} since" for one in found]
     effects = [one.candidate.effect.id for one in found]
     return {
