@@ -23,7 +23,7 @@ from pyport.diagnosis.searching.settling import Dropped, settled
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed, threshold
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
-from pyport.diagnosis.weighing import WhitenedData, weigh, weigh_model
+from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
 from pyport.fitting.misread import misread
@@ -151,7 +151,7 @@ def diagnose(
     alone = weigh_model(setup, (), searching=False) if outcome.chosen else weighed
     if few is None and not outcome.chosen:
         # Nothing stands: what noise alone does is what the whole noise does.
-        last = tuple(trials_of(setup, alone.evidence.beside([setup.part(b) for b in setup.base])))
+        last = tuple(trials_of(setup, projection(setup, alone, ())))
         outcome = replace(outcome, p_value=family_p_value(last), last=last)
     before = joint.fit(setup, alone, ())
     after = joint.fit(setup, weighed, outcome.chosen)
@@ -199,7 +199,7 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
     weighed = weigh(setup, (), searching=False)
     last: tuple[CandidateFit, ...] = ()
     if few.scatter_known:
-        last = tuple(trials_of(setup, weighed.evidence.beside([setup.part(b) for b in setup.base])))
+        last = tuple(trials_of(setup, projection(setup, weighed, ())))
     return Outcome(setup, (), (), weighed, 1.0, last)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import Evidence, at_best, shown
+from pyport.diagnosis.evidence import Evidence, Projection, at_best, shown
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
@@ -122,6 +122,11 @@ def _weighed(
         rng=np.random.default_rng(setup.seed),
     )
     return WhitenedData(covariance, white, evidence)
+
+
+def projection(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Projection:
+    """Return the evidence with the model and what is chosen projected out."""
+    return weighed.evidence.beside([setup.part(one) for one in (*setup.base, *chosen)])
 
 
 @stage("whitening")

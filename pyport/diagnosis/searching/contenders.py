@@ -11,7 +11,7 @@ from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.shapes import oscillations
-from pyport.diagnosis.weighing import weigh
+from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects.base import Effect
 from pyport.noise.covariance import Covariance
 from pyport.thresholds import CONVINCING
@@ -63,8 +63,7 @@ def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> 
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:
         return []
-    seen = weigh(wider, chosen)
-    beside = seen.evidence.beside([wider.part(each) for each in (*wider.base, *chosen)])
+    beside = projection(wider, weigh(wider, chosen), chosen)
     trials = beside.trials([(one.candidate, one.scope)])
     return [
         Contender(

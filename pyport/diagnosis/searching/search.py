@@ -15,7 +15,7 @@ from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
 from pyport.diagnosis.shapes.fields import field_instead
-from pyport.diagnosis.weighing import weigh
+from pyport.diagnosis.weighing import projection, weigh
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import (
     CONVINCING,
@@ -105,7 +105,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
     first = start.p_value if start.steps else None
     while True:
         setup, chosen, weighed = now.setup, now.chosen, now.weighed
-        beside = weighed.evidence.beside([setup.part(one) for one in (*setup.base, *chosen)])
+        beside = projection(setup, weighed, chosen)
         trials = tuple(trials_of(setup, beside))
         p_value = family_p_value(trials)
         first = p_value if first is None else first
@@ -162,9 +162,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
         if own is None or not effect.physical or confounded(now.setup, effect):
             continue
         others = now.others(one)
-        beside = now.weighed.evidence.beside(
-            [now.setup.part(each) for each in (*now.setup.base, *others)]
-        )
+        beside = projection(now.setup, now.weighed, others)
         trials = tuple(trials_of(now.setup, beside))
         better = winner_of(
             now.setup,

@@ -18,7 +18,7 @@ from pyport.diagnosis.searching.confirming import likeliest
 from pyport.diagnosis.searching.turns import TIE, Outcome
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
-from pyport.diagnosis.weighing import weigh, weigh_model
+from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS
 
@@ -69,8 +69,7 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
         if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
             steps.append(step)
             continue
-        others = outcome.others(one)
-        beside = weighed.evidence.beside([setup.part(each) for each in (*setup.base, *others)])
+        beside = projection(setup, weighed, outcome.others(one))
         own = beside.trials([(one.candidate, one.scope)])
         if own:
             trials = tuple(trials_of(setup, beside))

@@ -14,7 +14,7 @@ from pyport.diagnosis.case import prepare
 from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
 from pyport.diagnosis.searching.turns import family_p_value
 from pyport.diagnosis.searching.winner import trials_of
-from pyport.diagnosis.weighing import weigh
+from pyport.diagnosis.weighing import projection, weigh
 from pyport.examiner import program
 from pyport.examiner.nulls import nulls
 from pyport.examiner.scores import Share, clustered, counted
@@ -40,7 +40,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     recordings = from_table(world.table, dict(world.header))
     setup = prepare(recordings, load("altaz").on(recordings.at.mount), None, 0)
     weighed = weigh(setup)
-    beside = weighed.evidence.beside([setup.part(one) for one in setup.base])
+    beside = projection(setup, weighed, ())
     trials = trials_of(setup, beside)
     changes = confirmed_changes(setup, weighed.covariance, (), trials)
     return vars(case) | {
