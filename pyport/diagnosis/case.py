@@ -156,6 +156,14 @@ class Problem:
         added = more if self.added is None else np.concatenate([self.added, more], axis=1)
         return replace(self, added=added)
 
+    def with_member(self, one: Chosen, effect: Effect) -> tuple[Problem, Chosen]:
+        """Return the case with the columns of another member of a choice's family, and that."""
+        candidate = one.candidate
+        columns = self.stack.columns(effect, self.recordings.at)[:, list(candidate.coefficients)]
+        own = self.size + np.arange(columns.shape[1])
+        other = replace(one, candidate=replace(candidate, effect=effect, columns=own))
+        return self.with_columns(columns), other
+
     @cached_property
     def possible(self) -> tuple[Array, ...]:
         """Return for each series the columns of all lasting candidates that are not empty in it.

@@ -155,12 +155,7 @@ def refine(
     price = tried[best][1] - plain.candidate.price
     if more <= 1:
         return setup, plain, 1.0, 0.0
-    better, columns = tried[best][0], found[best]
-    start = setup.size
-    candidate = replace(
-        plain.candidate, effect=better, columns=np.arange(start, start + columns.shape[1])
-    )
-    return setup.with_columns(columns), Chosen(candidate, plain.scope), more, max(float(price), 0.0)
+    return *setup.with_member(plain, tried[best][0]), more, max(float(price), 0.0)
 
 
 def _gains(
@@ -221,10 +216,8 @@ def past_outliers(
     for n in {*before[-1:], *behind[:1]} - {now}:
         since, of_order = float(moments[n - 1] + moments[n]) / 2, effect.changes_with == "order"
         step = epoch_step(since, catalogue(at.mount)[effect.id], of_order=of_order)
-        columns = setup.stack.columns(step, at)[:, list(one.candidate.coefficients)]
-        own = setup.size + np.arange(columns.shape[1])
-        setup = setup.with_columns(columns)
-        moved.append(replace(one, candidate=replace(one.candidate, effect=step, columns=own)))
+        setup, other = setup.with_member(one, step)
+        moved.append(other)
     return setup, moved
 
 

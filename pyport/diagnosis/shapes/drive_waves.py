@@ -11,11 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.searching.confirming import beside_model
-from pyport.diagnosis.shapes.oscillations import NEAR, top
+from pyport.diagnosis.shapes.oscillations import NEAR, of_period, top
 from pyport.diagnosis.shapes.periods import (
     OVERSAMPLED,
     Peak,
@@ -165,10 +164,7 @@ def proposed(setup: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Cho
     if worth - 2 * float(np.log(len(ways))) <= CONVINCING:
         return None
     effect = _refined(setup, noise, chosen, way, peak)[0]
-    columns = setup.stack.columns(effect, setup.recordings.at)
-    kept = tuple(int(one) for one in np.flatnonzero(columns.any(axis=0)))
-    places = setup.size + np.arange(len(kept))
-    return Chosen(Candidate(effect, places, kept, max(1, round(peak.choices * len(ways)))), "all")
+    return of_period(setup, effect, peak.choices * len(ways))
 
 
 def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:

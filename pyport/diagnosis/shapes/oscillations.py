@@ -147,16 +147,8 @@ def _refined(
     first = _effect(setup, scan, peak.period, wanders=peak.wanders)
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
     effect = _effect(setup, scan, period, wanders=peak.wanders)
-    kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
-    start = setup.size
-    candidate = Candidate(
-        effect,
-        np.arange(start, start + len(kept)),
-        tuple(int(one) for one in kept),
-        max(1, round(peak.choices * ways)),
-        of_time=True,
-    )
-    return Chosen(candidate, "all"), evidence
+    one = of_period(setup, effect, peak.choices * ways)
+    return replace(one, candidate=replace(one.candidate, of_time=True)), evidence
 
 
 def likeliest_period(
@@ -284,6 +276,13 @@ def top(waves: _Fits, tried: Array) -> tuple[float, float, float]:
         return middle, float(np.ptp(tried)), float(worth[best])
     highest = np.clip(middle - slope / (2 * bend), tried[some].min(), tried[some].max())
     return float(highest), float(np.sqrt(-1 / bend)), float(worth[best])
+
+
+def of_period(setup: Problem, effect: Effect, choices: float) -> Chosen:
+    """Return a wave, one of so many periods, as a choice in the case that is `widened` by it."""
+    kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
+    places = setup.size + np.arange(len(kept))
+    return Chosen(Candidate(effect, places, tuple(kept.tolist()), max(1, round(choices))), "all")
 
 
 def widened(setup: Problem, one: Chosen) -> Problem:
