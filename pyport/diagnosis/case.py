@@ -120,6 +120,16 @@ class Problem:
         """Return the name of the session of each reading, shape (m,)."""
         return self.recordings.label("session").astype(str)[self.stack.row]
 
+    @cached_property
+    def antenna(self) -> NDArray[np.str_]:
+        """Return the name of the antenna of each reading, shape (m,)."""
+        return self.blocks.antenna[self.block]
+
+    @cached_property
+    def series(self) -> Codes:
+        """Return the number of the antenna and axis of each reading, shape (m,)."""
+        return 2 * self.blocks.groups("antenna")[self.block] + self.stack.is_y
+
     @property
     def size(self) -> int:
         """Return how many columns there are of everything that may be fitted."""

@@ -279,12 +279,11 @@ def unseen(
     finite = np.isfinite(first) & np.isfinite(second)
     nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)
     counted = finite.copy()
-    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
-    series = antenna * 2 + setup.stack.is_y
-    for one in np.unique(series):
-        for fold in np.unique(partition.fold[series == one]):
-            own = (series == one) & (partition.fold == fold)
-            others = (series == one) & (partition.fold != fold) & finite
+    for series in np.unique(setup.series):
+        inside = setup.series == series
+        for fold in np.unique(partition.fold[inside]):
+            own = inside & (partition.fold == fold)
+            others = inside & (partition.fold != fold) & finite
             if others.any():
                 counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
     stretch = np.unique([setup.session, partition.fold], axis=1, return_inverse=True)[1].ravel()

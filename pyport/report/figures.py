@@ -84,7 +84,7 @@ def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
     counts = diagnosis.share > 0
     antennas = finding.where.subset.get("antenna")
     if antennas:
-        counts &= np.isin(diagnosis.setup.blocks.antenna[diagnosis.setup.block], antennas)
+        counts &= np.isin(diagnosis.setup.antenna, antennas)
     axes = [axis == "el" for axis in finding.where.axes]
     return np.flatnonzero(counts & np.isin(diagnosis.setup.stack.is_y, axes))
 

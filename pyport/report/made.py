@@ -163,14 +163,13 @@ def _rms(diagnosis: Diagnosis, fit: Joint) -> Rms:
 def _antennas(diagnosis: Diagnosis) -> tuple[Antenna, ...]:
     """Return for each antenna of an array its rms before and after, in the fit and held out."""
     setup = diagnosis.setup
-    of_row = setup.blocks.antenna[setup.block]
-    names = np.unique(of_row)
+    names = np.unique(setup.antenna)
     in_fit = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
     held_out = diagnosis.unseen.before, diagnosis.unseen.after
     found = []
     for name in names if len(names) > 1 else ():
-        rows = (of_row == name) & diagnosis.weighed.used
-        both = (of_row == name) & diagnosis.unseen.counted
+        rows = (setup.antenna == name) & diagnosis.weighed.used
+        both = (setup.antenna == name) & diagnosis.unseen.counted
         found.append(
             Antenna(
                 str(name),

@@ -162,11 +162,10 @@ def _own(
     labels = [f"[{name}]" for name in parts.antennas]
     coefficient = effect.coefficients[chosen.candidate.coefficients[0]]
     parameters = scaled(coefficient, labels, value, parts.own_sigma)
-    antennas = setup.blocks.antenna[setup.block]
-    rows = np.isin(antennas, standing)
+    rows = np.isin(setup.antenna, standing)
     of_antenna = dict(zip(parts.antennas, value, strict=True))
     column = setup.picked(chosen.candidate.columns[:1])[:, 0]
-    curve = column * np.array([of_antenna.get(str(name), 0.0) for name in antennas])
+    curve = column * np.array([of_antenna.get(str(name), 0.0) for name in setup.antenna])
     seen = visible(setup, scene.weighed, curve)
     called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)

@@ -240,11 +240,10 @@ def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
     # of longitude, as the effect's coefficient is
     radius = implied.radius_m * np.cos(site.latitude)
     shift = dict(zip(one.antennas, one.slope * one.surveyed_m / radius, strict=True))
-    antennas = setup.blocks.antenna[setup.block]
     column = setup.stack.columns(CATALOGUE["site_longitude"], setup.recordings.at)[:, 0]
-    curve = column * np.array([shift.get(str(name), 0.0) for name in antennas])
+    curve = column * np.array([shift.get(str(name), 0.0) for name in setup.antenna])
     seen = visible(setup, diagnosis.weighed, curve)
-    moved = np.isin(antennas, one.antennas)
+    moved = np.isin(setup.antenna, one.antennas)
     standing = np.abs(one.implied_m) > SIGNIFICANT * one.sigma_m
     lean = one.lean_m / implied.radius_m / ARCMIN
     return Finding(

@@ -58,10 +58,10 @@ class Scene:
 def scene(setup: Problem, outcome: Outcome, joint: Joint) -> Scene:
     """Return the scene of a finished search."""
     floor = outcome.weighed.covariance.scatter
-    quiet = np.isin(setup.blocks.antenna[setup.block], noisy_antennas(setup, floor), invert=True)
+    quiet = np.isin(setup.antenna, noisy_antennas(setup, floor), invert=True)
     counted = outcome.weighed.used & quiet
     # Plain within an antenna: only one that is noisier than usual counts less in an array's rms.
-    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
+    antenna = setup.blocks.groups("antenna")[setup.block]
     own = np.array([np.median(floor[antenna == n]) for n in range(antenna.max(initial=-1) + 1)])
     usual = np.median(floor[counted]) if counted.any() else 1.0
     if len(own) > 1:
@@ -74,9 +74,8 @@ def scene(setup: Problem, outcome: Outcome, joint: Joint) -> Scene:
 
 def noisy_antennas(setup: Problem, floor: Array) -> list[str]:
     """Name the antennas whose noise drowns whatever the others show."""
-    antennas = setup.blocks.antenna[setup.block]
-    names = np.unique(antennas)
-    own = np.array([np.median(floor[antennas == name]) for name in names])
+    names = np.unique(setup.antenna)
+    own = np.array([np.median(floor[setup.antenna == name]) for name in names])
     return [str(name) for name in names[own > GROSS * np.median(own)]]
 
 
@@ -124,11 +123,9 @@ def size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
 def centred(scene: Scene, curve: Array) -> Array:
     """Return a curve (m,) less its mean in each axis of each antenna: a zero would take that."""
     setup, out = scene.setup, curve.copy()
-    antenna = np.unique(setup.blocks.antenna, return_inverse=True)[1][setup.block]
-    series = antenna * 2 + setup.stack.is_y
-    count = np.bincount(series, scene.share)
-    total = np.bincount(series, scene.share * curve)
-    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[series]
+    count = np.bincount(setup.series, scene.share)
+    total = np.bincount(setup.series, scene.share * curve)
+    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[setup.series]
     return out
 
 
@@ -142,7 +139,7 @@ def axes(setup: Problem, seen: Array) -> tuple[str, ...]:
 
 def moved_antennas(scene: Scene, curve: Array) -> dict[str, list[str]]:
     """Name the antennas that a curve moves, where it does not move all."""
-    antennas = scene.setup.blocks.antenna[scene.setup.block]
+    antennas = scene.setup.antenna
     moved = np.unique(antennas[curve != 0])
     return {} if len(moved) == len(np.unique(antennas)) else {"antenna": [str(m) for m in moved]}
 

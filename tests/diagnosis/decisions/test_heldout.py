@@ -211,9 +211,7 @@ def unseen(monkeypatch, first, second, fold):
     monkeypatch.setattr(holdout, "residuals", lambda *_: answers.pop(0))
     case = setup(
         session=np.zeros(len(first), int),
-        blocks=SimpleNamespace(antenna=np.array([""])),
-        block=np.zeros(len(first), int),
-        stack=SimpleNamespace(is_y=np.ones(len(first), bool)),
+        series=np.ones(len(first), int),
     )
     return holdout.unseen(case, (None, None), (), (), holdout.Folds("", np.asarray(fold)))
 
@@ -373,7 +371,7 @@ def test_three_members_at_most_are_tried(monkeypatch):
 def test_an_antenna_ten_times_as_noisy_counts_in_no_rms(scatter, noisy):
     """As the median antenna."""
     names = np.array(["A", "B", "C", "D", "E"])
-    case = setup(blocks=SimpleNamespace(antenna=names), block=np.arange(5))
+    case = setup(antenna=names)
 
     assert scene.noisy_antennas(case, np.array([1, 1, 1, 1, scatter])) == ["E"] * noisy
 
@@ -381,8 +379,7 @@ def test_an_antenna_ten_times_as_noisy_counts_in_no_rms(scatter, noisy):
 @pytest.mark.parametrize(("antennas", "judged"), [(3, True), (2, False), (1, False)])
 def test_of_two_antennas_none_is_noisy(antennas, judged):
     """Neither is the odd one out."""
-    case = setup(blocks=SimpleNamespace(antenna=np.array(["A", "B", "C"][:antennas])))
-    case.block = np.arange(antennas)
+    case = setup(antenna=np.array(["A", "B", "C"][:antennas]))
     scatter = np.ones(antennas)
     scatter[0] = 1000.0
 
