@@ -33,6 +33,8 @@ TURNS = 60
 LATEST = 1e18
 #: No effect needs more columns than this.
 MOST_NEEDS = 6
+#: What columns are called inside the program, by their names in recordings.
+_INSIDE = {told: own for own, told in SPELLED.items()}
 
 
 class Offsets(NamedTuple):
@@ -156,8 +158,7 @@ class PointingModel:
 
     def columns_needed(self) -> list[str]:
         """Return the columns that the model follows, as they are called inside the program."""
-        inside = {told: own for own, told in SPELLED.items()}
-        return [inside.get(name, name) for name in self.needs()]
+        return [_INSIDE.get(name, name) for name in self.needs()]
 
     def save(
         self,
@@ -298,9 +299,7 @@ def _missing(effect: Effect, site: Site | None) -> list[str]:
             effect.columns(at)
         except MissingColumn as lack:
             found.append(lack.column)
-            inside = next(
-                (own for own, told in SPELLED.items() if told == lack.column), lack.column
-            )
+            inside = _INSIDE.get(lack.column, lack.column)
             if inside in columns or not inside.isidentifier() or inside == "latitude_deg":
                 break  # a site, or one of several: nothing more can be said
             columns[inside] = np.array([""] if inside in LABELS else [1.0])
