@@ -7,7 +7,7 @@ from effects.sky import campaign, replaced, without
 from pyport.diagnosis.candidates import design
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
-from pyport.effects.empirical.driven import MOST_DRIVERS, drivers
+from pyport.effects.empirical.conditions import MOST_DRIVERS, drivers
 from pyport.effects.telescope.thermal import ways
 from pyport.recordings.schema import Recordings, stack
 

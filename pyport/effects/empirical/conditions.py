@@ -1,0 +1,262 @@
+"""Conditions that a term of the mount may follow: recorded, or computed from time and place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.columns import COLUMNS
+from pyport.effects.base import THE_HOUR, Circumstances, MissingColumn
+from pyport.effects.circumstances import mostly_known
+from pyport.effects.telescope.rotation import (
+    LEAST_ARC,
+    OFFSETS_AND_SIZES,
+    PLACES,
+    angle_columns,
+    arc,
+)
+from pyport.effects.telescope.thermal import ACTS, AIR, BETWEEN, acting_c, sun, ways
+
+#: So many conditions are tried. With four terms each that is the 24 members that a search bears,
+#: and refraction: the temperature drives one term, in four ways.
+MOST_DRIVERS = 6
+#: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
+FEW_VALUES = 4
+#: A column of which so much of the variance is drawn by the direction is a name for it.
+BY_DIRECTION = 0.9
+#: Terms of the mount that a condition may drive.
+_OF_MOUNT = ("tilt", "sag_cosine", "elevation_zero", "collimation")
+#: Of refraction alone it is known what changes it: the density of the air.
+OF_AIR = "refraction"
+#: The term that a condition may drive of which nothing is known but the name. An offset that is
+#: the same all over the sky, or nearly so as a sag is, and follows such a column names no part
+#: of the telescope: it stays a curve in that column, without a name.
+_BY_ANYTHING = ("tilt",)
+#: What the temperature of the air does to zeros and sag, at once or late, is the effect
+#: `temperature`.
+_BEYOND_TEMPERATURE = ("tilt",)
+_BY_AIR = {
+    "temperature_c": (*_BEYOND_TEMPERATURE, OF_AIR),
+    "pressure_hpa": (*_OF_MOUNT, OF_AIR),
+}
+
+#: Columns that are no condition: places, times of a scan, and how it was made.
+_NO_CONDITION = frozenset(
+    {
+        *("time", "order", "hour_angle", "ra", "dec", "sun_az", "sun_el", "wind_az"),
+        *("scan_direction", "scan_rate", "frequency_mhz"),
+    }
+)
+#: Parts of a column's name that say that it is a time or how the measurement was made.
+_NO_NAME = (
+    PLACES
+    | OFFSETS_AND_SIZES
+    | {
+        *("hour", "time", "date", "day", "mjd", "jd", "utc", "ut", "airmass"),
+        *("scan", "number", "num", "index", "line", "row", "id", "obsnum", "seq"),
+        *("exptime", "duration", "integration", "frequency", "snr", "flux", "peak", "amplitude"),
+        *("weight", "quality", "tsys"),
+    }
+)
+#: Parts of a column's name by which it is known what moves: a focus, a temperature.
+_KNOWN = frozenset({"focus", "temperature", "temp"})
+
+#: The unit that a column's ending stands for.
+_UNITS = {
+    "m_s": "(m/s)",
+    "c": "K",
+    "k": "K",
+    "pct": "%",
+    "hpa": "hPa",
+    "bar": "bar",
+    "mm": "mm",
+    "um": "um",
+    "deg": "deg",
+    "arcmin": "arcmin",
+    "arcsec": "arcsec",
+}
+
+
+@dataclass(frozen=True)
+class Driver:
+    """A condition that a term may follow."""
+
+    name: str  #: the column as the contract spells it, or what is computed
+    unit: str  #: of its value
+    #: Circumstances -> its values, one or more columns of shape (n,), NaN where unknown.
+    values: Callable[[Circumstances], tuple[Array, ...]]
+    labels: tuple[str, ...] = ("",)  #: what is added to a coefficient's name for each of them
+    terms: tuple[str, ...] = _OF_MOUNT  #: which of the terms may follow it
+    follows: str = THE_HOUR  #: the `driver` of the effects
+    #: What is taken off the values; None for a median of the recordings at hand, or nothing.
+    centre: float | None = None
+    late: tuple[str, float] = (AIR, 0)  #: how the temperature acts, and how many hours late
+
+
+def tried(at: Circumstances) -> list[Driver]:
+    """Return the conditions worth trying, and the ways in which the air's temperature acts late."""
+    found = drivers(at)
+    air = next((one.centre for one in found if one.follows == "temperature_c"), None)
+    return found if air is None else found + [_late(*way, air) for way in ways(at) if way[0] != AIR]
+
+
+def told(follows: str, centre: float | None = None, way: str = AIR, lag_h: float = 0) -> Driver:
+    """Return the condition that a file tells: see `Effect.member`."""
+    if way != AIR:
+        return _late(way, lag_h, centre or 0.0)
+    if follows == _TIME_OF_DAY.name:
+        return _TIME_OF_DAY
+    if follows == _SUN:
+        return _above_sun(centre or 0.0)
+    return OF_TEMPERATURE if centre is None else _about(follows, centre)
+
+
+def drivers(at: Circumstances) -> list[Driver]:
+    """Return the conditions worth trying, at most `MOST_DRIVERS`.
+
+    First what is known to move a telescope: the temperature, the time of the day, the height of
+    the Sun, the wind. Then every other column of numbers that is no place, time, offset, error
+    or detail of the measurement, by its name; that takes more than a few values; that does not
+    only grow or only fall with time (a counter, a clock: `drift`) and is not drawn by the
+    direction; those first that the direction draws least.
+    """
+    known = [
+        _recorded(at, "temperature_c"),
+        _time_of_day(at),
+        _sun(at),
+        _recorded(at, "wind_speed_m_s"),
+    ]
+    others = {name: _free(at, name) for name in at.columns if _may_drive(at, name)}
+    ranked = sorted(
+        (name for name in others if others[name] > 1 - BY_DIRECTION), key=lambda n: -others[n]
+    )
+    found = [*known, *(_recorded(at, name) for name in ranked)]
+    return [one for one in found if one is not None][:MOST_DRIVERS]
+
+
+def _recorded(at: Circumstances, name: str) -> Driver | None:
+    """Return a recorded condition less its median here; None where it hardly varies."""
+    if not _varies(at, name):
+        return None
+    moves = name in _CONTRACT or _KNOWN & set(name.split("_"))
+    terms = _BY_AIR.get(name, _OF_MOUNT if moves else _BY_ANYTHING)
+    return _about(name, float(np.nanmedian(at.numbers(name))), terms)
+
+
+def _about(name: str, centre: float, terms: tuple[str, ...] = _OF_MOUNT) -> Driver:
+    """Return a recorded condition less a number."""
+    unit = next((_UNITS[end] for end in _UNITS if name.endswith(f"_{end}")), name)
+    return Driver(
+        name,
+        unit,
+        lambda at: (at.numbers(name) - centre,),
+        terms=terms,
+        follows=name,
+        centre=centre,
+    )
+
+
+def _late(way: str, lag_h: float, centre: float) -> Driver:
+    """Return what follows the air's temperature late, or how far that is behind."""
+    offset = 0.0 if way == BETWEEN else centre
+    return Driver(
+        f"temperature_c{ACTS[way][0].format(lag_h)}",
+        "K",
+        lambda at: (acting_c(at, way, lag_h) - offset,),
+        terms=_BEYOND_TEMPERATURE,
+        follows="temperature_c",
+        centre=centre,
+        late=(way, lag_h),
+    )
+
+
+#: The contract's conditions.
+_CONTRACT = frozenset(one.name for one in COLUMNS if one.weather)
+
+
+def _time_of_day(at: Circumstances) -> Driver | None:
+    """Return once a day, as cosine and sine of UTC: what any local time is a mixture of."""
+    return _TIME_OF_DAY if _varies(at, "time") else None
+
+
+def _hours(at: Circumstances) -> tuple[Array, ...]:
+    angle = at.numbers("time") / 86400 % 1 * 2 * np.pi
+    return np.cos(angle), np.sin(angle)
+
+
+_TIME_OF_DAY = Driver("the time of day", "", _hours, ("_cosine_of_utc", "_sine_of_utc"))
+_SUN = "sun_el_deg"
+
+
+def _sun(at: Circumstances) -> Driver | None:
+    """Return the elevation of the Sun, as recorded or computed [deg], less its median here."""
+    try:
+        return _above_sun(float(np.nanmedian(_height(at))))
+    except MissingColumn:
+        return None
+
+
+def _height(at: Circumstances) -> Array:
+    return (at.numbers("sun_el") if "sun_el" in at else sun(at)[1]) / DEG
+
+
+def _above_sun(centre: float) -> Driver:
+    return Driver(_SUN, "deg", lambda at: (_height(at) - centre,), centre=centre)
+
+
+def _varies(at: Circumstances, name: str) -> bool:
+    """Tell whether a column holds numbers, known in half of the rows, of more than a few values."""
+    if name not in at or at.columns[name].dtype.kind not in "fiu":
+        return False
+    values = np.asarray(at.columns[name], float)
+    return mostly_known(values) and len(np.unique(values[np.isfinite(values)])) > FEW_VALUES
+
+
+def _may_drive(at: Circumstances, name: str) -> bool:
+    """Tell whether a column other than those known to move a telescope is a condition."""
+    if name in _NO_CONDITION | {"temperature_c", "wind_speed_m_s"} or not _varies(at, name):
+        return False
+    if _NO_NAME & set(name.split("_")):
+        return False
+    angle = angle_columns(at).get(name)
+    if angle is not None and arc(angle) >= LEAST_ARC:
+        return False  # an angle that goes round has no middle: see `rotator_circle`
+    return not _counts(at, np.asarray(at.columns[name], float))
+
+
+def _counts(at: Circumstances, values: Array) -> bool:
+    """Tell whether a column only grows or only falls with the rows or with time."""
+    orders = [np.arange(len(values))]
+    if "time" in at:
+        orders.append(np.argsort(np.asarray(at.column("time"), float), kind="stable"))
+    for order in orders:
+        steps = np.diff(values[order][np.isfinite(values[order])])
+        if np.all(steps >= 0) or np.all(steps <= 0):
+            return True
+    return False
+
+
+def _free(at: Circumstances, name: str) -> float:
+    """Return what share of a column's variance low waves of azimuth and elevation leave."""
+    values = np.asarray(at.columns[name], float)
+    there = np.isfinite(values)
+    az, el = at.az[there], at.el[there]
+    waves = [np.ones(len(az)), np.cos(az), np.sin(az), np.cos(el), np.sin(el), np.sin(2 * el)]
+    columns = np.stack(waves, axis=1)
+    left = values[there] - columns @ np.linalg.lstsq(columns, values[there], rcond=1e-9)[0]
+    # Each wave draws a share of pure noise as well, which a few rows would take for the direction.
+    spare = max(len(left) - columns.shape[1], 1) / max(len(left) - 1, 1)
+    return float(min(1.0, left.var() / spare / max(float(values[there].var()), 1e-300)))
+
+
+#: The temperature of the air less its median in the recordings at hand.
+OF_TEMPERATURE = Driver(
+    "temperature_c",
+    "K",
+    lambda at: (at.numbers("temperature_c") - float(np.nanmedian(at.numbers("temperature_c"))),),
+    terms=_BEYOND_TEMPERATURE,
+    follows="temperature_c",
+)
