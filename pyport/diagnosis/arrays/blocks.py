@@ -157,8 +157,7 @@ def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bl
     since = _since(setup, steps(fit))
     zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
     value = setup.residual - shared(setup, fit)
-    session = setup.session_names
-    antenna = setup.recordings.label("antenna").astype(str)[stack.row]
+    antenna, session = setup.antenna, setup.session_names
     everything = np.stack([value, *columns, *zeros.T], axis=1)
     found = []
     for name, when in dict.fromkeys(zip(antenna.tolist(), session.tolist(), strict=True)):
