@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,21 +167,20 @@ def _own(
     column = setup.picked(chosen.candidate.columns[:1])[:, 0]
     curve = column * np.array([of_antenna.get(str(name), 0.0) for name in setup.antenna])
     seen = visible(setup, scene.weighed, curve)
-    called = turns.name(step.winner, step.trials, step.beside)
     checks = halves(setup, scene.weighed, scene.joint, choice)
     return Finding(
         effect=effect.id,
-        members=called.members,
-        verdict="named" if len(called.members) == 1 else "ambiguous",
+        members=step.called.members,
+        verdict="named" if len(step.called.members) == 1 else "ambiguous",
         sentence=words.own(effect, parameters, standing, len(parts.antennas)),
         where=Where(axes(setup, seen), {"antenna": standing}),
         parameters=tuple(parameters),
-        evidence=evidence_of(step, called),
+        evidence=evidence_of(step),
         visible_rms=size(scene, seen, rows),
         true_rms=size(scene, centred(scene, curve), rows),
         variant=effect.variant,
         heldout=held_out(scene, earlier, (*earlier, chosen), rows),
-        decide_by=turns.decide_by(called.members),
+        decide_by=turns.decide_by(step.called.members),
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
@@ -216,7 +215,7 @@ def _shared(
         sentence=words.common(partner.effect, parameters, several=several),
         where=Where(axes(setup, seen)),
         parameters=tuple(parameters),
-        evidence=_gain_of(step, common, turns.name(step.winner, step.trials, step.beside)),
+        evidence=_gain_of(step, common),
         visible_rms=size(scene, seen, curve != 0),
         true_rms=size(scene, centred(scene, curve), curve != 0),
         heldout=held_out(scene, earlier, (*earlier, common), np.abs(curve) > 0),
@@ -269,14 +268,12 @@ def _ratio(setup: Problem, partner: Candidate, candidate: Candidate) -> float:
     return float(setup.picked(partner.columns[:1])[:, 0] @ column / (column @ column))
 
 
-def _gain_of(step: Step, chosen: Chosen, called: turns.Name) -> Evidence:
+def _gain_of(step: Step, chosen: Chosen) -> Evidence:
     """Return the evidence of a narrower choice, as it was tried in the same turn."""
     same = [
         trial
         for trial in step.trials
         if trial.candidate is chosen.candidate and trial.scope == chosen.scope
     ]
-    whole = evidence_of(step, called)
-    if not same:
-        return whole
-    return Evidence(whole.p_value, same[0].delta_bic, whole.runner_up, whole.runner_up_delta_bic)
+    whole = evidence_of(step)
+    return replace(whole, delta_bic=same[0].delta_bic) if same else whole

@@ -81,7 +81,7 @@ def _single(
     if of_drive:
         parameters = waves.of_drive(scene, choice, parameters)
         like = waves.alias(effect, drive_waves.way_of(setup, effect).step)
-    called = turns.name(step.winner, step.trials, step.beside)
+    called = step.called
     checks = halves(setup, scene.weighed, scene.joint, choice)
     if of_time:
         checks.append(waves.own_period(scene, chosen))
@@ -125,7 +125,7 @@ def _single(
         else words.UNKNOWN,
         where=where,
         parameters=tuple(parameters),
-        evidence=evidence_of(step, called),
+        evidence=evidence_of(step),
         visible_rms=size(scene, seen, curve != 0),
         true_rms=size(scene, centred(scene, curve), curve != 0),
         largest=largest,

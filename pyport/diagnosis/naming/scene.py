@@ -15,7 +15,6 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
-from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Outcome, Step, agrees
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.base import Coefficient
@@ -144,9 +143,9 @@ def moved_antennas(scene: Scene, curve: Array) -> dict[str, list[str]]:
     return {} if len(moved) == len(np.unique(antennas)) else {"antenna": [str(m) for m in moved]}
 
 
-def evidence_of(step: Step, called: turns.Name) -> Evidence:
+def evidence_of(step: Step) -> Evidence:
     """Return the evidence of a turn, with the best effect outside the class."""
-    runner = called.runner_up
+    runner = step.called.runner_up
     return Evidence(
         step.p_value,
         step.winner.delta_bic,

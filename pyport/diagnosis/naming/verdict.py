@@ -20,7 +20,6 @@ from pyport.diagnosis.evidence import VISIBLE, CandidateFit, at_best
 from pyport.diagnosis.naming.finding import Finding, Stability
 from pyport.diagnosis.naming.guards import Refusal, refusal
 from pyport.diagnosis.naming.scene import Scene
-from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.turns import TIE, Step, decide_by, fits_physics
 from pyport.effects import Effect, known
@@ -198,7 +197,7 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
     comes_back = None
     if told:
         members = {name for one in told for name in one.members}
-        members.update(turns.name(step.winner, step.trials, step.beside).members)
+        members.update(step.called.members)
         comes_back = stability(scene, choice, step, members)
     out = []
     for one in found:

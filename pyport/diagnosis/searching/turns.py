@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -107,6 +108,11 @@ class Step:
     beside: Projection
     p_value: float
     price: float = 0.0
+
+    @cached_property
+    def called(self) -> Name:
+        """Return what the winner may be called."""
+        return name(self.winner, self.trials, self.beside)
 
 
 @dataclass(frozen=True)
