@@ -57,16 +57,16 @@ _SURVEY = (
     f"{_INCLINOMETER}, or compare with surveyed coordinates: over an array a site error grows "
     "with the distance from the reference, a tilt does not"
 )
-_MAST = (
-    "point at what does not move with the sky (a mast, a geostationary satellite), "
-    "or compare antennas: a clock error is one for all"
-)
+_AT_REST = "point at what does not move with the sky (a mast, a geostationary satellite)"
+_MAST = f"{_AT_REST}, or compare antennas: a clock error is one for all"
+_LEVEL = "read the elevation on a level: gravity bends the dish and leaves the encoder right"
 _LOW = "observe below 15 deg elevation, where cot E turns up"
 _WIDER = "observe over a wider range of elevation"
 _HALF_A_YEAR = "observe again after half a year: what the sky does has changed by then"
 _IN_BETWEEN = "observe in between: a step stays a step, a slow change fills in"
 _ACROSS = "follow single sources through the edge: a step is sudden, a curve is not"
 _SWAP = "put one box back, or swap both within a session"
+_WARM_AND_COLD = "observe through a warm day and a cold night of one session"
 _DAY_AND_NIGHT = "observe through a day and a night, under cloud and in the sun"
 
 
@@ -179,18 +179,8 @@ ALIKE = (
     _nearly("elevation_zero", "sag_cosine", "wide", _WIDER),
     _nearly("elevation_zero", "sag_sine", "wide", _WIDER),
     _nearly("elevation_scale", "sag_sine", "wide", "read the elevation on a level or a collimator"),
-    _nearly(
-        "elevation_encoder_harmonics",
-        "sag_cosine",
-        "wide",
-        "read the elevation on a level: gravity bends the dish and leaves the encoder right",
-    ),
-    _nearly(
-        "elevation_encoder_harmonics",
-        "sag_sine",
-        "wide",
-        "read the elevation on a level: gravity bends the dish and leaves the encoder right",
-    ),
+    _nearly("elevation_encoder_harmonics", "sag_cosine", "wide", _LEVEL),
+    _nearly("elevation_encoder_harmonics", "sag_sine", "wide", _LEVEL),
     _nearly("elevation_encoder_harmonics", "elevation_scale", "wide", _WIDER),
     _nearly("subreflector_jump", "sag_sine", "wide", _ACROSS),
     _nearly("subreflector_jump", "elevation_scale", "wide", _ACROSS),
@@ -221,7 +211,7 @@ ALIKE = (
     Alike(
         ("temperature", "epoch_offset"),
         "seasons",
-        "observe through a warm day and a cold night of one session",
+        _WARM_AND_COLD,
         ("collimation", "elevation_zero"),
     ),
     _nearly(
@@ -258,12 +248,7 @@ ALIKE = (
         "positions does not",
     ),
     # What a condition drives.
-    Alike(
-        ("driven_term", "epoch_tilt"),
-        "seasons",
-        "observe through a warm day and a cold night of one session",
-        ("tilt",),
-    ),
+    Alike(("driven_term", "epoch_tilt"), "seasons", _WARM_AND_COLD, ("tilt",)),
     _nearly(
         "driven_term",
         "thermal_tilt",
@@ -288,10 +273,7 @@ ALIKE = (
 
 _ONE_FOR_ALL = "compare telescopes: an error of the clock is one for all"
 _OTHER_SIDE = "come to a source from the other side of it: play changes its sign, a zero does not"
-_FIXED = (
-    "point at what does not move with the sky (a mast, a geostationary satellite), or read an "
-    "inclinometer on the azimuth axis"
-)
+_FIXED = f"{_AT_REST}, or {_INCLINOMETER}"
 #: The same on mounts other than alt-azimuth ones, by their model; ids are those of an alt-azimuth
 #: mount. The sky turns an equatorial mount about its first axis alone; it turns an X-Y mount as a
 #: zero and a lean of that axis do.
@@ -316,12 +298,12 @@ ELSEWHERE: dict[str, tuple[Alike, ...]] = {
         Alike(("site_longitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
         Alike(("site_latitude", "tilt"), "always", _FIXED, ("azimuth_zero",)),
         *(
-            Alike(
-                ("sag_cosine", other),
+            _nearly(
+                "sag_cosine",
+                other,
                 "always",
                 "hold the scale of elevation at what an inclinometer on the tube says",
                 ("elevation_scale",),
-                exact=False,
             )
             for other in ("azimuth_scale", "azimuth_eccentricity")
         ),
@@ -350,7 +332,7 @@ def decisions(members: Collection[str]) -> list[str]:
     told = [effect for name in members if (effect := known(name)) is not None]
     plain = {one.of or one.id for one in told}
     mount = next((BY_MODEL[one.mounts[0]] for one in told if one.of), ALTAZ)
-    pairs = [*((frozenset(one.ids), one.decide) for one in ELSEWHERE.get(mount.model, ()))]
+    pairs = [(frozenset(one.ids), one.decide) for one in ELSEWHERE.get(mount.model, ())]
     found = [decide for pair, decide in (*pairs, *DECIDE_BY.items()) if pair <= plain]
     return list(dict.fromkeys(said(one, mount.words) for one in found))
 
