@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -97,6 +99,11 @@ def main() -> None:
     """
     # The matrices here are small: threads of the linear algebra cost more than they bring.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Libraries make cycles that stay, pictures some that do not: of so many objects the collector
+    # goes through a few pictures' at a time, not through the libraries while they are imported.
+    gc.set_threshold(100_000)
+    # At the end the system takes all of it at once.
+    atexit.register(gc.freeze)
     try:
         _refuse_what_is_no_text(sys.argv[1:])
         status = pyport.main(
