@@ -39,8 +39,8 @@ def family_p_value(trials: Sequence[CandidateFit]) -> float:
     """
     if not trials:
         return 1.0
-    best = float(_log_chances(trials, np.array([[trial.gain] for trial in trials])).min())
-    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
+    best = float(_log_chance(trials, np.array([[trial.gain] for trial in trials]))[0])
+    drawn = _log_chance(trials, np.stack([trial.drawn for trial in trials]))
     above = (1 + int((drawn <= best).sum())) / (1 + len(drawn))
     if above > 5 / (1 + len(drawn)):
         return float(above)
@@ -48,22 +48,27 @@ def family_p_value(trials: Sequence[CandidateFit]) -> float:
     return float(min(above, -np.expm1(-independent * np.exp(best))))
 
 
-def _log_chances(trials: Sequence[CandidateFit], gains: Array) -> Array:
-    """Return log-chances of gains at least this large from noise, shape (trials, ...).
+def _log_chance(trials: Sequence[CandidateFit], gains: Array) -> Array:
+    """Return the least log-chance of gains (trials, draws) at least this large, shape (draws,).
 
     The F distribution's tail is an incomplete beta function; where that
-    underflows its leading term stands for it.
+    underflows its leading term stands for it. Of trials with as many
+    coefficients and deviations the largest gain has the least chance.
     """
     from scipy.special import betainc, betaln
 
     half = np.array([[trial.dof / 2] for trial in trials])
     rest = np.array([[min(trial.noise_dof, 1e6) / 2] for trial in trials])
+    alike, kind = np.unique(np.hstack([half, rest]), axis=0, return_inverse=True)
+    gains = np.stack([gains[kind == n].max(axis=0) for n in range(len(alike))])
+    half, rest = alike[:, :1], alike[:, 1:]
     x = rest / (rest + gains / 2)
     chance = betainc(rest, half, x)
     # Where x is one the chance is one, and its leading term, no number then, is not asked.
     with np.errstate(divide="ignore", invalid="ignore"):
         leading = rest * np.log(x) + (half - 1) * np.log1p(-x) - np.log(rest) - betaln(rest, half)
-        return np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
+        log = np.where(chance > 1e-250, np.log(np.maximum(chance, 1e-300)), leading)
+    return np.asarray(log.min(axis=0))
 
 
 @stage("significance")
@@ -71,7 +76,7 @@ def threshold(trials: Sequence[CandidateFit], chance: float) -> float:
     """Return the log-chance that the best of a search falls below in `chance` of all noise."""
     if not trials:
         return float("-inf")
-    drawn = _log_chances(trials, np.stack([trial.drawn for trial in trials])).min(axis=0)
+    drawn = _log_chance(trials, np.stack([trial.drawn for trial in trials]))
     return float(np.quantile(drawn, chance))
 
 
