@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +16,8 @@ from pyport.runs.stages import stage
 
 #: Prior variances that are tried, over the variance with which the best direction is known.
 _STRENGTHS = np.geomspace(0.1, 1e9, 51)
+#: Candidates of so many products are tried at a time: they stay in the processor's cache.
+TOGETHER = 1 << 16
 #: A candidate must keep this share of its length when the model is projected out.
 VISIBLE = 1e-5
 
@@ -67,11 +69,20 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     `power` (K,) holds the information on independent directions of equal prior
     variance, `along` (K,) the products with the data.
     """
-    variance = _STRENGTHS[:, None] / max(float(power.max(initial=0.0)), 1e-150)
-    raised = variance * along**2 / (1 + variance * power) - np.log1p(variance * power)
-    evidence = raised.sum(axis=1)
-    best = int(np.argmax(evidence))
-    return float(evidence[best]), float(variance[best, 0])
+    evidence, variance = _each_at_best(power[None], along[None])
+    return float(evidence[0]), float(variance[0])
+
+
+def _each_at_best(power: Array, along: Array) -> tuple[Array, Array]:
+    """Return what `at_best` does of each of n sets of directions, (n, K): shape (n,) each.
+
+    Directions without information and products count for nothing.
+    """
+    variance = _STRENGTHS / np.maximum(power.max(axis=1, initial=0.0), 1e-150)[:, None]
+    size, power, along = variance[:, :, None], power[:, None], along[:, None]
+    evidence = (size * along**2 / (1 + size * power) - np.log1p(size * power)).sum(axis=2)
+    best = np.arange(len(evidence)), np.argmax(evidence, axis=1)
+    return evidence[best], variance[best]
 
 
 def shown(columns: Array, length: Array, data: Array) -> tuple[Array, Array]:
@@ -195,14 +206,15 @@ class _Left:
     drawn: Array
 
     def between(self, some: Codes, others: Codes) -> Array:
-        """Return the projected products of two choices of columns, (G k, G l)."""
+        """Return projected products of choices of columns, (..., k), (..., l): (..., G k, G l)."""
         _, model, groups = self.cross.shape
-        left = self.cross[some].transpose(2, 0, 1).reshape(groups * len(some), model)
-        right = self.solved[others].transpose(1, 2, 0).reshape(model, groups * len(others))
-        out = -(left @ right).reshape(groups, len(some), groups, len(others))
-        each = np.arange(groups)
-        out[each, :, each] += np.array([own[some[:, None], others] for own in self.own])
-        return out.reshape(groups * len(some), groups * len(others))
+        several, k, more = some.shape[:-1], some.shape[-1], others.shape[-1]
+        left = np.moveaxis(self.cross[some], -1, -3).reshape(*several, groups * k, model)
+        right = np.moveaxis(self.solved[others], -3, -1).reshape(*several, model, groups * more)
+        out = -(left @ right).reshape(*several, groups, k, groups, more)
+        for group, own in enumerate(self.own):
+            out[..., group, :, group, :] += own[some[..., :, None], others[..., None, :]]
+        return out.reshape(*several, groups * k, groups * more)
 
 
 class Projection:
@@ -258,41 +270,56 @@ class Projection:
     @stage("trying candidates")
     def trials(self, wanted: Sequence[tuple[Candidate, str]]) -> list[CandidateFit]:
         """Return what each (candidate, scope) would gain, if it shows at all."""
-        found = (self._trial(candidate, scope) for candidate, scope in wanted)
-        return [trial for trial in found if trial is not None]
+        alike: dict[tuple[str, int], list[int]] = {}
+        for n, (candidate, scope) in enumerate(wanted):
+            alike.setdefault((scope, len(candidate.columns)), []).append(n)
+        found: dict[int, CandidateFit] = {}
+        for (scope, width), numbers in alike.items():
+            most = max(1, TOGETHER // (width * len(self.left(scope).own)) ** 2)
+            for low in range(0, len(numbers), most):
+                some = numbers[low : low + most]
+                tried = self._tried([wanted[n][0] for n in some], scope)
+                found.update({n: one for n, one in zip(some, tried, strict=True) if one.dof})
+        return [found[n] for n in sorted(found)]
 
-    def _trial(self, candidate: Candidate, scope: str) -> CandidateFit | None:
-        evidence, left = self.evidence, self.left(scope)
-        columns = self._places(candidate)
+    def _tried(self, candidates: Sequence[Candidate], scope: str) -> Iterator[CandidateFit]:
+        """Yield what candidates of as many columns each would gain in a scope."""
+        evidence, left, count = self.evidence, self.left(scope), len(candidates)
+        columns = np.stack([self._places(one) for one in candidates])
         information = left.between(columns, columns)
-        power = np.concatenate([np.diag(own)[columns] for own in left.own])
+        power = np.concatenate([np.diag(own)[columns] for own in left.own], axis=1)
         length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
-        eigenvalues, vectors = np.linalg.eigh(information / np.outer(length, length))
-        good = eigenvalues > VISIBLE**2 * max(1.0, float(eigenvalues[-1]))
-        if not good.any():
-            return None
-        root = (vectors[:, good] / np.sqrt(eigenvalues[good])).T / length
-        seen = root @ left.seen[:, columns].ravel()
-        along = seen * np.sqrt(eigenvalues[good])
-        drawn = root @ left.drawn[:, columns].reshape(len(length), -1)
-        dof = int(good.sum())
+        unit = information / (length[:, :, None] * length[:, None])
+        eigenvalues, vectors = np.linalg.eigh(unit)
+        good = eigenvalues > VISIBLE**2 * np.maximum(1.0, eigenvalues[:, -1:])
+        eigenvalues = np.where(good, eigenvalues, 0.0)
+        strength = np.where(good, np.sqrt(eigenvalues), np.inf)
+        root = np.ascontiguousarray((vectors / strength[:, None]).swapaxes(1, 2)) / length[:, None]
+        moments = left.seen[:, columns].swapaxes(0, 1).reshape(count, -1, 1)
+        seen = (root @ moments)[:, :, 0]
+        drawn = root @ left.drawn[:, columns].swapaxes(0, 1).reshape(*length.shape, -1)
+        dof = good.sum(axis=1)
         # What the antennas share they cannot average out.
         shared = "antenna" not in scope
         excess = evidence.common.factor if shared else 1.0
-        gain = float(seen @ seen) / excess
-        total = float(evidence.dof.sum())
-        return CandidateFit(
-            candidate,
-            scope,
-            gain,
-            dof,
-            gain - dof * np.log(max(evidence.pointings, 3)) - candidate.price,
-            at_best(eigenvalues[good] / excess, along / excess)[0] - candidate.price,
-            min(total, evidence.common.dof) if shared else float(np.median(evidence.dof)),
-            root.T @ seen,
-            information / excess,
-            (drawn**2).sum(axis=0) * (evidence.common_mode_scale if shared else 1.0),
-        )
+        gain = np.vecdot(seen, seen) / excess
+        worth = _each_at_best(eigenvalues / excess, seen * np.sqrt(eigenvalues) / excess)[0]
+        values = (seen[:, None] @ root)[:, 0]
+        drawn_gain = (drawn**2).sum(axis=1) * (evidence.common_mode_scale if shared else 1.0)
+        known = min(float(evidence.dof.sum()), evidence.common.dof)
+        for n, candidate in enumerate(candidates):
+            yield CandidateFit(
+                candidate,
+                scope,
+                float(gain[n]),
+                int(dof[n]),
+                float(gain[n] - dof[n] * np.log(max(evidence.pointings, 3))) - candidate.price,
+                float(worth[n]) - candidate.price,
+                known if shared else float(np.median(evidence.dof)),
+                values[n],
+                information[n] / excess,
+                drawn_gain[n],
+            )
 
     def _places(self, candidate: Candidate) -> Codes:
         """Return where a candidate's columns stand among those that are looked at."""
