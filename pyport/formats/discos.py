@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from decimal import Decimal
+from html import escape
 from pathlib import Path
 from xml.etree import ElementTree as ET
-from xml.sax.saxutils import escape
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
@@ -80,7 +80,8 @@ def write(file: ModelFile, path: Path) -> None:
     with write_whole(path) as out:
         out.write("<?xml version='1.0' encoding='UTF-8'?>\n")
         out.write(f'<PointingModel xmlns="{_SPACE}">\n<Receiver>\n')
-        out.write(f"\t<receiverCode>{escape(file.title or 'RECEIVER')}</receiverCode>\n")
+        title = escape(file.title or "RECEIVER", quote=False)
+        out.write(f"\t<receiverCode>{title}</receiverCode>\n")
         out.write(f"\t<phi>{file.phi_deg}</phi>\n")
         for n, (value, mark) in enumerate(zip(values, marks, strict=True)):
             used = OFF if mark == OFF else FITTED

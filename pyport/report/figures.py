@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ SCREEN_DPI = 110
 BINS = 12
 #: Where panels stand, in shares of the picture. A layout that measures every label draws twice.
 _MARGINS = {"left": 0.08, "right": 0.985, "top": 0.9, "hspace": 0.36, "wspace": 0.17}
+#: Of a panel. A title whose height is not given is put above the labels after all are measured.
+_TITLE: dict[str, Any] = {"fontsize": 10, "y": 1.0}
 #: So many coefficients fit beside each other with their names, and so many with level ones.
 MOST_BARS, MOST_LEVEL = 40, 8
 
@@ -63,7 +65,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     second = figure.add_subplot(grid[0, 1], sharex=first, sharey=first)
     for axes, residual, title in ((first, curve + left, "before"), (second, left, "after")):
         _cloud(axes, diagnosis, finding, rows, values, residual / unit)
-        axes.set_title(f"{title}: rms {rms(residual[rows]) / unit:.2f} {name}", fontsize=10)
+        axes.set_title(f"{title}: rms {rms(residual[rows]) / unit:.2f} {name}", **_TITLE)
         axes.set_xlabel(label)
     first.set_ylabel(f"offset that the model leaves [{name}]")
     reach = 1.15 * float(np.quantile(np.abs(curve + left)[rows], 0.985)) / unit
@@ -197,7 +199,7 @@ def _coefficients(
     axes.set_xlim(-0.6, len(places) - 0.4)
     kinds = {one.name.partition("[")[0].replace("_", " ") for one in parameters}
     axes.set_ylabel(f"{kinds.pop() if len(kinds) == 1 else 'coefficient'} [{name}]", fontsize=9)
-    axes.set_title("coefficients with one-sigma errors", fontsize=10)
+    axes.set_title("coefficients with one-sigma errors", **_TITLE)
 
 
 def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
