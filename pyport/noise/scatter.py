@@ -225,10 +225,10 @@ def variance_function(
     values = np.zeros(columns.shape[1])
     values[0] = np.log(max(float(square.mean()), 1e-300))
     prior = np.full(len(some), 0.1)
+    normal = columns.T @ columns / spread
     for _ in range(ROUNDS):
         log_variance = np.clip(columns @ values - values[0], -MOST, MOST) + values[0]
         working = np.clip(square * np.exp(-log_variance), 0, 20) - 1 + log_variance
-        normal = columns.T @ columns / spread
         penalty = np.concatenate([[0.0], 1 / np.maximum(prior[kind], 1e-12)])
         covariance = np.linalg.inv(normal + np.diag(penalty))
         values = covariance @ (columns.T @ working / spread)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -264,10 +265,12 @@ def distinct(beside: Projection, trials: Iterable[CandidateFit], most: int) -> l
 def _of_known_size(trial: CandidateFit) -> Iterator[tuple[float, float, float]]:
     """Yield value, sigma and what physics says of each coefficient of known size."""
     candidate = trial.candidate
+    coefficients = [candidate.effect.coefficients[which] for which in candidate.coefficients]
+    if all(one.expected is None for one in coefficients):
+        return
     sigma = np.sqrt(np.maximum(np.diag(inverted(trial.information)[0]), 0))
-    for n, (value, error) in enumerate(zip(trial.values, sigma, strict=True)):
-        which = candidate.coefficients[n % len(candidate.coefficients)]
-        coefficient = candidate.effect.coefficients[which]
+    of_each = itertools.cycle(coefficients)
+    for value, error, coefficient in zip(trial.values, sigma, of_each, strict=False):
         if coefficient.expected is not None:
             yield value / coefficient.scale, error / coefficient.scale, coefficient.expected
 
