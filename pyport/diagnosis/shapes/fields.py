@@ -9,7 +9,7 @@ set of names, what was left out is none of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +40,8 @@ from pyport.thresholds import (
 WIDEST = 0.35
 #: One that holds fewer is where a curve that swings everywhere happens to swing most.
 NARROWEST = 0.02
+#: Columns of fields that are whitened together: more only take more memory.
+WHITENED = 128
 
 
 @dataclass(frozen=True)
@@ -82,15 +84,18 @@ class Ground:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
 
     @stage("fields")
-    def products(self, columns: Array, *, apart: bool = False) -> tuple[Array, Array, Array]:
-        """Return the information on columns (m, K) beside the model, without it, and moments.
+    def products(self, columns: Array) -> tuple[Array, Array, Array]:
+        """Return the information on columns (m, K) beside the model, without it, and moments."""
+        return self._products(self.weighed.covariance.whiten(columns), [slice(None)])
 
-        `apart` stands for columns that act on each axis by itself: on x first, then on y, (2 K).
+    @stage("fields")
+    def _products(self, white: Array, parts: Sequence[Codes | slice]) -> tuple[Array, Array, Array]:
+        """Return what `products` does of whitened columns (M, K) that act on each part by itself.
+
+        On the first of P parts first, then on the next: shapes (P K, P K), (P K, P K) and (P K,).
         """
         from scipy.linalg import block_diag
 
-        white = self.weighed.covariance.whiten(columns)
-        parts: Sequence[Codes | slice] = self.rows if apart else [slice(None)]
         of_part = [white[rows] for rows in parts]
         own = block_diag(*(one.T @ one for one in of_part))
         shared = [self.basis[rows].T @ one for rows, one in zip(parts, of_part, strict=True)]
@@ -121,12 +126,11 @@ class Ground:
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
         several = ["both axes"] if len(measured) > 1 else []
-        for kind, field in families(self.setup):
-            if lasting and field.of_time:
-                continue
+        wanted = (one for one in families(self.setup) if not (lasting and one[1].of_time))
+        for kind, field, white in self._whitened(wanted):
             large = np.abs(field.values) > 0.1
             felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]
-            information, alone, moments = self.products(field.values, apart=True)
+            information, alone, moments = self._products(white, self.rows)
             for name in [*measured, *several]:
                 own = np.flatnonzero(
                     np.concatenate(
@@ -147,6 +151,27 @@ class Ground:
                 )
                 some = np.ix_(own, own)
                 yield worth(one, information[some], alone[some], moments[own])
+
+    def _whitened(self, wanted: Iterable[tuple[int, Field]]) -> Iterator[tuple[int, Field, Array]]:
+        """Yield fields with their whitened columns, many of which take one pass of all readings."""
+        waiting = iter(wanted)
+        while some := list(_up_to(WHITENED, waiting)):
+            every = np.concatenate([field.values for _, field in some], axis=1)
+            ends = np.cumsum([field.values.shape[1] for _, field in some])
+            parts = np.split(self._white(every), ends[:-1], axis=1)
+            yield from ((kind, field, own) for (kind, field), own in zip(some, parts, strict=True))
+
+    @stage("fields")
+    def _white(self, columns: Array) -> Array:
+        return self.weighed.covariance.whiten(columns)
+
+
+def _up_to(most: int, waiting: Iterator[tuple[int, Field]]) -> Iterator[tuple[int, Field]]:
+    """Yield the next fields until they have so many columns, or more by the last one's."""
+    count = 0
+    while count < most and (one := next(waiting, None)) is not None:
+        count += one[1].values.shape[1]
+        yield one
 
 
 def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
