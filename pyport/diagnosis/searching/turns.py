@@ -202,8 +202,8 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
         same = (
             rival.scope == winner.scope
             and rival.dof <= 2 * winner.dof
-            and beside.share(winner, rival) >= ALIKE
             and winner.gain - rival.gain < max(OUT_OF_REACH, IMPERFECTION * winner.gain)
+            and beside.share(winner, rival) >= ALIKE
         )
         if (close or same) and any(_only_adds_to(beside, one, rival) for one in inside):
             continue
