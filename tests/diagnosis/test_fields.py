@@ -13,14 +13,8 @@ from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
-from pyport.diagnosis.shapes.fields import (
-    Ground,
-    Worth,
-    _same_bumps,
-    _together_with,
-    as_candidate,
-    region,
-)
+from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
+from pyport.diagnosis.shapes.instead import _same_bumps, _together_with
 from pyport.diagnosis.weighing import weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import from_sun, last_slew

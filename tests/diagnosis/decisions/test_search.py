@@ -22,7 +22,7 @@ from pyport.diagnosis.searching import (
 )
 from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed, threshold
-from pyport.diagnosis.shapes import fields
+from pyport.diagnosis.shapes import instead
 from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
 
@@ -636,20 +636,20 @@ def field(evidence, directions=1, *, of_time=False):
     )
 
 
-def instead(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
+def taken(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
     """Tell whether a field takes the place of names from some turn on."""
 
     def every(*, lasting):
         return [one for one in worths if not (lasting and one.field.of_time)]
 
     ground = SimpleNamespace(worths=every, worth_of=lambda one: one)
-    monkeypatch.setattr(fields, "Ground", lambda *_: ground)
-    monkeypatch.setattr(fields, "boxes", lambda *_: [])
-    monkeypatch.setattr(fields, "weigh_model", lambda *_: None)
-    monkeypatch.setattr(fields, "family_p_value", lambda _: p_value)
-    monkeypatch.setattr(fields, "_together", lambda *_: together)
-    monkeypatch.setattr(fields, "_with_field", lambda *_: "a field")
-    return fields.field_instead(now, turn) == "a field"
+    monkeypatch.setattr(instead, "Ground", lambda *_: ground)
+    monkeypatch.setattr(instead, "boxes", lambda *_: [])
+    monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
+    monkeypatch.setattr(instead, "family_p_value", lambda _: p_value)
+    monkeypatch.setattr(instead, "_together", lambda *_: together)
+    monkeypatch.setattr(instead, "_with_field", lambda *_: "a field")
+    return instead.field_instead(now, turn) == "a field"
 
 
 @pytest.mark.parametrize(
@@ -659,7 +659,7 @@ def test_a_field_must_beat_all_names_by_six(monkeypatch, evidence, wins):
     """Names together have fifty."""
     now = outcome(step(trial()))
 
-    assert instead(monkeypatch, [field(evidence)], now, together=50.0) == wins
+    assert taken(monkeypatch, [field(evidence)], now, together=50.0) == wins
 
 
 @pytest.mark.parametrize(
@@ -669,7 +669,7 @@ def test_a_field_must_exceed_what_a_strong_effect_leaves(monkeypatch, evidence, 
     """Two per cent of its gain, a thousand."""
     now = outcome(step(trial(gain=1000.0)), last=())
 
-    assert instead(monkeypatch, [field(evidence)], now, turn=1) == wins
+    assert taken(monkeypatch, [field(evidence)], now, turn=1) == wins
 
 
 @pytest.mark.parametrize(
@@ -678,7 +678,7 @@ def test_a_field_must_exceed_what_a_strong_effect_leaves(monkeypatch, evidence, 
 )
 def test_a_field_that_no_name_points_at_shows_by_itself(monkeypatch, p_value, evidence, wins):
     """At odds of a hundred to one, where the p-value of the names is above one in a hundred."""
-    assert instead(monkeypatch, [field(evidence)], outcome(), p_value=p_value) == wins
+    assert taken(monkeypatch, [field(evidence)], outcome(), p_value=p_value) == wins
 
 
 @pytest.mark.parametrize(("p_value", "wins"), [(0.0095, True), (0.0105, False)])
@@ -686,7 +686,7 @@ def test_a_field_in_time_needs_a_mismatch(monkeypatch, p_value, wins):
     """What is smooth in time is what a drift is like."""
     worths = [field(90.0, of_time=True), field(-3.0)]
 
-    assert instead(monkeypatch, worths, outcome(), p_value=p_value) == wins
+    assert taken(monkeypatch, worths, outcome(), p_value=p_value) == wins
 
 
 @pytest.mark.parametrize(
@@ -697,12 +697,12 @@ def test_a_field_in_an_array_needs_a_mismatch(monkeypatch, antennas, p_value, wi
     """What antennas share in a scan is too little known."""
     now = outcome(blocks=SimpleNamespace(antennas=antennas))
 
-    assert instead(monkeypatch, [field(90.0)], now, p_value=p_value) == wins
+    assert taken(monkeypatch, [field(90.0)], now, p_value=p_value) == wins
 
 
 def test_a_field_that_nothing_determines_is_none(monkeypatch):
     """It has no direction that the data know."""
-    assert not instead(monkeypatch, [field(90.0, directions=0)], outcome())
+    assert not taken(monkeypatch, [field(90.0, directions=0)], outcome())
 
 
 @pytest.mark.parametrize(("names", "evidence"), [(1, 195.0), (2, 178.0), (3, 161.0)])
@@ -712,7 +712,7 @@ def test_each_name_beyond_the_first_costs_twelve(names, evidence):
     steps = [step(trial("refraction", 20.0, gain=25.0))] * names
     problem = setup(expanded=lambda _: None)
 
-    assert fields._together(ground, problem, steps) == pytest.approx(evidence)
+    assert instead._together(ground, problem, steps) == pytest.approx(evidence)
 
 
 def test_a_p_value_is_the_share_of_draws_that_do_as_well():

@@ -1,0 +1,120 @@
+"""A field in place of names: where one form without physics explains more than all names do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pyport.angles import Array
+from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
+from pyport.diagnosis.searching.winner import predicts, trials_of
+from pyport.diagnosis.shapes.boxes import Field, boxes
+from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate
+from pyport.diagnosis.weighing import projection, weigh, weigh_model
+from pyport.thresholds import (
+    CONVINCING,
+    ENOUGH_ANTENNAS,
+    FAMILY_ERROR,
+    IMPERFECTION,
+    NAME_PRICE,
+)
+
+
+def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
+    """Return the search with a field in place of all names from some turn on, if it is better.
+
+    A field that no name points at shows by itself: a Bayes factor bounds the chance that noise
+    alone reaches it. None in time does, for that is what a drift is like; and none in an array,
+    where what the antennas share in a scan is too little known to bear that bound.
+    """
+    setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
+    unnamed = not names and family_p_value(outcome.last) > FAMILY_ERROR
+    if unnamed and setup.blocks.antennas >= ENOUGH_ANTENNAS:
+        return None
+    weighed = outcome.weighed if not names else weigh_model(setup, before)
+    ground = Ground(setup, weighed, before)
+    worths = [*ground.worths(lasting=unnamed), *map(ground.worth_of, boxes(setup, weighed, before))]
+    strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
+    least = max(CONVINCING, IMPERFECTION * strongest)
+    if names:
+        least += _together(ground, setup, names)
+    elif unnamed:
+        least = max(least, -2 * float(np.log(FAMILY_ERROR)))
+    best = max(worths, key=lambda one: one.evidence)
+    if best.evidence <= least or best.directions.shape[1] == 0:
+        return None
+    return _with_field(outcome, turn, best)
+
+
+def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
+    """Return the evidence of several names together; each beyond the first has its price."""
+    columns = setup.expanded([step.chosen for step in names])
+    prices = sum(step.winner.gain - step.winner.evidence for step in names)
+    return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
+
+
+def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
+    """Return the search with a field from some turn on; None where it does not predict."""
+    setup, before, steps = outcome.setup, outcome.chosen[:turn], outcome.steps[:turn]
+    gain, same = worth.gain, next((one for one in steps if _same_bumps(one, worth.field)), None)
+    if same is not None:
+        worth, steps = _together_with(same, worth), tuple(one for one in steps if one is not same)
+    others = tuple(one for one in before if same is None or one is not same.chosen)
+    columns = worth.field.columns @ worth.directions
+    # Of unit rms, so that a coefficient is the size of what it stands for.
+    unit = np.sqrt(np.mean(columns**2, axis=0))
+    columns = columns / unit
+    places = np.arange(setup.size, setup.size + columns.shape[1])
+    wider = setup.with_columns(columns)
+    candidate = as_candidate(worth, places, unit)
+    new = Chosen(candidate, "all")
+    after = (*others, new)
+    if not predicts(wider, weigh_model(wider, before), before, after, gain):
+        return None
+    beside = projection(wider, weigh(wider, others), others)
+    trials = trials_of(wider, beside)
+    own = beside.trials([(candidate, "all")])
+    if not own:
+        return None
+    winner = replace(own[0], evidence=worth.evidence)
+    chance = min(family_p_value(trials), float(np.exp(-worth.evidence / 2)))
+    first = outcome.p_value if steps else min(outcome.p_value, chance)
+    step = Step(winner, new, (*trials, winner), beside, chance, candidate.price)
+    return Outcome(wider, after, (*steps, step), weigh(wider, after), first, ())
+
+
+def _same_bumps(step: Step, field: Field) -> bool:
+    """Tell whether a turn chose a field of the same bumps on an axis of this one."""
+    told = step.chosen.candidate.effect.member
+    return told.get("bumps") == field.bumps and bool({*told["axes"]} & {*field.axes})
+
+
+def _together_with(step: Step, worth: Worth) -> Worth:
+    """Return a field with what the same bumps were found to draw in an earlier turn.
+
+    One of them is of both axes, or both are of one: the wider holds the other.
+    """
+    told, new = step.chosen.candidate.effect.member, worth.field
+    old = replace(
+        new, axes=tuple(told["axes"]), which=tuple(told["which"]), variant=told["variant"]
+    )
+    wide = max(new, old, key=lambda one: len(one.axes))
+    place = {pair: n for n, pair in enumerate(zip(wide.axes, wide.which, strict=True))}
+
+    def widened(field: Field, directions: Array) -> Array:
+        out = np.zeros((len(place), directions.shape[1]))
+        out[[place[pair] for pair in zip(field.axes, field.which, strict=True)]] = directions
+        return out
+
+    before = step.winner
+    return Worth(
+        wide,
+        worth.evidence + before.evidence,
+        worth.gain + before.gain,
+        worth.dof + before.dof,
+        np.hstack([widened(old, np.array(told["directions"])), widened(new, worth.directions)]),
+        np.concatenate([before.values, worth.values]),
+    )
