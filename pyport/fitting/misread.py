@@ -66,12 +66,13 @@ def misread(
     for height, at in _heights(recordings.at):
         columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
         basis = spanned(sides.centred(columns))[0]
-        given = data.spread(*model.offsets(at))
+        given = model.offsets(at)
         ways = [*_offsets(recordings, at)]
         if not height:
+            ways += _all_of(recordings, *given)
             ways += _turned(recordings, session, [name for (name,) in names])
         for words, x, y, grown in ways:
-            value = sides.centred((data.spread(x, y) - given)[rows])
+            value = sides.centred((data.spread(x, y) - data.spread(*given))[rows])
             rest = value - basis @ (basis.T @ value)
             size = np.where(
                 sides.is_y, 1.0, np.broadcast_to(grown, len(recordings))[data.row[rows]]
@@ -142,6 +143,13 @@ def _offsets(recordings: Recordings, here: Circumstances) -> Iterator[Reading]:
             yield (*turned, *words), sign * x * size, y, size
         if np.array_equal(np.isfinite(x), np.isfinite(y)):
             yield (*turned, *swapped), sign * y, x, 1.0
+
+
+def _all_of(recordings: Recordings, model_x: Array, model_y: Array) -> Iterator[Reading]:
+    """Yield all offsets otherwise: it shows where the model's terms are not all refitted."""
+    x, y = recordings.x, recordings.y
+    yield ("all offsets have the other sign",), -x, -y, 1.0
+    yield ("the offsets were measured with this model in use",), x + model_x, y + model_y, 1.0
 
 
 def _turned(recordings: Recordings, session: Codes, names: list[str]) -> Iterator[Reading]:

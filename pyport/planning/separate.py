@@ -165,7 +165,9 @@ def classes(alike: dict[str, dict[str, float]]) -> tuple[tuple[str, ...], ...]:
 def _sight(
     candidate: Candidate, columns: Array, left: Array, alike: tuple[tuple[str, float], ...]
 ) -> Sight:
-    sigma, alone = (_sigmas(one) for one in (left, columns))
+    # Of what the model takes up whole, rounding leaves columns that say nothing.
+    shows = (left**2).sum(axis=0) > VISIBLE * (columns**2).sum(axis=0)
+    sigma, alone = (_sigmas(one) for one in (np.where(shows, left, 0.0), columns))
     worst = int(np.argmax(np.where(np.isfinite(sigma), sigma, -1.0)))
     coefficient = candidate.effect.coefficients[candidate.coefficients[worst]]
     return Sight(

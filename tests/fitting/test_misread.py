@@ -8,7 +8,7 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.fitting.fit import fit
+from pyport.fitting.fit import completed, fit
 from pyport.fitting.misread import misread
 from pyport.formats.models import load
 from pyport.mounts import KINDS
@@ -58,6 +58,25 @@ def test_a_file_that_is_right_is_not_doubted():
 def test_the_reading_that_is_right_is_named(wrong, words):
     """Of all that a column may hold the one that fits."""
     assert words in said(wrong(recordings(300, 3)))
+
+
+def test_offsets_are_held_against_a_model_that_is_not_refitted():
+    """Of the other sign, or measured with that model in use."""
+    measured = recordings(300, 8)
+    found = fit(measured, ALTAZ)
+    steering = completed(found)
+    none, zero = frozenset(), np.zeros(len(found.residual))
+
+    def of(wrong):
+        value = found.stack.spread(wrong.x, wrong.y)
+        left = value - found.stack.spread(*steering.offsets(wrong.at))
+        return misread(wrong, steering, none, left, zero == 0)
+
+    assert of(measured) is None
+    assert "all offsets have the other sign" in of(replace(measured, x=-measured.x, y=-measured.y))
+    x, y = steering.offsets(measured.at)
+    in_use = replace(measured, x=measured.x - x, y=measured.y - y)
+    assert "measured with this model in use" in of(in_use)
 
 
 def test_what_has_no_name_is_no_other_explanation():

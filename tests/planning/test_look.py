@@ -19,7 +19,7 @@ from pyport.cli.observe import look as command
 from pyport.formats.models import load
 from pyport.planning import look
 from pyport.planning.design import cells, coverage, design, separation
-from pyport.planning.separate import classes, separate
+from pyport.planning.separate import VISIBLE, classes, separate
 from pyport.planning.suggest import directions, suggest
 from pyport.planning.summary import as_json, text
 
@@ -99,6 +99,14 @@ def test_what_the_model_draws_itself_is_taken_up():
     assert "site_latitude" in {
         one.effect for one in separate(design(recordings(), load("none"))).seen
     }
+
+
+def test_what_rounding_leaves_of_a_curve_that_the_model_draws_has_no_error():
+    """A receiver on a platform acts by sine and cosine of elevation: sag takes up one of them."""
+    found = separate(design(recordings(200), ALTAZ, ARCSEC))
+    (sight,) = (one for one in found.seen if one.effect == "nasmyth")
+
+    assert sight.inflation < 1 / np.sqrt(VISIBLE)
 
 
 def test_an_error_beside_the_model_is_the_one_that_a_fit_gives():
