@@ -104,7 +104,7 @@ class Covariance:
     ) -> tuple[Array, int]:
         """Return whitened products of departures and of columns (m, p), nothing departing.
 
-        And how many whitened rows there are. Series whose readings stand alone, in axes that are
+        And how many readings there are. Series whose readings stand alone, in axes that are
         not coupled, are gone through without the zeros of what departs; `sizes` (q,) are what
         those columns are multiplied by.
         """
@@ -124,7 +124,8 @@ class Covariance:
             return gram, used
         every = np.concatenate([possible.columns * sizes, columns], axis=1)
         white = np.nan_to_num(self._within_axes(every))
-        return white.T @ white, int(np.count_nonzero(white.any(axis=1)))
+        # Not the rows of `white`: a lone reading is its pointing's mean but for rounding.
+        return white.T @ white, int(np.count_nonzero(every.any(axis=1)))
 
     def unwhiten(self, white: Array) -> Array:
         """Return the transpose of `whiten`, applied to columns (M, K): shape (m, K).

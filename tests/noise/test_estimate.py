@@ -1,5 +1,6 @@
 """Noise: whitening is generalised least squares, and the fit finds what was put in."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -198,3 +199,19 @@ def test_the_recorded_digits_are_a_floor_whatever_model_is_taken_off():
 
     assert of.rounding[1] == pytest.approx(1e-4 / np.sqrt(12))
     assert found.noises[0].floor > 1e-6
+
+
+@pytest.mark.usefixtures("both_paths")
+def test_readings_are_counted_once_where_some_pointings_have_several():
+    """A lone reading is its pointing's mean but for rounding: it deviates by nothing."""
+    rng = np.random.default_rng(1)
+    once = recordings(120, 1, rng.normal(size=120), np.repeat(list("abcd"), 30))
+    given = once.take(np.sort(np.concatenate([np.arange(120), np.arange(0, 120, 2)])))
+    given = replace(given, y=given.y + rng.normal(size=len(given)))
+    data = stack(given)
+    made = frame(given, data)
+    found = estimate(data.value, np.ones((len(data), 1)), made)
+    every = np.ones(len(made.possible.kind))
+
+    assert found.means.start == len(data) == 180
+    assert found.products_beside(made.possible, every, data.value[:, None])[1] == 180

@@ -48,7 +48,10 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
         wrong = _wrong_sizes(outcome)
         if not wrong:
             standing = _standing(outcome, tell)
-            return outcome if standing is outcome else _walk(standing, banned, tell)
+            # What the search goes on to find has to stand, too: it may be what was dropped.
+            return (
+                outcome if standing is outcome else _standing(_walk(standing, banned, tell), tell)
+            )
         tell(f"{', '.join(sorted(wrong))}: not the size that physics gives, once more without")
         banned |= wrong
 

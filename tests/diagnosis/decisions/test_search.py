@@ -202,6 +202,18 @@ def test_a_wrong_size_starts_the_search_again(monkeypatch):
     assert banned == [frozenset(), frozenset({"annual_aberration"})]
 
 
+def test_what_is_found_after_a_drop_has_to_stand_too(monkeypatch):
+    """The search goes on without what was dropped, and comes upon it again."""
+    one = step(trial("drift"))
+    monkeypatch.setattr(search, "_searched", lambda *_: outcome(one))
+    monkeypatch.setattr(search, "_walk", lambda *_: outcome(one))
+    monkeypatch.setattr(search, "_wrong_sizes", lambda _: frozenset())
+    monkeypatch.setattr(search, "_standing_of", lambda *_: 5.0)
+    monkeypatch.setattr(search, "weigh", lambda *_: None)
+
+    assert search.search(setup(), QUIET).chosen == ()
+
+
 def fixed(evidence, times):
     """Return a trial of aberration, so many times as large as physics says."""
     of = candidate("annual_aberration").effect.coefficients[0]
