@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Chosen, Problem, prepare
+from pyport.diagnosis.case import Problem, prepare
 from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.holdout import Unseen, unseen
 from pyport.diagnosis.joint import Disagreement, disagreements
@@ -26,7 +26,7 @@ from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
-from pyport.fitting.misread import misread
+from pyport.fitting.misread import Fitted, misread
 from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.runs.stages import stage
@@ -177,21 +177,22 @@ def diagnose(
         two_axes=() if few else disagreements(setup, weighed, outcome.chosen),
         combinations=scene.combinations,
         too_few=few,
-        misread=_misread(setup, weighed, outcome.chosen, refit),
+        misread=_misread(setup, weighed, after, refit),
     )
 
 
 def _misread(
-    setup: Problem,
-    weighed: WhitenedData,
-    chosen: tuple[Chosen, ...],
-    refit: Collection[str] | None,
+    setup: Problem, weighed: WhitenedData, after: joint.Joint, refit: Collection[str] | None
 ) -> str | None:
     """Return how the file may have been misread; what has no name is no other explanation."""
-    named = tuple(one for one in chosen if one.candidate.effect.physical)
-    fitted = joint.fit(setup, weighed, named)
-    left, spent = setup.residual - fitted.predicted, sum(setup.part(one).size for one in named)
-    return misread(setup.recordings, setup.model, refit, left, weighed.used, spent)
+    found = after.choices[len(setup.base) :]
+    named = tuple(one for one in found if one.candidate.effect.physical)
+    fits = after if named == found else joint.fit(setup, weighed, named), after
+    of_names, of_all = (
+        Fitted(setup.residual - fit.predicted, sum(setup.part(one).size for one in some))
+        for fit, some in zip(fits, (named, found), strict=True)
+    )
+    return misread(setup.recordings, setup.model, refit, weighed.used, of_names, of_all)
 
 
 def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:

@@ -32,9 +32,9 @@ def misread(
     recordings: Recordings,
     model: Model,
     refit: Collection[str] | None,
-    left: Array,
     used: NDArray[np.bool_],
-    spent: int = 0,
+    named: Fitted,
+    every: Fitted | None = None,
 ) -> str | None:
     """Return how a file may have been misread, None where no other reading fits much better.
 
@@ -45,11 +45,12 @@ def misread(
     ----------
     recordings, model, refit
         As for `pyport.fitting.fit.fit`; of one antenna.
-    left, used
-        What the model and every effect that was found leave [rad], and which numbers are no
-        outliers, (m,).
-    spent
-        How many coefficients those effects have: each costs log m.
+    used
+        Which numbers are no outliers, shape (m,).
+    named
+        What the model leaves with every effect that was found.
+    every
+        And with curves without a name, too: a reading that is worse than they explains nothing.
     """
     several = "antenna" in recordings.at and len(np.unique(recordings.label("antenna"))) > 1
     data = stack(recordings)
@@ -61,7 +62,12 @@ def misread(
     if several or not len(rows):
         return None
     sides = _Sides(data.is_y[rows], session[data.row[rows]])
-    as_it_stands = sides.lack(sides.centred(left[rows])) + spent * float(np.log(len(rows)))
+
+    def lack_of(fitted: Fitted) -> float:
+        price = float(np.log(len(rows)))
+        return sides.lack(sides.centred(fitted.left[rows])) + fitted.coefficients * price
+
+    as_it_stands = lack_of(named)
     others: list[tuple[float, tuple[str, ...], Array, Array]] = []
     for height, at in _heights(recordings.at):
         columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
@@ -83,14 +89,25 @@ def misread(
             else:
                 as_it_stands = min(as_it_stands, lack)
     lack, words, rest, size = min(others, key=lambda one: one[0])
-    if lack > as_it_stands - OUT_OF_REACH:
+    if lack > as_it_stands - OUT_OF_REACH or (every is not None and lack > lack_of(every)):
         return None
-    was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (left[rows] * size, rest))
+    was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[rows] * size, rest))
     return (
         f"The file may have been misread: if {', and '.join(words)}, the model alone leaves "
         f"{now:.3g} arcsec rms, where the model with all effects found leaves {was:.3g}: check "
         "that first."
     )
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fit: what it leaves [rad], shape (m,), and its coefficients beside the model's.
+
+    Each of them costs log m.
+    """
+
+    left: Array
+    coefficients: int = 0
 
 
 @dataclass(frozen=True)

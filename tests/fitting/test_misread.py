@@ -9,7 +9,7 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.fitting.fit import completed, fit
-from pyport.fitting.misread import misread
+from pyport.fitting.misread import Fitted, misread
 from pyport.formats.models import load
 from pyport.mounts import KINDS
 
@@ -19,7 +19,7 @@ ALTAZ = load("altaz")
 def said(measured, model=ALTAZ):
     """Return what is said of recordings with the model alone fitted to them."""
     found = fit(measured, model)
-    return misread(found.recordings, model, None, found.residual, found.noise.used)
+    return misread(found.recordings, model, None, found.noise.used, Fitted(found.residual))
 
 
 def turned(measured, where, **sign):
@@ -70,7 +70,7 @@ def test_offsets_are_held_against_a_model_that_is_not_refitted():
     def of(wrong):
         value = found.stack.spread(wrong.x, wrong.y)
         left = value - found.stack.spread(*steering.offsets(wrong.at))
-        return misread(wrong, steering, none, left, zero == 0)
+        return misread(wrong, steering, none, zero == 0, Fitted(left))
 
     assert of(measured) is None
     assert "all offsets have the other sign" in of(replace(measured, x=-measured.x, y=-measured.y))
@@ -81,11 +81,28 @@ def test_offsets_are_held_against_a_model_that_is_not_refitted():
 
 def test_what_has_no_name_is_no_other_explanation():
     """A wave over the sky draws what a circle counted backwards does, and says nothing."""
-    right = recordings(300, 4, x=lambda at: 12 * np.sin(at.az) * np.sin(at.el))
+    tilt = {"x": lambda at: 12 * np.sin(at.az) * np.sin(at.el), "y": lambda at: 12 * np.cos(at.az)}
+    right = recordings(300, 4, **tilt)
     found = diagnose(replace(right, at=replace(right.at, az=-right.at.az)), ALTAZ)
 
     assert found.findings[0].verdict == "unknown"
     assert "counted the other way" in found.misread
+
+
+def test_a_reading_that_leaves_more_than_curves_without_a_name_explains_nothing():
+    """Whatever they are, the file holds what they draw."""
+    measured = recordings(300, 9)
+    backwards = replace(measured, x=-measured.x)
+    found = fit(backwards, ALTAZ)
+    right = fit(measured, ALTAZ).residual
+    curves = [Fitted(right * share, 4) for share in (1.0, 0.8)]
+    told = [
+        misread(found.recordings, ALTAZ, None, found.noise.used, Fitted(found.residual), one)
+        for one in curves
+    ]
+
+    assert "counted the other way" in told[0]
+    assert told[1] is None
 
 
 def test_nights_that_differ_in_their_zeros_are_not_taken_for_signs():
