@@ -8,14 +8,17 @@ import pytest
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC
+from pyport.diagnosis import evidence
 from pyport.diagnosis.candidates import numbers, shapes_of
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.searching.winner import trials_of
+from pyport.diagnosis.shapes import fields
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.instead import _same_bumps, _together_with
-from pyport.diagnosis.weighing import weigh
+from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import from_sun, last_slew
 from pyport.formats.models import load
@@ -263,3 +266,19 @@ def test_a_blank_cell_hides_no_column(blank, known):
     ]
     assert len(bumps) == known
     assert all(np.isfinite(one.values).all() for one in bumps)
+
+
+def test_how_many_columns_go_together_decides_nothing(monkeypatch):
+    """One at a time or all at once: the same evidence of every field and every candidate."""
+    setup = prepare(recordings(120, 12), load("altaz"))
+    weighed = weigh(setup)
+    found = []
+    for size in (1, 1 << 30):
+        monkeypatch.setattr(fields, "WHITENED", size)
+        monkeypatch.setattr(evidence, "TOGETHER", size)
+        worths = Ground(setup, weighed, ()).worths()
+        trials = trials_of(setup, projection(setup, weighed, ()))
+        found.append([one.evidence for one in (*worths, *trials)])
+
+    assert len(found[0]) > 300
+    assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
