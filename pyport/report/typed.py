@@ -62,13 +62,13 @@ class MountOf:
 
 @dataclass(frozen=True)
 class Departure:
-    """What a session or source adds to all its readings by chance."""
+    """What a session, stretch of rows or source adds to all its readings by chance."""
 
     term: Annotated[str, "term of the model that differs"]
-    of: Annotated[str, "`session` or `source`"]
+    of: Annotated[str, "`session`, `source`, or `stretch` of rows that have an order and no time"]
     antenna: Annotated[str, "whose"]
     sigma_arcsec: Annotated[float, "scatter between them"]
-    labels: Annotated[tuple[str, ...], "the sessions or sources"]
+    labels: Annotated[tuple[str, ...], "the sessions, stretches or sources"]
     most_label: Annotated[str, "which of them departs most, everything found fitted"]
     most_arcsec: Annotated[float, "by how much, drawn toward zero as few readings are"]
 

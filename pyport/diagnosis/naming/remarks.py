@@ -21,8 +21,13 @@ from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
 
-_HOW = {"session": "Night-to-night", "source": "Source-to-source"}
-_WHOSE = {"session": "nights", "source": "sources"}
+_HOW = {
+    "session": "Night-to-night",
+    "stretch": "Stretch-to-stretch",
+    "source": "Source-to-source",
+}
+_MANY = {"session": "sessions", "stretch": "stretches", "source": "sources"}
+_WHOSE = {"session": "nights", "stretch": "stretches of rows", "source": "sources"}
 #: Scatter that differs by less than a quarter between low and high, or that a drift widens by
 #: less, is not worth a word.
 GROWS = 1.25
@@ -197,7 +202,8 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
     """Return a sentence for all that the noise does, and for what the recordings' header tells."""
     said = [
         f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
-        f"({len(one['labels'])} {one['of']}s; {one['most_arcsec']:.2g} in {one['most_label']})"
+        f"({len(one['labels'])} {_MANY[one['of']]}; "
+        f"{one['most_arcsec']:.2g} in {one['most_label']})"
         for one in noise.departing
     ]
     said += map(_of_drift, noise.drifting)
@@ -287,7 +293,7 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
         for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"]))
         if np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
     }
-    said = [largest["session"]] if "session" in largest else []
+    said = [text for of, text in largest.items() if of != "source"]
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
     told = []
     if said:

@@ -24,7 +24,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Possible
 from pyport.recordings.schema import Recordings, Stack, group
-from pyport.thresholds import DEPARTURE_WORTH, PER_SOURCE, SEVERAL
+from pyport.thresholds import DEPARTURE_WORTH, ENOUGH, PER_SOURCE, SEVERAL
 
 #: Whitened data of less variance than this are fitted exactly: nothing departs.
 EXACT = 1e-6
@@ -36,7 +36,8 @@ ROUNDS, CONVERGED = 30, 1e-4
 def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
     """Return the departures that the recordings of a single antenna could show, all of zero size.
 
-    Sessions may depart in both zeros, in the tilts and in the sag; sources in the place that the
+    Sessions may depart in both zeros, in the tilts and in the sag, and so may stretches of rows
+    where the order is all that is known of time; sources in the place that the
     catalogue gives them, or, where the sky's turn at the site is not known, in both offsets.
     """
     if len(np.unique(recordings.label("antenna").astype(str))) > 1:
@@ -74,13 +75,33 @@ def terms_of_sources(at: Circumstances) -> dict[str, tuple[Array, Array]]:
 
 
 def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:
-    session, names = group(recordings, ("session",))
-    if len(names) < SEVERAL:
+    of, night, labels = _nights(recordings)
+    if len(labels) < SEVERAL:
         return []
-    labels = tuple(name for (name,) in names)
-    inside = session[data.row][:, None] == np.arange(len(names))
+    inside = night[data.row][:, None] == np.arange(len(labels))
     terms = terms_of_sessions(recordings.at)
-    return [_departures(one, "session", antenna, labels, inside, data, terms) for one in terms]
+    return [_departures(one, of, antenna, labels, inside, data, terms) for one in terms]
+
+
+def _nights(recordings: Recordings) -> tuple[str, Codes, tuple[str, ...]]:
+    """Return what stands for nights, for each row its number (n,), and the label of each.
+
+    Sessions; where there is one, and the order of the rows is all that tells of time, stretches
+    of about `ENOUGH` pointings, for nobody wrote down where a night ends.
+    """
+    session, names = group(recordings, ("session",))
+    if len(names) > 1 or "order" not in recordings.at:
+        return "session", session, tuple(name for (name,) in names)
+    order = np.asarray(recordings.at.column("order")).argsort()
+    begun = np.zeros(len(order), np.intp)
+    begun[np.unique(pointings(recordings)[order], return_index=True)[1]] = 1
+    place = np.empty(len(order), np.intp)
+    place[order] = np.cumsum(begun) - 1
+    there = int(begun.sum())
+    count = max(1, round(there / ENOUGH))
+    stretch = place * count // there
+    rows = [np.flatnonzero(stretch[order] == one) + 1 for one in range(count)]
+    return "stretch", stretch, tuple(f"rows {one[0]} to {one[-1]}" for one in rows)
 
 
 def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Departures]:

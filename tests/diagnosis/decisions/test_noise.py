@@ -541,6 +541,19 @@ def test_three_sessions_may_depart(nights, there):
 
 
 @pytest.mark.parametrize(
+    ("rows", "labels"),
+    [(48, ()), (60, ("rows 1 to 20", "rows 21 to 40", "rows 41 to 60"))],
+)
+def test_stretches_of_rows_depart_where_their_order_is_all_that_is_known(rows, labels):
+    """Of about twenty pointings each, three stretches at least."""
+    given = recordings(rows, order=np.arange(float(rows)))
+    found = departures.possible(given, stack(given))
+
+    assert {one.of for one in found} == ({"stretch"} if labels else set())
+    assert all(tuple(dict.fromkeys(one.labels)) == labels for one in found)
+
+
+@pytest.mark.parametrize(
     ("sources", "rows", "there"),
     [
         (10, 20, True),
