@@ -13,14 +13,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtrc
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.weighing import WhitenedData, weigh
 from pyport.fitting import soundness
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
-from pyport.fitting.two_axes import UNLIKELY, Difference, difference
-from pyport.least_squares.gram import Solution
+from pyport.fitting.two_axes import UNLIKELY, Difference, as_unlikely, difference
+from pyport.least_squares.gram import Solution, inverted
 from pyport.noise.coefficients import solve
 from pyport.runs.stages import stage
 from pyport.thresholds import MOSTLY, SIGNIFICANT
@@ -61,15 +62,28 @@ def fit(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Join
     return Joint(choices, solution, starts, columns @ solution.values)
 
 
-def sigmas(joint: Joint, readings: int) -> Array:
+def sigmas(joint: Joint) -> Array:
     """Return one-sigma errors; more scatter than the fitted noise widens them."""
-    variance = np.maximum(np.diag(joint.solution.covariance), 0) * excess_of(joint, readings)
+    variance = np.maximum(np.diag(joint.solution.covariance), 0) * excess_of(joint)
     return np.asarray(np.sqrt(variance), float)
 
 
-def excess_of(joint: Joint, readings: int) -> float:
+def distance(joint: Joint, choice: int) -> float:
+    """Return how far a choice's coefficients together are from zero [sigma].
+
+    The deviation of a normal that is as unlikely; infinite where none of them is known.
+    """
+    where = joint.slice(choice)
+    values = joint.solution.values[where]
+    inverse, rank, _, _ = inverted(joint.solution.covariance[where, where])
+    if rank == 0:
+        return np.inf
+    return as_unlikely(chdtrc(rank, float(values @ inverse @ values) / excess_of(joint)))
+
+
+def excess_of(joint: Joint) -> float:
     """Return how many times the variance of the fitted noise is left."""
-    return max(1.0, joint.solution.residual / max(1, readings - joint.solution.rank))
+    return max(1.0, joint.solution.residual / max(1, len(joint.predicted) - joint.solution.rank))
 
 
 def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
@@ -91,7 +105,7 @@ def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
                 coefficients.append(coefficient)
     if not 1 < len(kept) <= MOST_COEFFICIENTS:
         return ()
-    excess = excess_of(joint, len(setup.residual))
+    excess = excess_of(joint)
     found = combinations(
         names,
         coefficients,

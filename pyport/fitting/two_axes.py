@@ -37,9 +37,14 @@ class Difference:
     @property
     def sigmas(self) -> float:
         """Return how far apart they are: the deviation of a normal that is as unlikely."""
-        from scipy.special import ndtri
+        return as_unlikely(self.p_value)
 
-        return float(-ndtri(max(self.p_value, 1e-300) / 2))
+
+def as_unlikely(chance: float) -> float:
+    """Return the deviation [sigma] beyond which a normal lies, on either side, with a chance."""
+    from scipy.special import ndtri
+
+    return float(-ndtri(max(chance, 1e-300) / 2))
 
 
 def difference(

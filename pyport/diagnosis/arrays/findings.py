@@ -232,7 +232,7 @@ def taken_apart(scene: Scene, choice: int) -> Split | None:
     groups = setup.blocks.groups(chosen.scope)
     blocks = np.unique(groups, return_index=True)[1]
     where = scene.joint.slice(choice)
-    sigma = sigmas(scene.joint, len(setup.residual))[where]
+    sigma = sigmas(scene.joint)[where]
     noisy = noisy_antennas(setup, scene.floor)
     good = scene.joint.solution.known[where] & (sigma > 0)
     good &= ~np.isin(setup.blocks.antenna[blocks], noisy)

@@ -83,7 +83,7 @@ def parameters_of(scene: Scene, choice: int) -> list[Parameter]:
     chosen = scene.joint.choices[choice]
     where = scene.joint.slice(choice)
     value = scene.joint.solution.values[where]
-    sigma = np.hypot(sigmas(scene.joint, len(scene.setup.residual))[where], chosen.spread)
+    sigma = np.hypot(sigmas(scene.joint)[where], chosen.spread)
     known = scene.joint.solution.known[where]
     names = scene.setup.blocks.names(chosen.scope)
     width = len(chosen.candidate.columns)

@@ -195,7 +195,7 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
 def _solved(scene: Scene, choice: int) -> tuple[Array, Array]:
     """Return the coefficients of a choice (P,) and their covariance, (P, P)."""
     where = scene.joint.slice(choice)
-    excess = excess_of(scene.joint, len(scene.setup.residual))
+    excess = excess_of(scene.joint)
     solution = scene.joint.solution
     return solution.values[where], excess * solution.covariance[where, where]
 

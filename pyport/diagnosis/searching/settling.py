@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from pyport.diagnosis import holdout
+from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen, confounded
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.searching import turns
@@ -20,7 +20,7 @@ from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.runs.stages import stage
-from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS
+from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS, SEEN
 
 #: Members of a family that are tried beside noise of their own, at most.
 MOST_NOISES = 3
@@ -137,7 +137,8 @@ def _of_moments(outcome: Outcome) -> Outcome:
 def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     """Return the choice that is to be dropped, and why; None where all of them pay.
 
-    Of several that do harm the one with the least evidence: the others may do it through it.
+    Of several that do harm, or have no size, the one with the least evidence: the others may do
+    it through it.
     """
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     idle: list[tuple[Chosen, str]] = []
@@ -151,6 +152,12 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
             if before > after:
                 how = f"better with it by {by:.2g} per cent, less than the error of that"
             idle.append((one, f"data left out are predicted {how}"))
+    together = joint.fit(setup, weighed, chosen)
+    idle = idle or [
+        (one, f"its size is within {SEEN:g} sigma of zero")
+        for n, one in enumerate(chosen, len(setup.base))
+        if joint.distance(together, n) < SEEN
+    ]
     if idle:
         return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
     if chosen and (weakest := _harm_to_all(outcome)) is not None:

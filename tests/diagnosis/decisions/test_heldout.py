@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
-from pyport.diagnosis import holdout
+from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import scene
 from pyport.diagnosis.searching import settling
@@ -247,7 +247,7 @@ def test_what_one_fit_cannot_predict_is_not_counted(monkeypatch):
     assert found.compared(np.ones(20, bool), ones).gross == 1
 
 
-def settled(monkeypatch, rms, evidences, error=None, stretches=20):
+def settled(monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 9.0, 9.0)):
     """Return what is to be dropped; rms by what is left of the choices, "" for the model alone."""
     names = ("refraction", "skew", "tilt")[: len(evidences)]
     steps = tuple(step(trial(n, e)) for n, e in zip(names, evidences, strict=True))
@@ -263,6 +263,9 @@ def settled(monkeypatch, rms, evidences, error=None, stretches=20):
     monkeypatch.setattr(settling, "unseen", of)
     monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
     monkeypatch.setattr(settling.holdout, "folds", lambda *_: None)
+    monkeypatch.setattr(settling.joint, "fit", lambda *_: None)
+    own = len(setup().base)
+    monkeypatch.setattr(settling.joint, "distance", lambda _fit, n: sigmas[n - own])
     found = settling._worst(
         Outcome(setup(), tuple(one.chosen for one in steps), steps, None, 0.001, ())
     )
@@ -294,6 +297,38 @@ def test_each_finding_and_all_together_must_pay(
     }
 
     assert settled(monkeypatch, rms, (30.0, 20.0)) == dropped
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "dropped"),
+    [((9.0, 2.1), None), ((9.0, 1.9), "skew"), ((1.9, 9.0), "refraction"), ((1.9, 1.8), "skew")],
+)
+def test_a_finding_without_a_size_is_dropped(monkeypatch, sigmas, dropped):
+    """Within two sigma of zero as it would be told, whatever predicts better with it."""
+    rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
+
+    assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas) == dropped
+
+
+@pytest.mark.parametrize(
+    ("values", "covariance", "excess", "sigmas"),
+    [
+        ((3.0,), ((1.0,),), 1.0, 3.0),
+        ((3.0,), ((1.0,),), 4.0, 1.5),
+        ((3.0, 0.0), ((1.0, 0.0), (0.0, 1.0)), 1.0, 2.54),
+        # Neither is known alone, their sum is.
+        ((1.5, 1.5), ((100.0, -99.9), (-99.9, 100.0)), 1.0, 6.39),
+        ((1.5,), ((0.0,),), 1.0, np.inf),
+    ],
+)
+def test_how_far_coefficients_together_are_from_zero(values, covariance, excess, sigmas):
+    """The deviation of a normal that is as unlikely; with as much more scatter as is left."""
+    solution = SimpleNamespace(
+        values=np.array(values), covariance=np.array(covariance), residual=excess * 10, rank=2
+    )
+    fit = joint.Joint((), solution, np.array([0, len(values)]), np.zeros(12))
+
+    assert joint.distance(fit, 0) == pytest.approx(sigmas, rel=0.01)
 
 
 @pytest.mark.parametrize(
