@@ -85,6 +85,8 @@ class Problem:
         Covariances that were estimated before, by what was chosen, with what they are beside.
     anew
         What was chosen, chosen again without a fold, by what, noise and fold.
+    unseen
+        What fits without each fold leave of it [rad], by what was fitted, noise and folds.
     """
 
     recordings: Recordings
@@ -106,6 +108,9 @@ class Problem:
         default_factory=dict, repr=False, compare=False
     )
     anew: dict[tuple[object, ...], tuple[list[Anew], tuple[object, ...]]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+    unseen: dict[tuple[object, ...], tuple[Array, tuple[object, ...]]] = field(
         default_factory=dict, repr=False, compare=False
     )
     added: Array | None = None

@@ -102,13 +102,30 @@ def residuals(
     """Return each reading less what a fit without its fold predicts [rad], shape (m,).
 
     What was chosen from the data is chosen anew without the fold, beside the `whole` of what was
-    chosen. NaN where the other folds do not determine the prediction.
+    chosen. NaN where the other folds do not determine the prediction. They are remembered.
     """
+    whole = whole or chosen
+    identities = tuple(map(id, chosen)), tuple(map(id, whole)), id(weighed.covariance)
+    key = *identities, partition.fold.tobytes(), partition.departing
+    if key not in setup.unseen:
+        # What the key's identities belong to is kept as long as the key.
+        kept = *chosen, *whole, weighed.covariance
+        setup.unseen[key] = _residuals(setup, weighed, chosen, partition, whole), kept
+    return setup.unseen[key][0]
+
+
+def _residuals(
+    setup: Problem,
+    weighed: WhitenedData,
+    chosen: Sequence[Chosen],
+    partition: Folds,
+    whole: Sequence[Chosen],
+) -> Array:
     left = np.full(len(setup.residual), np.nan)
     if setup.blocks.antennas > 1:
         solutions = _of_products(setup, weighed, chosen, partition)
     else:
-        solutions = _of_others(setup, weighed, chosen, partition, whole or chosen)
+        solutions = _of_others(setup, weighed, chosen, partition, whole)
     for one, columns, solution, covariance, curve in solutions:
         rows = np.flatnonzero(partition.fold == one)
         unknown = _left_open(solution, columns[rows])

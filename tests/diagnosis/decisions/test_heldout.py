@@ -157,6 +157,7 @@ def linear(rows=20):
     rng = np.random.default_rng(0)
     column = rng.normal(size=(rows, 1))
     case = problem(rows=rows, sessions=2)
+    case.unseen = {}
     case.residual = 3.0 * column[:, 0] + 0.1 * rng.normal(size=rows)
     case.expanded = lambda _: column
     return case, column
