@@ -207,8 +207,9 @@ def _scattered(
             [one.columns[part.rows] for one in given.drivers],
             lone,
         )
-        deviation = deviation * np.exp(-log_variance[lone] / 2)
-        shape, size = scatter.tails(deviation)
+        if log_variance.any():
+            deviation = deviation * np.exp(-log_variance[lone] / 2)
+            shape, size = scatter.tails(deviation)
         unit = deviation / size
         weight = shape.weights(unit)
         was = float((left[rows] ** 2).mean())
