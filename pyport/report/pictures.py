@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, cast
 
@@ -24,6 +26,22 @@ DPI = 200
 #: mathematics, shapes. A figure with other letters has the typeface that it comes from.
 TYPEFACE, WHOLE = "pyport Sans", "DejaVu Sans"
 LETTERS = ((0x20, 0x180), (0x370, 0x400), (0x2000, 0x20A0), (0x2190, 0x2270), (0x25A0, 0x2600))
+
+
+@contextlib.contextmanager
+def without_help() -> Iterator[None]:
+    """Load matplotlib's figures inside without the help on each artist's properties.
+
+    Whoever writes files does not read it, and to write it takes a third of the loading.
+    """
+    from matplotlib import artist
+
+    helping = artist.kwdoc
+    artist.kwdoc = lambda _: ""  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        artist.kwdoc = helping
 
 
 def write(figure: Figure, path: Path, dpi: float = DPI) -> Path:
@@ -75,12 +93,12 @@ def _typeface() -> str:
     """Make the typeface of a PDF and return its name.
 
     Of the whole one with its thousands of signs and rules a part is made for every file, which
-    takes longer than all else.
+    takes longer than all else. It keeps the glyphs' names, which would be made up for every file.
     """
     from fontTools import subset
     from matplotlib import font_manager
 
-    options = subset.Options(name_IDs=["*"], notdef_outline=True)
+    options = subset.Options(name_IDs=["*"], notdef_outline=True, glyph_names=True)
     options.drop_tables += ["FFTM", "GDEF", "GPOS", "GSUB", "MATH"]
     font = subset.load_font(font_manager.findfont(WHOLE), options)
     part = subset.Subsetter(options)
