@@ -42,15 +42,18 @@ class Blocks:
         """Return the number of antennas."""
         return len(np.unique(self.antenna))
 
+    @cached_property
+    def sessions(self) -> int:
+        """Return the number of sessions."""
+        return len(np.unique(self.session))
+
     def groups(self, scope: str) -> Codes:
         """Give blocks that share a coefficient the same number."""
-        labels = {
-            "all": np.zeros(len(self), int),
-            "session": self.session,
-            "antenna": self.antenna,
-            "antenna and session": np.arange(len(self)),
-        }[scope]
-        return np.unique(labels, return_inverse=True)[1]
+        if scope == "all":
+            return np.zeros(len(self), np.intp)
+        if scope == "antenna and session":
+            return np.arange(len(self))
+        return np.unique(getattr(self, scope), return_inverse=True)[1]
 
     def names(self, scope: str) -> list[str]:
         """Name the groups of a scope, in their order."""
@@ -62,7 +65,7 @@ class Blocks:
 
     def scopes(self) -> list[str]:
         """Return the scopes that differ from each other here, the smallest first."""
-        several = self.antennas > 1, len(np.unique(self.session)) > 1
+        several = self.antennas > 1, self.sessions > 1
         wanted = {"all": True, "session": several[1], "antenna": several[0]}
         found = [scope for scope, there in wanted.items() if there]
         return [*found, "antenna and session"] if all(several) else found
