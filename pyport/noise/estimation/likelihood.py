@@ -58,10 +58,10 @@ class Likelihood:
             gram = white.T @ white
         else:
             d, gram = found
-        departing = np.arange(self.columns.q)
-        gram[departing, departing] += 1.0
-        fixed = np.arange(self.columns.q, len(gram) - 1)
-        gram[fixed, fixed] += 1e-12 * (1 + gram[fixed, fixed])
+        diagonal = np.einsum("kk->k", gram)
+        departing, fixed = diagonal[: self.columns.q], diagonal[self.columns.q : -1]
+        departing += 1.0
+        fixed += 1e-12 * (1 + fixed)
         triangle = _triangle(gram[:-1, :-1])
         right = np.zeros((len(triangle), 1 + self.faint.shape[1]))
         right[:, 0], right[: len(self.faint), 1:] = gram[:-1, -1], self.faint
