@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -93,6 +94,14 @@ class Scan:
         """Return how many periods the campaign can distinguish."""
         return max(1.0, float(np.ptp(self.time)) * (1 / self.shortest - 1 / self.longest))
 
+    @cached_property
+    def waves(self) -> tuple[Array, Array]:
+        """Return ascending periods (F,), and the cosine and the sine of each, shape (m, 2 F)."""
+        periods = np.geomspace(self.shortest, self.longest, SPECTRUM)
+        phase = 2 * np.pi * self.time[:, None] / periods
+        waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+        return periods, self.sign[:, None] * waves
+
 
 def scan_of(setup: Problem, *, reversing: bool = False) -> Scan | None:
     """Return the readings for a search; None where no period could be seen.
@@ -151,9 +160,7 @@ class View:
 def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model and what is chosen, and beside a noise."""
     model = setup.expanded((*setup.base, *chosen))
-    periods = np.geomspace(scan.shortest, scan.longest, SPECTRUM)
-    phase = 2 * np.pi * scan.time[:, None] / periods
-    waves = scan.sign[:, None] * np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    periods, waves = scan.waves
     data = np.concatenate([model, setup.residual[:, None], waves], axis=1)
     white = noise.whiten(data)
     p = model.shape[1]
