@@ -61,6 +61,15 @@ class Worth:
     values: Array
 
 
+@dataclass(frozen=True)
+class _Part:
+    """Some rows of the whitened data: which, the model's directions and what it leaves there."""
+
+    rows: Codes | slice
+    basis: Array
+    left: Array
+
+
 class Ground:
     """The data beside a model, as fields meet them: whitened, the model projected out."""
 
@@ -71,7 +80,11 @@ class Ground:
         self.left = self._without(weighed.white[:, -1:])[:, 0]
         is_y = np.resize(setup.stack.is_y, len(self.left))
         there = np.any(self.basis != 0, axis=1) | (self.left != 0)
-        self.rows = [np.flatnonzero((is_y == axis) & there) for axis in (False, True)]
+        self.whole = self._part(slice(None))
+        self.axes = [self._part(np.flatnonzero((is_y == one) & there)) for one in (False, True)]
+
+    def _part(self, rows: Codes | slice) -> _Part:
+        return _Part(rows, self.basis[rows], self.left[rows])
 
     def _without(self, columns: Array) -> Array:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
@@ -79,20 +92,20 @@ class Ground:
     @stage("fields")
     def products(self, columns: Array) -> tuple[Array, Array, Array]:
         """Return the information on columns (m, K) beside the model, without it, and moments."""
-        return self._products(self.weighed.covariance.whiten(columns), [slice(None)])
+        return self._products(self.weighed.covariance.whiten(columns), [self.whole])
 
     @stage("fields")
-    def _products(self, white: Array, parts: Sequence[Codes | slice]) -> tuple[Array, Array, Array]:
+    def _products(self, white: Array, parts: Sequence[_Part]) -> tuple[Array, Array, Array]:
         """Return what `products` does of whitened columns (M, K) that act on each part by itself.
 
         On the first of P parts first, then on the next: shapes (P K, P K), (P K, P K) and (P K,).
         """
         from scipy.linalg import block_diag
 
-        of_part = [white[rows] for rows in parts]
+        of_part = [white[part.rows] for part in parts]
         own = block_diag(*(one.T @ one for one in of_part))
-        shared = [self.basis[rows].T @ one for rows, one in zip(parts, of_part, strict=True)]
-        seen = [self.left[rows] @ one for rows, one in zip(parts, of_part, strict=True)]
+        shared = [part.basis.T @ one for part, one in zip(parts, of_part, strict=True)]
+        seen = [part.left @ one for part, one in zip(parts, of_part, strict=True)]
         modelled = np.concatenate(shared, axis=1)
         information = own - modelled.T @ modelled
         excess = self.weighed.evidence.common.factor
@@ -123,7 +136,7 @@ class Ground:
         for kind, field, white in self._whitened(wanted):
             large = np.abs(field.values) > 0.1
             felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]
-            information, alone, moments = self._products(white, self.rows)
+            information, alone, moments = self._products(white, self.axes)
             for name in [*measured, *several]:
                 own = np.flatnonzero(
                     np.concatenate(

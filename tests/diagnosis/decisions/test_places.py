@@ -135,7 +135,7 @@ def bumps(monkeypatch, felt):
     monkeypatch.setattr(fields, "worth", lambda field, *_: seen.append(field.columns.shape[1]))
     ground = SimpleNamespace(
         setup=setup(stack=SimpleNamespace(is_y=is_y)),
-        rows=[],
+        axes=[],
         _whitened=lambda wanted: ((*one, one[1].values) for one in wanted),
         _products=lambda *_: (np.eye(4), np.eye(4), np.zeros(4)),
     )
