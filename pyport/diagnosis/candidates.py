@@ -227,9 +227,9 @@ def shapes_of(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candida
     found: list[Candidate] = []
     start = 0
     for shape in _shapes(recordings):
-        columns = fields.values(shape.bumps, recordings.at)
+        columns = fields.values(shape.bumps, recordings.at)[stack.row]
         for axis, measured in (("xel", ~stack.is_y), ("el", stack.is_y)):
-            block = columns[stack.row] * measured[:, None]
+            block = columns * measured[:, None]
             if np.count_nonzero(block.any(axis=1)) < FEWEST:
                 continue
             width = block.shape[1]
