@@ -303,5 +303,6 @@ def unseen(
             others = inside & (partition.fold != fold) & finite
             if others.any():
                 counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
-    stretch = np.unique([setup.session, partition.fold], axis=1, return_inverse=True)[1].ravel()
+    number = setup.session * (partition.fold.max() + 1) + partition.fold
+    stretch = np.unique(number, return_inverse=True)[1]
     return Unseen(partition, stretch, first, second, counted)

@@ -214,7 +214,7 @@ def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
     """
     whole = max(float(np.ptp(scan.time)), 1.0)
     day = np.floor((scan.time - scan.begin[scan.session]) / LONGEST_PIECE_S).astype(np.intp)
-    piece = np.unique(np.stack([scan.session, day]), axis=1, return_inverse=True)[1].ravel()
+    piece = np.unique(scan.session * (day.max() + 1) + day, return_inverse=True)[1]
     count = int(piece.max()) + 1
     middle = np.bincount(piece, scan.time) / np.bincount(piece)
     from_middle = scan.time - middle[piece]
