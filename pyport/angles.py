@@ -40,3 +40,14 @@ def handy(size: float) -> tuple[float, str]:
 def wrap(angle: ArrayLike) -> Array:
     """Return angles [rad] brought into [-pi, pi)."""
     return (np.asarray(angle, dtype=float) + math.pi) % (2 * math.pi) - math.pi
+
+
+def cosine_between(az: ArrayLike, el: ArrayLike, other_az: Array, other_el: Array) -> Array:
+    """Return the cosines of the angles between directions and others [rad], shapes broadcast."""
+    cosine = np.sin(el) * np.sin(other_el)
+    return np.asarray(cosine + np.cos(el) * np.cos(other_el) * np.cos(np.subtract(other_az, az)))
+
+
+def separation(az: ArrayLike, el: ArrayLike, other_az: Array, other_el: Array) -> Array:
+    """Return the angles between directions and others [rad], shapes broadcast."""
+    return np.arccos(np.clip(cosine_between(az, el, other_az, other_el), -1.0, 1.0))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import DEG, Array, separation
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
 from pyport.least_squares import robust
@@ -86,14 +86,6 @@ def _inside(
     count = _around(el / DEG)
     across = np.abs((azimuths - az + np.pi) % (2 * np.pi) - np.pi) <= np.pi / count
     return across & (np.abs(elevations - el) <= _height(lowest_deg) / 2 * DEG + 1e-9)
-
-
-def separation(az: float | Array, el: float | Array, azimuths: Array, elevations: Array) -> Array:
-    """Return the angles between a direction, or one for each, and others [rad]."""
-    cosine = np.sin(el) * np.sin(elevations) + np.cos(el) * np.cos(elevations) * np.cos(
-        azimuths - az
-    )
-    return np.arccos(np.clip(cosine, -1, 1))
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import DEG, HOUR, Array
+from pyport.angles import DEG, HOUR, Array, separation
 from pyport.effects.base import Circumstances, Effect, MissingColumn
 from pyport.mounts import ALTAZ
-from pyport.planning.design import Design, cells, separation
+from pyport.planning.design import Design, cells
 from pyport.planning.separate import Pair
 from pyport.recordings import sky
 from pyport.recordings.schema import Recordings

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pyport.angles import DEG, Array, wrap
+from pyport.angles import DEG, Array, separation, wrap
 from pyport.effects.base import Circumstances, Site
 from pyport.effects.sky.site import sun
 from pyport.errors import BadInput
@@ -178,8 +178,6 @@ def _sun(site: Site, time_s: Array) -> tuple[Array, Array]:
 
 def _from_sun(site: Site, time_s: Array, az: Array, el: Array) -> Array:
     """Return how far directions (n,) are from the Sun [rad], each at its time, or all at one."""
-    from pyport.planning.design import separation
-
     return separation(*_sun(site, time_s), az, el)
 
 

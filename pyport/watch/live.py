@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from pyport.angles import DEG, Array
+from pyport.angles import DEG, Array, separation
 from pyport.effects.circumstances import NIGHT_GAP_S
-from pyport.planning.design import coverage, separation
+from pyport.planning.design import coverage
 from pyport.planning.suggest import directions
 from pyport.report.typed import as_json
 from pyport.watch.alarms import moment

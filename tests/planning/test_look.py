@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
 from pages import recordings
 
-from pyport.angles import ARCSEC, DEG
+from pyport.angles import ARCSEC, DEG, separation
 from pyport.cli.observe import look as command
 from pyport.formats.models import load
 from pyport.planning import look
-from pyport.planning.design import cells, coverage, design, separation
+from pyport.planning.design import cells, coverage, design
 from pyport.planning.separate import VISIBLE, classes, separate
 from pyport.planning.suggest import directions, suggest
 from pyport.planning.summary import as_json, text

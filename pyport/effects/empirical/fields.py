@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, cosine_between, separation
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.sky.site import sun_seen
 
@@ -32,11 +32,9 @@ def sky(at: Circumstances, width_rad: float) -> Array:
     bumps = []
     for height in np.arange(width_rad / 2, np.pi / 2 + width_rad / 2, width_rad):
         around = max(1, round(2 * np.pi * abs(np.cos(height)) / width_rad))
-        for centre in np.arange(around) * 2 * np.pi / around:
-            cosine = np.sin(at.el) * np.sin(height)
-            cosine = cosine + np.cos(at.el) * np.cos(height) * np.cos(at.az - centre)
-            bumps.append(np.exp((cosine - 1) / width_rad**2))
-    return np.stack(bumps, axis=1)
+        centres = np.arange(around) * 2 * np.pi / around
+        bumps += [cosine_between(centre, height, at.az, at.el) for centre in centres]
+    return np.stack([np.exp((cosine - 1) / width_rad**2) for cosine in bumps], axis=1)
 
 
 def wave(at: Circumstances, around: int, upward: int) -> Array:
@@ -92,10 +90,7 @@ def slew(at: Circumstances, name: str, count: int, values: Sequence[float]) -> A
 
 def from_sun(at: Circumstances) -> Array:
     """Return how far from the Sun each direction is [rad], shape (n,)."""
-    azimuth, elevation = sun_seen(at)
-    cosine = np.sin(at.el) * np.sin(elevation)
-    cosine = cosine + np.cos(at.el) * np.cos(elevation) * np.cos(at.az - azimuth)
-    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return separation(*sun_seen(at), at.az, at.el)
 
 
 def sun(at: Circumstances, count: int, values: Sequence[float]) -> Array:

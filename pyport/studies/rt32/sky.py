@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import ARCSEC, DEG, Array, separation
 from pyport.files import write_whole
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
@@ -74,9 +74,7 @@ def smoothed(left: Residuals, az_south: Array, altitude: Array) -> Array:
     kept = ~left.large
     az, alt, value = left.az_south[kept], left.altitude[kept], left.value[kept]
     apart = az_south[:, None] - az
-    cosine = np.sin(altitude)[:, None] * np.sin(alt)
-    cosine = cosine + np.cos(altitude)[:, None] * np.cos(alt) * np.cos(apart)
-    distance = np.arccos(np.clip(cosine, -1, 1))
+    distance = separation(az_south[:, None], altitude[:, None], az, alt)
     near = (distance < SMOOTHING_RADIUS) & (np.abs(apart) < np.pi)
     weight = np.where(near, np.cos(np.pi / 2 * distance / SMOOTHING_RADIUS), 0.0)
     total = weight.sum(axis=1)
