@@ -13,13 +13,14 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Blocks, Candidate, Untestable
 from pyport.effects.base import Effect
+from pyport.fitting.fit import expanded
 from pyport.least_squares.gram import Part
 from pyport.models.model import Model, Term
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame, frame
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Series
-from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.recordings.sky import with_nights
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
@@ -309,14 +310,12 @@ def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[A
     found: list[Chosen] = []
     start = 0
     for term in terms:
-        basis = term_columns(data, term.effect, recordings)
-        other = [label for label in term.per if label not in ("antenna", "session")]
-        codes, names = group(recordings, other)
-        split = [basis * (codes[data.row] == code)[:, None] for code in range(len(names))]
-        arrays.append(np.concatenate(split, axis=1))
+        other = tuple(label for label in term.per if label not in ("antenna", "session"))
+        columns, owners = expanded(recordings, data, [replace(term, per=other)])
+        arrays.append(columns)
         scope = " and ".join(label for label in ("antenna", "session") if label in term.per)
-        width = arrays[-1].shape[1]
-        coefficients = tuple(range(basis.shape[1])) * len(names)
+        width = columns.shape[1]
+        coefficients = tuple(range(len(term.effect.coefficients))) * len(owners)
         candidate = Candidate(term.effect, np.arange(start, start + width), coefficients)
         found.append(Chosen(candidate, scope or "all"))
         start += width

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array, separation
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
+from pyport.fitting.fit import expanded
 from pyport.least_squares import robust
 from pyport.models.model import Model, Term
-from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
+from pyport.recordings.schema import Recordings, Stack, stack
 
 #: Height of a cell; cells of a band are as wide as to be of one area [deg].
 CELL_DEG = 15.0
@@ -133,7 +134,12 @@ def design(recordings: Recordings, model: Model, noise: float | None = None) -> 
       file's own errors where those are larger.
     """
     data = stack(recordings)
-    base, columns = _base(recordings, data, model)
+    base, owners = expanded(recordings, data, model.fitted())
+    columns = (
+        Column(term, k, labels)
+        for term, labels in owners
+        for k in range(len(term.effect.coefficients))
+    )
     others, candidates, untestable = listing.design(recordings, data)
     sigma, how = _noise(recordings, data, base, model, noise)
     return Design(
@@ -147,17 +153,6 @@ def design(recordings: Recordings, model: Model, noise: float | None = None) -> 
         tuple(candidates),
         tuple(untestable),
     )
-
-
-def _base(recordings: Recordings, data: Stack, model: Model) -> tuple[Array, list[Column]]:
-    arrays, found = [np.zeros((len(data), 0))], []
-    for term in model.fitted():
-        basis = term_columns(data, term.effect, recordings)
-        codes, names = group(recordings, term.per)
-        for code, labels in enumerate(names):
-            arrays.append(basis * (codes[data.row] == code)[:, None])
-            found += [Column(term, k, labels) for k in range(basis.shape[1])]
-    return np.concatenate(arrays, axis=1), found
 
 
 def _noise(
