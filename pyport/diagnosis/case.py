@@ -290,6 +290,11 @@ def confounded(setup: Problem, effect: Effect) -> bool:
     return bool(effect.changes_with or effect.belongs_to) and setup.blocks.antennas == 1
 
 
+def measurements(setup: Problem) -> Codes:
+    """Return the number of the pointing and axis of each reading, (m,): repeats have the same."""
+    return 2 * setup.pointing + setup.stack.is_y
+
+
 def _scans(recordings: Recordings, data: Stack) -> Codes:
     """Give each scan a number; where no time is known every pointing is one of its own."""
     if "time" not in recordings.at:

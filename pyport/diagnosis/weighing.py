@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.case import Chosen, Problem, measurements
 from pyport.diagnosis.evidence import Evidence, Projection, at_best, shown
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
@@ -116,7 +116,7 @@ def _weighed(
         np.resize(setup.stack.is_y, len(white)).astype(np.intp),
         setup.blocks,
         common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
-        pointings=len(np.unique(setup.pointing * 2 + setup.stack.is_y)),
+        pointings=len(np.unique(measurements(setup))),
         draws=DRAWS,
         dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
         rng=np.random.default_rng(setup.seed),

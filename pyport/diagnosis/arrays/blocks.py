@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis import joint
-from pyport.diagnosis.case import Problem
+from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.effects.base import LASTING, STEP, ZERO
@@ -157,13 +157,12 @@ def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bl
     since = _since(setup, steps(fit))
     zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
     value = setup.residual - shared(setup, fit)
-    antenna, session = setup.antenna, setup.session_names
+    antenna, session, number = setup.antenna, setup.session_names, measurements(setup)
     everything = np.stack([value, *columns, *zeros.T], axis=1)
     found = []
     for name, when in dict.fromkeys(zip(antenna.tolist(), session.tolist(), strict=True)):
         rows = np.flatnonzero((antenna == name) & (session == when))
-        pointing = setup.pointing[rows] * 2 + stack.is_y[rows]
-        _, first, member = np.unique(pointing, return_index=True, return_inverse=True)
+        _, first, member = np.unique(number[rows], return_index=True, return_inverse=True)
         count = np.bincount(member)
         mean = np.stack([np.bincount(member, c) / count for c in everything[rows].T], axis=1)
         own = mean[:, 1 + len(shapes) :]

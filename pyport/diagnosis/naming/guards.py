@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
-from pyport.diagnosis.case import Problem
+from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.effects.circumstances import NIGHT_GAP_S
@@ -72,7 +72,7 @@ def lacking(numbers: int, coefficients: int) -> int:
 
 def measured(setup: Problem, rows: NDArray[np.bool_] | None = None) -> int:
     """Return how many numbers some readings (m,) measured; repeats of a pointing are one."""
-    number = setup.pointing * 2 + setup.stack.is_y
+    number = measurements(setup)
     return len(np.unique(number if rows is None else number[rows]))
 
 
