@@ -76,7 +76,7 @@ def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = Tr
 
 @stage("whitening")
 def weigh_model(
-    setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True
+    setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True
 ) -> WhitenedData:
     """Return what `weigh` does for what looks at the model and the data alone.
 

@@ -180,7 +180,7 @@ def test_where_no_period_could_be_seen(columns):
     """Nothing is looked for."""
     setup = prepare(recordings(480, 5, **{"time": TIME, **columns}), load("altaz"), seed=1)
 
-    assert periods.scan_of(setup) is None
+    assert periods.scan_of(setup, reversing=False) is None
 
 
 def test_a_single_session_holds_two_periods():
@@ -189,7 +189,7 @@ def test_a_single_session_holds_two_periods():
     time = 1.2e9 + np.linspace(0, 10 * HOUR, 480)
     setup = prepare(recordings(480, 5, time=time, session=night), load("altaz"), seed=1)
 
-    assert periods.scan_of(setup).longest == pytest.approx(5 * HOUR)
+    assert periods.scan_of(setup, reversing=False).longest == pytest.approx(5 * HOUR)
 
 
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False)])
@@ -202,7 +202,7 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     found = contenders.waves_of(setup, (), proposal)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
-    independent = 2 * np.log(periods.scan_of(setup).coherent)
+    independent = 2 * np.log(periods.scan_of(setup, reversing=False).coherent)
     assert len(asked) == 1
     assert independent + 2 < asked[0] < independent + 6
 
@@ -221,7 +221,9 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
             one.candidate.effect.id, 0.0
         ),
     )
-    wins = winner.winner_of(setup, weighed, (), trials, 0.0, beside=beside, mismatch=False)
+    wins = winner.winner_of(
+        setup, weighed, (), trials, 0.0, beside=beside, banned=(), mismatch=False
+    )
     (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
     own = setup.stack.columns(rival.candidate.effect, setup.recordings.at)
 
@@ -280,7 +282,7 @@ def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(monkeypa
 
     assert one.candidate.effect.member["period_s"] == pytest.approx(PERIOD_S, rel=0.01)
     assert ("reversing" in one.candidate.effect.member) == reversing
-    assert one.candidate.choices >= 2 * round(periods.scan_of(setup).coherent)
+    assert one.candidate.choices >= 2 * round(periods.scan_of(setup, reversing=False).coherent)
     of_y = setup.stack.is_y
     both = np.stack([x[of_y], y[of_y]], axis=1)
     left = wave - both @ np.linalg.lstsq(both, wave, rcond=None)[0]

@@ -171,7 +171,7 @@ def _place(splits: tuple[Split, ...], name: str, axes: tuple[str, str]) -> str:
     return "; ".join(said) + "."
 
 
-def two_axes_json(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) -> dict[str, Any]:
+def two_axes_json(one: Disagreement, axes: tuple[str, str]) -> dict[str, Any]:
     """Return a disagreement for report.json."""
     pairs = [_parameters(one, place) for place in range(len(one.found.of))]
     return {

@@ -63,7 +63,7 @@ def winner_of(
     least: float,
     *,
     beside: Projection,
-    banned: Collection[str] = (),
+    banned: Collection[str],
     mismatch: bool = True,
     changes: bool = True,
 ) -> Contender | None:

@@ -126,7 +126,7 @@ class Ground:
         """Return what a field is worth in the readings that it has columns for."""
         return worth(field, *self.products(field.columns))
 
-    def worths(self, *, lasting: bool = False) -> Iterator[Worth]:
+    def worths(self, *, lasting: bool) -> Iterator[Worth]:
         """Yield what every field is worth, in each axis and in both; none of time if `lasting`."""
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}

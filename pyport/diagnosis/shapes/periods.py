@@ -103,7 +103,7 @@ class Scan:
         return periods, self.sign[:, None] * waves
 
 
-def scan_of(setup: Problem, *, reversing: bool = False) -> Scan | None:
+def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
     """Return the readings for a search; None where no period could be seen.
 
     `reversing`: for waves that change their sign where the mount has turned over.

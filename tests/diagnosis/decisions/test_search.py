@@ -289,7 +289,7 @@ def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda 
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
-    found = winner.winner_of(setup(), None, (), (), 0.0, beside=None, **options)
+    found = winner.winner_of(setup(), None, (), (), 0.0, beside=None, banned=(), **options)
     return found and found.trial.candidate.effect.id
 
 
