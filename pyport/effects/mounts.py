@@ -159,7 +159,7 @@ def pier_flip(at: Circumstances) -> tuple[Array, Array]:
     """Return zeros of both encoders that differ by twice this between the sides of the pier.
 
     One that changes sign with the side in the angles of the axes does not so on the sky: the
-    declination axis then counts the other way.
+    declination axis then counts in the opposite sense.
     """
     side = np.where(at.column(PIER_SIDE) == OVER, -1.0, 1.0)
     if np.ptp(side) == 0:

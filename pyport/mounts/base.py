@@ -110,7 +110,7 @@ class Mount:
 
         Both are on the sky: across is a step of the first angle times the cosine of the second.
         The matrices, shape (2, 2, n), are orthogonal; of determinant -1 where the mount counts
-        one of its angles the other way round. They hold for a mount that has not turned over.
+        one of its angles in the opposite sense. They hold for a mount that has not turned over.
         """
         if self.frame is None:
             return np.broadcast_to(np.eye(2)[:, :, None], (2, 2, len(el)))

@@ -42,7 +42,7 @@ _HARMONIC = re.compile(r"H([AESZ])([SC])([AEZ])([1-9]?)(?:([SC])([AEZ])([1-9]?))
 _POLYNOMIAL = re.compile(r"P([AESZ])([EZ])([0-9]?)(?:([EZ])([0-9]?))?")
 _TX = re.compile(r"TX\d*")
 
-#: What a harmonic's result is of, and its sign: an azimuth is counted the other way round (-1)
+#: What a harmonic's result is of, and its sign: an azimuth is counted in the opposite sense (-1)
 #: and taken off (-1), an elevation is taken off.
 _RESULT = {"A": ("az", 1), "S": ("xel", 1), "E": ("el", -1), "Z": ("el", 1)}
 _LETTER = {"az": "A", "xel": "S", "el": "E"}
