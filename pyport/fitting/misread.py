@@ -1,10 +1,10 @@
 """Misread files: the same numbers, taken for something else, fit the model much better.
 
-What a column holds is the commonest thing to be wrong about: a circle that is counted the other
-way, zenith distances for elevations, offsets of a coordinate for offsets on the sky, axes in each
-other's place, a sign that was turned for a night. Both axes share the tilt, and the other terms
-have shapes of their own, so that one reading of a file fits and the others do not. Nights may
-differ in their zeros, so that means of sessions say nothing here.
+What a column holds is the commonest thing to be wrong about: a circle that is counted in the
+opposite sense, zenith distances for elevations, offsets of a coordinate for offsets on the sky,
+axes in each other's place, a sign that was turned for a night. Both axes share the tilt, and the
+other terms have shapes of their own, so that one reading of a file fits and the others do not.
+Nights may differ in their zeros, so that means of sessions say nothing here.
 """
 
 from __future__ import annotations
@@ -21,11 +21,23 @@ from pyport.fitting.fit import expanded
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ
-from pyport.recordings.schema import Recordings, group, stack
+from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.thresholds import MOSTLY, OUT_OF_REACH
 
-#: What is read otherwise, in words; the offsets x and y that it makes (n,), and how x grows.
-Reading = tuple[tuple[str, ...], Array, Array, Array | float]
+Words = tuple[str, ...]
+#: What is read otherwise; the offsets x and y that it makes (n,), and by how much x is scaled.
+Reading = tuple[Words, Array, Array, Array | float]
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fit: what it leaves [rad], shape (m,), and its coefficients beside the model's.
+
+    Each of them costs log m.
+    """
+
+    left: Array
+    coefficients: int = 0
 
 
 def misread(
@@ -52,46 +64,18 @@ def misread(
     every
         And with curves without a name, too: a reading that is worse than they explains nothing.
     """
-    several = "antenna" in recordings.at and len(np.unique(recordings.label("antenna"))) > 1
-    data = stack(recordings)
-    session, names = group(recordings, ("session",))
-    # Outliers are few: where most of a session are, it is the others that they lie out of.
-    side = 2 * session[data.row] + data.is_y
-    share = np.bincount(side, weights=used) / np.maximum(np.bincount(side), 1)
-    rows = np.flatnonzero(used | (share[side] < MOSTLY))
-    if several or not len(rows):
+    numbers = _numbers(recordings, used)
+    if len(np.unique(recordings.label("antenna"))) > 1 or not len(numbers.rows):
         return None
-    sides = _Sides(data.is_y[rows], session[data.row[rows]])
-
-    def lack_of(fitted: Fitted) -> float:
-        price = float(np.log(len(rows)))
-        return sides.lack(sides.centred(fitted.left[rows])) + fitted.coefficients * price
-
-    as_it_stands = lack_of(named)
-    others: list[tuple[float, tuple[str, ...], Array, Array]] = []
-    for height, at in _heights(recordings.at):
-        columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
-        basis = spanned(sides.centred(columns))[0]
-        given = model.offsets(at)
-        ways = [*_offsets(recordings, at)]
-        if not height:
-            ways += _all_of(recordings, *given)
-            ways += _turned(recordings, session, [name for (name,) in names])
-        for words, x, y, grown in ways:
-            value = sides.centred((data.spread(x, y) - data.spread(*given))[rows])
-            rest = value - basis @ (basis.T @ value)
-            size = np.where(
-                sides.is_y, 1.0, np.broadcast_to(grown, len(recordings))[data.row[rows]]
-            )
-            lack = sides.lack(rest) - 2 * float(np.log(size).sum())
-            if height or words:
-                others.append((lack, (*height, *words), rest, size))
-            else:
-                as_it_stands = min(as_it_stands, lack)
-    lack, words, rest, size = min(others, key=lambda one: one[0])
-    if lack > as_it_stands - OUT_OF_REACH or (every is not None and lack > lack_of(every)):
+    (as_it_stands, *_), *others = _refitted(recordings, model, refit, numbers)
+    misfit, words, left, scale = min(others, key=lambda one: one[0])
+    if misfit > min(as_it_stands, numbers.misfit_of(named)) - OUT_OF_REACH:
         return None
-    was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[rows] * size, rest))
+    if every is not None and misfit > numbers.misfit_of(every):
+        return None
+    was, now = (
+        float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[numbers.rows] * scale, left)
+    )
     return (
         f"The file may have been misread: if {', and '.join(words)}, the model alone leaves "
         f"{now:.3g} arcsec rms, where the model with all effects found leaves {was:.3g}: check "
@@ -100,85 +84,107 @@ def misread(
 
 
 @dataclass(frozen=True)
-class Fitted:
-    """A fit: what it leaves [rad], shape (m,), and its coefficients beside the model's.
+class _Numbers:
+    """Which k of the m numbers count, and the number of the axis in a session of each of them."""
 
-    Each of them costs log m.
-    """
-
-    left: Array
-    coefficients: int = 0
-
-
-@dataclass(frozen=True)
-class _Sides:
-    """The readings that count: which are of the second axis, and their sessions, shape (k,)."""
-
-    is_y: NDArray[np.bool_]
-    session: Codes
+    stack: Stack
+    rows: Codes
+    side: Codes
 
     def centred(self, columns: Array) -> Array:
         """Return columns (k, P), or one (k,), less the mean of each axis in each session."""
-        of = 2 * self.session + self.is_y
-        total = np.zeros((int(of.max()) + 1, *columns.shape[1:]))
-        np.add.at(total, of, columns)
-        count = np.maximum(np.bincount(of), 1).reshape(-1, *[1] * (columns.ndim - 1))
-        return np.asarray(columns - (total / count)[of])
+        total = np.zeros((int(self.side.max()) + 1, *columns.shape[1:]))
+        np.add.at(total, self.side, columns)
+        count = np.maximum(np.bincount(self.side), 1).reshape(-1, *[1] * (columns.ndim - 1))
+        return np.asarray(columns - (total / count)[self.side])
 
-    def lack(self, left: Array) -> float:
+    def misfit(self, left: Array) -> float:
         """Return minus twice the log-likelihood of residuals (k,), each axis of its own scatter."""
-        sizes = (np.abs(left[self.is_y == axis]) for axis in (False, True))
+        sizes = (np.abs(left[self.side % 2 == axis]) for axis in (0, 1))
         return sum(
             2 * len(one) * float(np.log(max(one.mean(), 1e-12))) for one in sizes if len(one)
         )
 
+    def misfit_of(self, fitted: Fitted) -> float:
+        """Return the same of a fit to the file as it stands, its coefficients paid for."""
+        price = float(np.log(len(self.rows)))
+        return self.misfit(self.centred(fitted.left[self.rows])) + fitted.coefficients * price
 
-def _heights(at: Circumstances) -> Iterator[tuple[tuple[str, ...], Circumstances]]:
+
+def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:
+    """Return the numbers that count: no outliers, which are few.
+
+    Where most of an axis in a session are, it is the others that they lie out of.
+    """
+    data = stack(recordings)
+    side = 2 * group(recordings, ("session",))[0][data.row] + data.is_y
+    share = np.bincount(side, weights=used) / np.maximum(np.bincount(side), 1)
+    rows = np.flatnonzero(used | (share[side] < MOSTLY))
+    return _Numbers(data, rows, side[rows])
+
+
+def _refitted(
+    recordings: Recordings, model: Model, refit: Collection[str] | None, numbers: _Numbers
+) -> Iterator[tuple[float, Words, Array, Array]]:
+    """Yield the misfit of every reading by the model alone, the file as it stands first.
+
+    Yield with it its words, what the model leaves and by how much offsets are scaled, both (k,).
+    """
+    data, rows = numbers.stack, numbers.rows
+    for directions, at in _directions(recordings.at):
+        columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
+        basis = spanned(numbers.centred(columns))[0]
+        predicted = data.spread(*model.offsets(at))
+        for words, x, y, scale_x in _offsets(recordings, at, model):
+            value = numbers.centred((data.spread(x, y) - predicted)[rows])
+            left = value - basis @ (basis.T @ value)
+            scale = np.broadcast_to(scale_x, len(recordings))[data.row[rows]]
+            scale = np.where(data.is_y[rows], 1.0, scale)
+            # Smaller numbers are likelier by as much as they were made smaller.
+            misfit = numbers.misfit(left) - 2 * float(np.log(scale).sum())
+            yield misfit, (*directions, *words), left, scale
+
+
+def _directions(at: Circumstances) -> Iterator[tuple[Words, Circumstances]]:
     """Yield the directions as they were read, and with zenith distances for elevations."""
     yield (), at
     if at.mount is ALTAZ and at.fine is None and np.all((at.el > 0) & (at.el < np.pi / 2)):
         yield ("the elevations are zenith distances",), replace(at, el=np.pi / 2 - at.el)
 
 
-def _offsets(recordings: Recordings, here: Circumstances) -> Iterator[Reading]:
+def _offsets(recordings: Recordings, here: Circumstances, model: Model) -> Iterator[Reading]:
     """Yield the offsets as they were read and otherwise, for the directions that are read."""
-    x, y, mount = recordings.x, recordings.y, recordings.at.mount
-    first = mount.first.name
+    x, y, first = recordings.x, recordings.y, recordings.at.mount.first.name
     cosine, read = (np.maximum(np.cos(one.axes.el), 1e-3) for one in (here, recordings.at))
-    sizes: list[tuple[tuple[str, ...], Array | float]] = [((), 1.0)]
-    if here is recordings.at:
-        sizes.append(
-            ((f"the offsets across lack the cosine that brings {first} onto the sky",), cosine)
-        )
-        sizes.append(((f"the offsets of {first} are on the sky already",), 1 / cosine))
-    else:
-        sizes.append(((), cosine / read))
-    swapped = ("the offsets of the axes are in each other's place",)
-    other = (f"{first} is counted the other way, or its offsets have the other sign",)
-    for sign, turned in ((1, ()), (-1, other)):
-        for words, size in sizes:
-            yield (*turned, *words), sign * x * size, y, size
+    opposite = f"{first} is counted in the opposite sense, or its offsets have the other sign"
+    for signed, turned in ((x, ()), (-x, (opposite,))):
+        yield turned, signed, y, 1.0
+        if here is recordings.at:
+            lacking = f"the offsets across lack the cosine that brings {first} onto the sky"
+            yield (*turned, lacking), signed * cosine, y, cosine
+            already = f"the offsets of {first} are on the sky already"
+            yield (*turned, already), signed * (1 / cosine), y, 1 / cosine
+        else:
+            yield turned, signed * (cosine / read), y, cosine / read
         if np.array_equal(np.isfinite(x), np.isfinite(y)):
-            yield (*turned, *swapped), sign * y, x, 1.0
+            swapped = (*turned, "the offsets of the axes are in each other's place")
+            yield swapped, -y if turned else y, x, 1.0
+    if here is recordings.at:
+        # Shows where the model's terms are not all refitted.
+        yield ("all offsets have the other sign",), -x, -y, 1.0
+        model_x, model_y = model.offsets(here)
+        in_use = ("the offsets were measured with this model in use",)
+        yield in_use, x + model_x, y + model_y, 1.0
+        yield from _of_sessions(recordings)
 
 
-def _all_of(recordings: Recordings, model_x: Array, model_y: Array) -> Iterator[Reading]:
-    """Yield all offsets otherwise: it shows where the model's terms are not all refitted."""
-    x, y = recordings.x, recordings.y
-    yield ("all offsets have the other sign",), -x, -y, 1.0
-    yield ("the offsets were measured with this model in use",), x + model_x, y + model_y, 1.0
-
-
-def _turned(recordings: Recordings, session: Codes, names: list[str]) -> Iterator[Reading]:
+def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
     """Yield the offsets with the sign of one session turned, in either axis or in both."""
-    x, y = recordings.x, recordings.y
-    across, along = recordings.at.mount.names
-    for code, name in enumerate(names if len(names) > 1 else ()):
+    x, y, (across, along) = recordings.x, recordings.y, recordings.at.mount.names
+    session, names = group(recordings, ("session",))
+    for code, (name,) in enumerate(names if len(names) > 1 else ()):
         sign = np.where(session == code, -1.0, 1.0)
-        for words, of_x, of_y in (
-            (across, sign, 1.0),
-            (along, 1.0, sign),
-            ("both axes", sign, sign),
-        ):
-            told = f"the offsets in {words} of session {name} have the sign opposite to the others'"
-            yield (told,), x * of_x, y * of_y, 1.0
+        sides = (across, x * sign, y), (along, x, y * sign), ("both axes", x * sign, y * sign)
+        for axes, of_x, of_y in sides:
+            told = f"the offsets in {axes} of session {name} have the sign opposite to the others'"
+            yield (told,), of_x, of_y, 1.0

@@ -42,7 +42,10 @@ def test_a_file_that_is_right_is_not_doubted():
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        (lambda r: replace(r, at=replace(r.at, az=-r.at.az)), "azimuth is counted the other way"),
+        (
+            lambda r: replace(r, at=replace(r.at, az=-r.at.az)),
+            "azimuth is counted in the opposite sense",
+        ),
         (lambda r: replace(r, x=-r.x), "or its offsets have the other sign"),
         (lambda r: replace(r, at=replace(r.at, el=np.pi / 2 - r.at.el)), "zenith distances"),
         (lambda r: replace(r, x=r.x / np.cos(r.at.el)), "lack the cosine that brings azimuth onto"),
@@ -86,7 +89,7 @@ def test_what_has_no_name_is_no_other_explanation():
     found = diagnose(replace(right, at=replace(right.at, az=-right.at.az)), ALTAZ)
 
     assert found.findings[0].verdict == "unknown"
-    assert "counted the other way" in found.misread
+    assert "counted in the opposite sense" in found.misread
 
 
 def test_a_reading_that_leaves_more_than_curves_without_a_name_explains_nothing():
@@ -101,7 +104,7 @@ def test_a_reading_that_leaves_more_than_curves_without_a_name_explains_nothing(
         for one in curves
     ]
 
-    assert "counted the other way" in told[0]
+    assert "counted in the opposite sense" in told[0]
     assert told[1] is None
 
 
@@ -127,7 +130,7 @@ def test_outliers_say_nothing_and_neither_do_arrays():
 
 
 def test_the_axes_of_other_mounts_have_their_own_names():
-    """An hour angle counted the other way; on that mount there is no height to misread."""
+    """An hour angle counted in the opposite sense; on that mount there is no height to misread."""
     made = recordings(300, 7)
     at = replace(made.at, mount=KINDS["fork"])
     model = load("altaz").on(at.mount)
@@ -137,4 +140,4 @@ def test_the_axes_of_other_mounts_have_their_own_names():
     right = replace(made, at=at, x=x + noise[0], y=y + noise[1])
 
     assert said(right, model) is None
-    assert "hour angle is counted the other way" in said(replace(right, x=-right.x), model)
+    assert "hour angle is counted in the opposite sense" in said(replace(right, x=-right.x), model)
