@@ -19,7 +19,7 @@ CATALOGUE: dict[str, Effect]
 def _families() -> tuple[ModuleType, ...]:
     """Import the families, in their order."""
     from pyport.effects import mounts
-    from pyport.effects.empirical import driven, epochs, fields
+    from pyport.effects.empirical import driven, epochs, oscillations
     from pyport.effects.sky import astrometry, atmosphere, site
     from pyport.effects.telescope import (
         drive,
@@ -34,7 +34,7 @@ def _families() -> tuple[ModuleType, ...]:
     mount = geometry, encoders, mounts
     sky = site, astrometry, atmosphere
     telescope = drive, thermal, receiver, rotation, structure
-    return *mount, *sky, *telescope, epochs, fields, driven
+    return *mount, *sky, *telescope, epochs, oscillations, driven
 
 
 def __getattr__(name: str) -> object:

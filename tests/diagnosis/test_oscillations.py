@@ -17,7 +17,7 @@ from pyport.diagnosis.searching import contenders, winner
 from pyport.diagnosis.shapes import oscillations, periods
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
-from pyport.effects.empirical.fields import OSCILLATION, oscillation
+from pyport.effects.empirical.oscillations import OSCILLATION, oscillation
 from pyport.formats.models import load
 from pyport.mounts import KINDS
 

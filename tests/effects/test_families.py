@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pyport.angles import DEG
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
-from pyport.effects.empirical.fields import oscillation
+from pyport.effects.empirical.oscillations import oscillation
 from pyport.effects.telescope.receiver import band_of, bands
 from pyport.mounts import KINDS
 

@@ -32,7 +32,7 @@ from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
-from pyport.effects.empirical.fields import OSCILLATION
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.runs.stages import stage
 from pyport.thresholds import MOST_MEMBERS

@@ -31,7 +31,7 @@ from pyport.diagnosis.weighing import (
 )
 from pyport.effects import Effect, catalogue
 from pyport.effects.empirical.epochs import clock, epoch_step
-from pyport.effects.empirical.fields import OSCILLATION
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST

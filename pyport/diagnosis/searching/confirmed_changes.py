@@ -20,7 +20,7 @@ from pyport.diagnosis.searching.contenders import (
 )
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import best_shown
-from pyport.effects.empirical.fields import OSCILLATION
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING

@@ -30,7 +30,7 @@ from pyport.diagnosis.shapes.periods import (
     view_of,
 )
 from pyport.effects.base import Effect
-from pyport.effects.empirical.fields import OSCILLATION, Stretch, oscillation
+from pyport.effects.empirical.oscillations import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage

@@ -1,4 +1,4 @@
-"""Oscillations in time; fields: sums of bumps over the sky, along a column or in time.
+"""Fields: sums of bumps over the sky, along a column or in time.
 
 A diagnosis lays them through what no effect explains. Each field is given by a few
 numbers, so that a file can hold it and it has a value at any place, not only where
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, cosine_between, separation
-from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.base import Circumstances, Coefficient, Effect
 from pyport.effects.sky.site import sun_seen
 
 #: The id of what no effect of the catalogue explains.
@@ -228,99 +228,3 @@ def _needs(bumps: Bumps) -> tuple[str, ...]:
         return ("time_utc",)
     named = bumps["kind"] in {"column", "curve"} and bumps["name"] not in {"az_deg", "el_deg"}
     return (bumps["name"],) if named else ()
-
-
-#: The id of an oscillation.
-OSCILLATION = "oscillation"
-#: Periods that stand for all others until one is chosen from the recordings [s].
-PERIODS_S = (3600.0, 3 * 3600.0, 9 * 3600.0)
-#: A file may ask for any period and any number of stretches: none is shorter [s], none are more.
-SHORTEST_S, MOST_STRETCHES = 1.0, 10_000
-
-#: Beginning and end of some time [s, UTC since 1970].
-Stretch = tuple[float, float]
-
-
-def oscillation(
-    period_s: float,
-    since_s: float = 0.0,
-    stretches_s: Sequence[Stretch] | None = None,
-    *,
-    reversing: bool = False,
-) -> Effect:
-    """Return an oscillation of the zeros.
-
-    Parameters
-    ----------
-    period_s
-        Its period.
-    since_s
-        The moment at which its sine begins [s, UTC since 1970].
-    stretches_s
-        Where its phase wanders: times in each of which amplitude and phase are free. None where
-        they hold throughout.
-    reversing
-        Whether it changes its sign where the mount has turned over, as what the second axis does.
-
-    Raises
-    ------
-    ValueError
-        There is no such period, or there are more stretches than any recordings have.
-    """
-    if not period_s >= SHORTEST_S or len(stretches_s or ()) > MOST_STRETCHES:
-        raise ValueError("an oscillation needs a period above a second and countable stretches")
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        time = at.numbers("time")
-        phase = 2 * np.pi * (time - since_s) / period_s
-        # What acts in the axes changes its sign there: twice is not at all.
-        sign = 1.0 if reversing or at.sky is None else at.sky.side
-        sine, cosine = sign * np.sin(phase), sign * np.cos(phase)
-        inside = [np.ones(len(at), bool)] if stretches_s is None else _inside(time, stretches_s)
-        columns = ((one * sine, one * cosine) for one in inside)
-        waves = [wave for pair in columns for wave in pair]
-        return stack(at, *[(wave, 0) for wave in waves], *[(0, wave) for wave in waves])
-
-    labels = [""] if stretches_s is None else [f"[{n + 1}]" for n in range(len(stretches_s))]
-    counted = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
-    wanders = "" if stretches_s is None else f", its phase free in {len(labels)} stretches of time"
-    sides = ", its sign changing with the side of the pier" if reversing else ""
-    return Effect(
-        OSCILLATION,
-        "something hunts or is switched by turns: a servo, a heater, an air conditioner",
-        "a sine wave in time; Scargle 1982, ApJ 263, 835 (its search)",
-        tuple(
-            Coefficient(f"{wave}_{axis}{label}")
-            for axis in ("xel", "el")
-            for label in labels
-            for wave in ("sine", "cosine")
-        ),
-        basis,
-        variant=f"period {period_s / 60:.4g} min{wanders or counted}{sides}",
-        profile=_members,
-        acts_in=AXES,
-        pattern="a wave in time, of one period",
-        needs=("time_utc",),
-        formula=("a sin(2 pi t / P) + b cos(2 pi t / P)", "c sin(2 pi t / P) + d cos(2 pi t / P)"),
-        parameter=period_s,
-        changes_with="time" if stretches_s is None else "stretch",
-        member={"period_s": period_s, "since_s": since_s}
-        | ({} if stretches_s is None else {"stretches_s": [list(one) for one in stretches_s]})
-        | ({"reversing": True} if reversing else {}),
-        make=oscillation,
-    )
-
-
-def _inside(time: Array, stretches_s: Sequence[Stretch]) -> list[NDArray[np.bool_]]:
-    return [(time >= first) & (time <= last) for first, last in stretches_s]
-
-
-def _members(at: Circumstances) -> tuple[Effect, ...]:
-    """Return some periods. The antennas of an array do not share one: their servos are several."""
-    at.numbers("time")
-    if "antenna" in at and len(np.unique(at.column("antenna"))) > 1:
-        raise MissingColumn("recordings of a single antenna")
-    return tuple(oscillation(one) for one in PERIODS_S)
-
-
-EFFECTS = (oscillation(PERIODS_S[0]),)

@@ -9,7 +9,7 @@ from diagnosis.decisions.stubs import ONE_ANTENNA, Columns
 from pyport.angles import ARCSEC
 from pyport.diagnosis.naming import waves
 from pyport.diagnosis.shapes import oscillations, periods
-from pyport.effects.empirical.fields import oscillation
+from pyport.effects.empirical.oscillations import oscillation
 from pyport.thresholds import PERIODS_FREE
 
 HOUR = 3600.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pyport.effects import CATALOGUE
-from pyport.effects.empirical.fields import oscillation
+from pyport.effects.empirical.oscillations import oscillation
 from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.faults import SWALLOWED
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
