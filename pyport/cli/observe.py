@@ -23,6 +23,7 @@ def _proposed(name: str, given: FileOptions) -> dict[str, str]:
     from pyport.files import is_file
     from pyport.recordings.formats import mapped
     from pyport.recordings.formats import registry as tables
+    from pyport.recordings.formats.sheet import sheet
     from pyport.recordings.mounted import OFFSETS
 
     path = Path(name)
@@ -31,7 +32,7 @@ def _proposed(name: str, given: FileOptions) -> dict[str, str]:
         return {}
     if path.suffix.lower() == ".csv" and tables.katpoint_csv.looks_like(path):
         return {}
-    table = mapped.sheet(path)
+    table = sheet(path)
     offsets = {one[0] for one in map(angle_of, table.names) if one is not None}
     if offsets & OFFSETS:
         return {}

@@ -17,6 +17,7 @@ from pyport.cli import pyport as program
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings.formats import mapped
+from pyport.recordings.formats.sheet import sheet
 from pyport.recordings.from_table import from_table
 from pyport.recordings.raw import FileOptions
 
@@ -144,7 +145,7 @@ def test_the_map_of_a_real_log():
     path = sample("iram/pointing-2015-03.log")
     text = "az_deg=AZd, el_deg=ELd, d_xel_arcsec=pnt.X, d_el_arcsec=pnt.Y, session=id|date"
     found = read(path, FileOptions(mapping=mapped.parse(text)))
-    proposed = mapped.propose(mapped.sheet(path))
+    proposed = mapped.propose(sheet(path))
 
     assert len(found) > 200
     assert {key: proposed[key] for key in ("az_deg", "el_deg", "d_xel_arcsec", "d_el_arcsec")} == {

@@ -178,6 +178,7 @@ def readers() -> dict[str, Reader]:
     lines = ("recordings.formats.csv",)
     field_system = ("recordings.formats.xtr", *lines)
     terms = ("formats.model_file", *lines)
+    sheets = ("recordings.formats.mapped", "recordings.formats.sheet")
     katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "recordings.formats.katpoint_csv"
     tpoint_dat = "recordings.formats.tpoint_dat"
     agrees = ("formats.field_system.agreement",)
@@ -203,7 +204,7 @@ def readers() -> dict[str, Reader]:
             recordings,
             ("recordings.formats.tpoint_equatorial", tpoint_dat),
         ),
-        ("other-names", ".txt", (seeds.MINE, seeds.PLAIN), mapped, ("recordings.formats.mapped",)),
+        ("other-names", ".txt", (seeds.MINE, seeds.PLAIN), mapped, sheets),
         ("column-map", ".toml", (seeds.MAP,), column_map, ("recordings.formats.mapped",)),
         ("log", ".csv", (NIGHT, seeds.PLAIN), log, ("watch.follow",)),
         ("watch-state", ".npz", (seeds.state(),), state, ("watch.state",)),

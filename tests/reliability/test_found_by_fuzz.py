@@ -18,7 +18,8 @@ from pyport.formats import katpoint_model
 from pyport.formats.models import load
 from pyport.models.conditions import columns_of
 from pyport.recordings import read, where
-from pyport.recordings.formats.mapped import propose, sheet
+from pyport.recordings.formats.mapped import propose
+from pyport.recordings.formats.sheet import sheet
 from pyport.recordings.from_table import from_table
 from pyport.recordings.stream import chunk
 from pyport.watch import state
