@@ -47,9 +47,9 @@ def applied(
     model: PointingModel,
     raw: Raw,
     *,
-    inverse: bool = False,
-    residuals: bool = False,
-    where: str = "",
+    inverse: bool,
+    residuals: bool,
+    where: str,
 ) -> Applied:
     """Return a table with a model's offsets, and where to drive, in each row.
 

@@ -118,7 +118,7 @@ def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]
     return reported(made, path, model)
 
 
-def reported(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
+def reported(made: Any, path: Path, model: str | None) -> dict[str, Any]:  # noqa: ANN401
     """Return the report of a made case that was written to `path` before."""
     from pyport.diagnosis.diagnose import diagnose
     from pyport.formats.models import load

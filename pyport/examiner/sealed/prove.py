@@ -94,7 +94,7 @@ def _answers(plan: Plan, sealed: dict[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def answer_beside(root: Path, jobs: int = 1, who: Iterable[str] = baselines.METHODS) -> None:
+def answer_beside(root: Path, jobs: int, who: Iterable[str] = baselines.METHODS) -> None:
     """Let the baselines, or some of them, answer what they have not answered yet."""
     tasks = [
         (Folder(root, by), one["case"], one["arguments"])
@@ -141,7 +141,7 @@ def _open(plan: Plan) -> None:
 
 
 def scored_beside(
-    root: Path, truths: dict[str, dict[str, Any]], jobs: int = 1
+    root: Path, truths: dict[str, dict[str, Any]], jobs: int
 ) -> dict[str, list[dict[str, Any]]]:
     """Return the baselines' rows of the score."""
     return {

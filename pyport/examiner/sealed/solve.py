@@ -42,7 +42,7 @@ class Task:
     solver: tuple[str, ...]
 
 
-def unsolved(root: Path, solver: Sequence[str] = SOLVER) -> list[Task]:
+def unsolved(root: Path, solver: Sequence[str]) -> list[Task]:
     """Return the cases that have no report yet."""
     folder = Folder(root)
     return [

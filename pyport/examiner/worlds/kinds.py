@@ -161,7 +161,7 @@ class Spec:
             return _WHOLE[self.kind](seed, **some)
         if self.kind == "ablation":
             steps = tuple(self.effect.split("+")) if self.effect else observatories.RT32_LEFT_OUT
-            return observatories.ablation(seed, steps, span_weeks=self.weeks, **some)
+            return observatories.ablation(seed, steps, self.weeks, **some)
         if self.kind == "degenerate":
             return twins(seed, self.effect, self.rho, **some)
         return _hidden(seed, self)

@@ -163,9 +163,9 @@ def _rt32_noise() -> Noise:
 
 def ablation(
     seed: int,
-    omitted: tuple[str, ...] = RT32_LEFT_OUT,
+    omitted: tuple[str, ...],
+    span_weeks: float | None,
     rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS,
-    span_weeks: float | None = None,
 ) -> Case:
     """Make the RT32's campaigns with a steering that leaves steps of the reduction out.
 

@@ -237,7 +237,7 @@ def ratio(one: Array | None, other: Array | None) -> float:
     return product / float(other @ other)
 
 
-def shape_of(effect: Effect, column: int = 0) -> tuple[Shape, float] | None:
+def shape_of(effect: Effect, column: int) -> tuple[Shape, float] | None:
     """Return which shape of the vocabularies a coefficient is, and how many of it.
 
     A column of the catalogue's effect of this id, or of an effect that comes with k for the

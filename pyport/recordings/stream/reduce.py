@@ -15,7 +15,7 @@ from pyport.angles import Array
 from pyport.effects.base import SubPointings
 from pyport.errors import BadInput
 from pyport.recordings.interpret import interpret
-from pyport.recordings.raw import NOTHING, FileOptions
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings, Reduction, SetAside
 from pyport.recordings.stream.cells import (
     ALWAYS,
@@ -157,10 +157,7 @@ def is_data_set(path: Path) -> bool:
 
 
 def read_data_set(
-    root: Path,
-    given: FileOptions = NOTHING,
-    spread: Spread[Any, Any] = map,
-    beside: Path | None = None,
+    root: Path, given: FileOptions, spread: Spread[Any, Any], beside: Path | None
 ) -> Recordings:
     """Return the normal points of a data set as recordings.
 

@@ -114,7 +114,7 @@ def left_out(at: Circumstances, steps: Collection[str] = DOCUMENT) -> tuple[Arra
     return x, y
 
 
-def reduced(recordings: Recordings, steps: Collection[str] = DOCUMENT) -> Recordings:
+def reduced(recordings: Recordings, steps: Collection[str]) -> Recordings:
     """Return recordings whose offsets are free of these steps.
 
     The header says under `reduced` what was taken out, and keeps that it was.
