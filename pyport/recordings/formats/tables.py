@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -94,12 +95,19 @@ def read_parquet(path: Path) -> Raw:
 
     Raises `BadInput`: the file is no Parquet, or has no rows.
     """
-    import pyarrow
-
     if not path.stat().st_size:
         raise BadInput("the file is empty, expected recordings", path)
-    try:
+    with refused(path):
         return _parquet_cells(path)
+
+
+@contextlib.contextmanager
+def refused(path: Path) -> Iterator[None]:
+    """Say in one line what Parquet's own reader does not like of a file."""
+    import pyarrow
+
+    try:
+        yield
     except (pyarrow.ArrowException, OSError, UnicodeDecodeError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise BadInput(f"no Parquet table: {reason}", path) from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.files import is_spelled
-from pyport.recordings.formats.tables import first_double, is_text
+from pyport.recordings.formats.tables import first_double, is_text, refused
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.
 PIECE_ROWS = 2_000_000
@@ -33,7 +32,7 @@ class Piece:
 
     def batches(self) -> Iterator[Any]:
         """Yield record batches of at most `CHUNK_ROWS` rows."""
-        with opened(self.file) as file, _refused(self.file):
+        with opened(self.file) as file, refused(self.file):
             wanted = _wanted(file.schema_arrow, self.file)
             yield from file.iter_batches(CHUNK_ROWS, row_groups=list(self.groups), columns=wanted)
 
@@ -95,22 +94,10 @@ def opened(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
     """Open a Parquet file; text comes as places in a dictionary, a long one is there once."""
     from pyarrow import parquet
 
-    with _refused(path):
+    with refused(path):
         schema = parquet.read_schema(path, memory_map=True)
         words = [one.name for one in schema if is_text(one.type)]
         return parquet.ParquetFile(path, memory_map=True, read_dictionary=words)
-
-
-@contextlib.contextmanager
-def _refused(path: Path) -> Iterator[None]:
-    """Say in one line what Parquet's own reader does not like of a file."""
-    import pyarrow
-
-    try:
-        yield
-    except (pyarrow.ArrowException, OSError, UnicodeDecodeError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise BadInput(f"no Parquet table: {reason}", path) from None
 
 
 def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is not typed
@@ -134,7 +121,7 @@ def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is 
 
 def _agree(keys: dict[str, str], metadata: dict[bytes, bytes] | None, path: Path) -> None:
     """Take over a file's header keys; whoever contradicts an earlier file is refused."""
-    with _refused(path):
+    with refused(path):
         told = {name.decode(): value.decode() for name, value in (metadata or {}).items()}
     for name, value in told.items():
         if name in {"pandas", "ARROW:schema"}:
