@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.least_squares import robust
 from pyport.noise import scatter
-from pyport.noise.estimation import departures
+from pyport.noise.estimation import departing
 from pyport.noise.series import Departures, Possible, Series, series
 from pyport.recordings.schema import Recordings, Stack
 
@@ -53,7 +53,7 @@ def frame(recordings: Recordings, data: Stack) -> Frame:
     """Return the frame of some recordings."""
     return Frame(
         tuple(series(recordings, data)),
-        departures.possible(recordings, data),
+        departing.possible(recordings, data),
         tuple(replace(one, columns=one.columns[data.row]) for one in scatter.drivers(recordings)),
         scatter.recorded(recordings, data),
         recordings.at.mount.turns_over,

@@ -17,7 +17,7 @@ from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.fitting.fit import Fit, fit
 from pyport.models.model import Model, Term
-from pyport.noise.estimation.departures import terms_of_sessions, terms_of_sources
+from pyport.noise.estimation.departing import terms_of_sessions, terms_of_sources
 from pyport.noise.scatter import recorded
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import with_nights

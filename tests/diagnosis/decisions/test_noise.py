@@ -14,7 +14,15 @@ from pyport.effects import Circumstances
 from pyport.noise import common_mode, scatter
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimation import departures, drift, estimate, first, likelihood, pooling
+from pyport.noise.estimation import (
+    departing,
+    departures,
+    drift,
+    estimate,
+    first,
+    likelihood,
+    pooling,
+)
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Noise, Possible, Series
 from pyport.noise.whitening import variance_of_means
@@ -535,7 +543,7 @@ def test_an_outlier_says_nothing_whatever_the_noise(readings):
 def test_three_sessions_may_depart(nights, there):
     """Of two neither is the odd one."""
     given = recordings(30, session=np.array([f"n{k}" for k in np.arange(30) * nights // 30]))
-    found = departures.possible(given, stack(given))
+    found = departing.possible(given, stack(given))
 
     assert any(one.of == "session" for one in found) == there
 
@@ -568,7 +576,7 @@ def test_sources_that_were_pointed_at_again_may_depart(sources, rows, there):
     """Twice each on average, three of them at least."""
     names = np.array([f"S{k % sources}" for k in range(rows)])
     given = recordings(rows, time=1e9 + 600.0 * np.arange(rows), source=names)
-    found = departures.possible(given, stack(given))
+    found = departing.possible(given, stack(given))
 
     assert any(one.of == "source" for one in found) == there
 
