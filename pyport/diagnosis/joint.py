@@ -189,8 +189,8 @@ class Disagreement:
     chosen: Chosen
     labels: tuple[str, ...]
     found: Difference
-    splits: tuple[Split, ...] = ()
-    causes: tuple[tuple[str, Difference], ...] = ()
+    splits: tuple[Split, ...]
+    causes: tuple[tuple[str, Difference], ...]
 
 
 @stage("comparing axes")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
@@ -38,11 +38,11 @@ class Value:
     sigma: float | None
     before: float
     #: The antenna, session, ... that it holds for; empty where it holds everywhere.
-    labels: Mapping[str, str] = field(default_factory=dict)
+    labels: Mapping[str, str]
     #: The number of the finding that it belongs to, from 1; None for a term of the model.
-    finding: int | None = None
+    finding: int | None
     #: False where the recordings leave it open: the value is then one of many.
-    determined: bool = True
+    determined: bool
 
     @property
     def change(self) -> float:

@@ -13,7 +13,6 @@ from pyport.columns import SPELLED, shown
 from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import Interval
 from pyport.effects.circumstances import mostly_known
-from pyport.mounts import ALTAZ
 from pyport.page.markup import Linear
 from pyport.recordings.schema import Recordings, Stack
 
@@ -26,7 +25,7 @@ class Side:
     #: What each effect takes off them, the model refitted [rad], shape (n,) each.
     layers: tuple[Array, ...]
     share: Array  #: how much each counts in an rms, 0 to 1; 0 for an outlier, shape (n,)
-    floor: float | None = None  #: rms of the noise alone [rad], None where it is not known
+    floor: float | None  #: rms of the noise alone [rad], None where it is not known
 
     @property
     def after(self) -> Array:
@@ -87,11 +86,11 @@ class Picture:
     layers: tuple[Layer, ...]
     x: Side
     y: Side
-    names: tuple[str, str] = ("before", "after")
-    show: str = "both"
-    axes: tuple[str, str] = ALTAZ.names
-    linear: Linear | None = None
-    turn: Array | None = None
+    names: tuple[str, str]
+    show: str
+    axes: tuple[str, str]
+    linear: Linear | None
+    turn: Array | None
 
     def __len__(self) -> int:
         """Return n."""

@@ -19,9 +19,9 @@ class Card:
     title: str
     verdict: str
     sentence: str
-    facts: tuple[tuple[str, str], ...] = ()
-    notes: tuple[tuple[str, str], ...] = ()
-    layer: int | None = None
+    facts: tuple[tuple[str, str], ...]
+    notes: tuple[tuple[str, str], ...]
+    layer: int | None
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Rival:
     scope: str
     coefficients: int
     delta_bic: float
-    member: bool = False
+    member: bool
 
 
 @dataclass(frozen=True)

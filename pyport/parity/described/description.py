@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -112,23 +112,23 @@ class Variable:
 
     name: str
     kind: Kind | None
-    intent: str = "in"
-    shape: tuple[int, ...] = ()
-    label: str = ""
-    unit: str = ""
-    low: float = -1.0
-    high: float = 1.0
-    logarithmic: bool = False
-    thresholds: tuple[float, ...] = ()
-    values: tuple[Any, ...] = ()
-    fixed: Any = None
-    python: str = ""
-    common: str | None = None
-    limits: tuple[float, float] | None = None
-    ulp: int | None = None
-    within: float | None = None
-    turn: float | None = None
-    physical: tuple[str, float, str] | None = None
+    intent: str
+    shape: tuple[int, ...]
+    label: str
+    unit: str
+    low: float
+    high: float
+    logarithmic: bool
+    thresholds: tuple[float, ...]
+    values: tuple[Any, ...]
+    fixed: Any
+    python: str
+    common: str | None
+    limits: tuple[float, float] | None
+    ulp: int | None
+    within: float | None
+    turn: float | None
+    physical: tuple[str, float, str] | None
 
     @property
     def key(self) -> str:
@@ -160,9 +160,9 @@ class Routine:
     call: tuple[str, ...]
     returns: tuple[str, ...]
     #: Whether it remembers (SAVE): points are asked in order, from a fresh start.
-    sequence: bool = False
-    reset: str = ""  #: ``module:function`` that makes the ports forget, "" where nothing does
-    note: str = ""  #: for the report: why the port differs on purpose
+    sequence: bool
+    reset: str  #: ``module:function`` that makes the ports forget, "" where nothing does
+    note: str  #: for the report: why the port differs on purpose
 
     @cached_property
     def by_key(self) -> dict[str, Variable]:
@@ -216,7 +216,7 @@ class Build:
     name: str
     flags: tuple[str, ...]
     patches: tuple[Path, ...]
-    compiler: str = "gfortran"
+    compiler: str
 
     @property
     def promoted(self) -> bool:
@@ -259,11 +259,11 @@ class Description:
     routines: tuple[Routine, ...]
     ports: tuple[Port, ...]
     groups: tuple[Group, ...]
-    ledger: Path | None = None
-    answers: Path = field(default_factory=lambda: Path("answers"))
-    survivors: Path | None = None
-    page: dict[str, str] = field(default_factory=dict)
-    mutants: tuple[tuple[str, str, str], ...] = ()
+    ledger: Path | None
+    answers: Path
+    survivors: Path | None
+    page: dict[str, str]
+    mutants: tuple[tuple[str, str, str], ...]
 
     @property
     def folder(self) -> Path:
