@@ -254,7 +254,7 @@ class _Ground:
             one,
             tuple(names[place // len(one.candidate.columns)] for place in found.of),
             found,
-            tuple(self._split(one, *halves) for halves in _halves(self.setup)),
+            tuple(self._split(one, *cut) for cut in cuts(self.setup).values()),
             tuple(self._causes(one, found)),
         )
 
@@ -308,16 +308,22 @@ def _gain(model: Array, more: Array, data: Array) -> float:
     return float(left @ columns @ np.linalg.lstsq(columns, left, rcond=1e-9)[0])
 
 
-def _halves(setup: Problem) -> Iterator[tuple[tuple[str, str], Mask]]:
-    """Yield the names of two halves of the recordings and which rows are of the first, (m,)."""
+def cuts(setup: Problem) -> dict[str, tuple[tuple[str, str], Mask]]:
+    """Return the names of two halves of the readings and which are of the first, shape (m,).
+
+    By what they are cut: elevation, azimuth and, where that is known, time.
+    """
     at, row = setup.recordings.at, setup.stack.row
     middle = float(np.median(at.el))
     degrees = f"{np.degrees(middle):.0f} deg of elevation"
-    yield (f"below {degrees}", f"above {degrees}"), (at.el <= middle)[row]
-    yield ("in the east", "in the west"), (np.sin(at.az) > 0)[row]
+    found = {
+        "elevation": ((f"below {degrees}", f"above {degrees}"), (at.el <= middle)[row]),
+        "azimuth": (("in the east", "in the west"), (np.sin(at.az) > 0)[row]),
+    }
     if "time" in at:
         time = np.asarray(at.column("time"), float)
         if np.isfinite(time).all() and np.ptp(time) > 0:
             middle = float(np.median(time))
             when = f"{np.datetime64(round(middle), 's')}Z"
-            yield (f"before {when}", f"after {when}"), (time <= middle)[row]
+            found["time"] = (f"before {when}", f"after {when}"), (time <= middle)[row]
+    return found

@@ -13,7 +13,7 @@ from pyport.angles import Array
 from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.holdout import unseen
-from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
+from pyport.diagnosis.joint import Joint, combined, contribution, cuts, rms, sigmas
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.searching.turns import Outcome, Step, agrees
 from pyport.diagnosis.weighing import WhitenedData
@@ -238,15 +238,13 @@ def _sessions(setup: Problem) -> dict[str, NDArray[np.bool_]]:
 
 def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:
     """Return the halves that the readings can be split into."""
-    at, row = setup.recordings.at, setup.stack.row
+    first = {by: rows for by, (_, rows) in cuts(setup).items()}
     found = {
-        "the upper half in elevation": (at.el > np.median(at.el))[row],
-        "the eastern half of the sky": (np.sin(at.az) > 0)[row],
+        "the upper half in elevation": ~first["elevation"],
+        "the eastern half of the sky": first["azimuth"],
     }
-    if "time" in at:
-        time = np.asarray(at.column("time"), float)
-        if np.isfinite(time).all() and np.ptp(time) > 0:
-            found["the later half"] = (time > np.median(time))[row]
+    if "time" in first:
+        found["the later half"] = ~first["time"]
     if setup.stack.is_y.any() and not setup.stack.is_y.all():
         found["elevation"] = setup.stack.is_y
     return found
