@@ -220,7 +220,6 @@ def plot(
     from pyport import page, plots
     from pyport.formats.models import load
     from pyport.recordings import read
-    from pyport.report.pictures import without_help
     from pyport.runs.stages import track, working
 
     measured, wanted = read(recordings, given), load(model)
@@ -240,8 +239,7 @@ def plot(
             raise click.UsageError(f"--panel: no panel {name!r}, there are {', '.join(found)}")
     paths = []
     for name in track(names or list(found), "drawing"):
-        with without_help():
-            figure = found[name]()
+        figure = found[name]()
         paths += [plots.write(figure, out / f"{name}.{kind}") for kind in dict.fromkeys(kinds)]
     if as_json:
         click.echo(json.dumps([str(path) for path in paths]))

@@ -37,14 +37,13 @@ MOST_BARS, MOST_LEVEL = 40, 8
 
 def write_findings(diagnosis: Diagnosis, folder: Path) -> list[Path]:
     """Draw every finding into `folder`/finding-N-EFFECT.png and return the paths."""
-    paths = []
-    for n, finding in enumerate(diagnosis.findings, 1):
-        if finding.curve is not None:
-            with pictures.without_help():
-                figure = draw(diagnosis, finding)
-            path = folder / f"finding-{n}-{finding.effect}.png"
-            paths.append(pictures.write(figure, path, SCREEN_DPI))
-    return paths
+    return [
+        pictures.write(
+            draw(diagnosis, finding), folder / f"finding-{n}-{finding.effect}.png", SCREEN_DPI
+        )
+        for n, finding in enumerate(diagnosis.findings, 1)
+        if finding.curve is not None
+    ]
 
 
 def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:

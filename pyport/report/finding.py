@@ -74,7 +74,7 @@ def completed(diagnosis: Diagnosis) -> Model:
     """Return the model that leaves what the diagnosis leaves; see `pyport.models`."""
     setup, fit = diagnosis.setup, diagnosis.after
     plain = np.sqrt(np.maximum(np.diag(fit.solution.covariance), 0.0))
-    sigma = sigmas(fit, len(setup.residual))
+    sigma = sigmas(fit)
     for choice, chosen in enumerate(fit.choices):
         where = fit.slice(choice)
         sigma[where] = np.hypot(sigma[where], chosen.spread)

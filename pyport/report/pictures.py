@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, cast
 
@@ -26,22 +24,6 @@ DPI = 200
 #: mathematics, shapes. A figure with other letters has the typeface that it comes from.
 TYPEFACE, WHOLE = "pyport Sans", "DejaVu Sans"
 LETTERS = ((0x20, 0x180), (0x370, 0x400), (0x2000, 0x20A0), (0x2190, 0x2270), (0x25A0, 0x2600))
-
-
-@contextlib.contextmanager
-def without_help() -> Iterator[None]:
-    """Load matplotlib's figures inside without the help on each artist's properties.
-
-    Whoever writes files does not read it, and to write it takes a third of the loading.
-    """
-    from matplotlib import artist
-
-    helping = artist.kwdoc
-    artist.kwdoc = lambda _: ""  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        artist.kwdoc = helping
 
 
 def write(figure: Figure, path: Path, dpi: float = DPI) -> Path:
