@@ -19,7 +19,7 @@ from pyport.effects.sky.astrometry import parallactic
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures
 from pyport.recordings.schema import Recordings, Stack, group
-from pyport.thresholds import ENOUGH, PER_SOURCE, SEVERAL
+from pyport.thresholds import ENOUGH, FEWEST, PER_SOURCE, SEVERAL
 
 
 def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
@@ -76,7 +76,8 @@ def _nights(recordings: Recordings) -> tuple[str, Codes, tuple[str, ...]]:
     """Return what stands for nights, for each row its number (n,), and the label of each.
 
     Sessions; where there is one, and the order of the rows is all that tells of time, stretches
-    of about `ENOUGH` pointings, for nobody wrote down where a night ends.
+    of about `ENOUGH` pointings, for nobody wrote down where a night ends. What makes fewer than
+    `FEWEST` of them is one night.
     """
     session, names = group(recordings, ("session",))
     if len(names) > 1 or "order" not in recordings.at:
@@ -88,7 +89,9 @@ def _nights(recordings: Recordings) -> tuple[str, Codes, tuple[str, ...]]:
     place[order] = np.cumsum(begun) - 1
     there = int(begun.sum())
     count = round(there / ENOUGH)
-    stretch = place * count // max(there, 1)
+    if count < FEWEST:
+        return "session", session, ("",)
+    stretch = place * count // there
     rows = [np.flatnonzero(stretch[order] == one) + 1 for one in range(count)]
     return "stretch", stretch, tuple(f"rows {one[0]} to {one[-1]}" for one in rows)
 
