@@ -1,11 +1,12 @@
 """The same answer on every machine: python tests/reliability/machines.py.
 
-Ten fixed inputs are diagnosed as this machine does it, and again as others would:
-without the processor's newer instructions (numpy's loops and OpenBLAS's kernels),
-on one core and on two, and by other Pythons with other libraries where they are
-named. Findings, verdicts and every other word must be equal, and each parameter
-within a millionth of its sigma. What differs is printed, with where it differs
-most; numbers that are no parameters are printed by how much they differ.
+Twelve fixed inputs are diagnosed as this machine does it, and again as others would:
+without the processor's newer instructions (numpy's loops, OpenBLAS's kernels and the
+compiled kernel's), without the compiled kernel, on one core and on two, and by other
+Pythons with other libraries where they are named. Findings, verdicts and every other
+word must be equal, and each parameter within a millionth of its sigma. What differs is
+printed, with where it differs most; numbers that are no parameters are printed by how
+much they differ.
 """
 
 from __future__ import annotations
@@ -24,11 +25,14 @@ from typing import Any
 
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.record.files import write_recordings
+from pyport.pointing.compiled import KERNEL
 
 ROOT = Path(__file__).parents[2]
 #: The greatest difference of a parameter, in its sigmas.
 PROMISED_SIGMAS = 1e-6
 ROWS = 120
+#: The input of which every third pointing was read twice.
+AGAIN = "again"
 INPUTS = (
     Spec("null", "null", rows=ROWS, noise="white"),
     *(Spec("one", "one", effect, 1.0, ROWS) for effect in ("refraction", "azimuth_harmonics")),
@@ -38,8 +42,10 @@ INPUTS = (
     Spec("region", "unknown", "region", 1.0, ROWS),
     Spec("curve", "one", "subreflector_jump", 1.0, ROWS),
     Spec("moment", "one", "epoch_offset", 1.0, ROWS),
+    Spec("places", "null", rows=2 * ROWS, little="place"),
+    Spec(AGAIN, "one", "epoch_tilt", 1.0, ROWS),
 )
-#: Shipped recordings, the tenth input, and the model that was published with them.
+#: Shipped recordings, one more input, and the model that was published with them.
 SHIPPED = ("gmrt-2003-03-31", "gmrt-paper")
 #: What a report says of the machine, and what its files' last digits make.
 MACHINE = frozenset({"computed_with", "files"})
@@ -63,6 +69,10 @@ def machines(pythons: list[str]) -> list[Machine]:
 
     newer = [one for one in __cpu_dispatch__ if __cpu_features__[one]]
     found = [Machine("this machine, one core")]
+    older = KERNEL.levels()[1:] if KERNEL is not None else []
+    found += [Machine(f"kernel by {one}", environment={"PYPORT_KERNEL": one}) for one in older]
+    if KERNEL is not None:
+        found.append(Machine("without the kernel", environment={"PYPORT_KERNEL": "off"}))
     for number in range(len(newer)):
         off = " ".join(newer[number:])
         found.append(Machine(f"numpy without {off}", environment={"NPY_DISABLE_CPU_FEATURES": off}))
@@ -82,8 +92,26 @@ def written(specs: Iterable[Spec], folder: Path) -> list[tuple[str, ...]]:
     for number, spec in enumerate(specs):
         path = folder / f"{number}-{spec.group}.csv"
         write_recordings(spec.make(number), path)
+        if spec.group == AGAIN:
+            _read_again(path)
         given.append((str(path),))
     return given
+
+
+def _read_again(path: Path) -> None:
+    """Write every third row of a file of recordings once more, its offsets a little further off."""
+    lines = path.read_text().splitlines()
+    first = next(number for number, line in enumerate(lines) if not line.startswith("#"))
+    names = lines[first].split(",")
+    twice = lines[: first + 1]
+    for number, line in enumerate(lines[first + 1 :]):
+        twice.append(line)
+        if number % 3 == 0:
+            cells = dict(zip(names, line.split(","), strict=True))
+            for name in ("d_az_deg", "d_el_deg"):
+                cells[name] = cells[name] and f"{float(cells[name]) + 2e-4:.7f}"
+            twice.append(",".join(cells.values()))
+    path.write_text("\n".join(twice) + "\n")
 
 
 def diagnosed(machine: Machine, given: list[tuple[str, ...]], out: Path) -> dict[str, Any]:
