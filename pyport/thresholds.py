@@ -80,7 +80,8 @@ STABLE = 0.8
 #: a class. Larger: real rivals are kept silent.
 NOTICEABLE = 0.1
 #: [share] What is most: draws without any name above it, and the verdict is `unknown`; what of a
-#: disagreement of axes a cause may leave. A majority. Smaller: names vanish where they mostly
+#: disagreement of axes a cause may leave; what of a wandering oscillation other periods may
+#: explain. A majority. Smaller: names vanish where they mostly
 #: came back. Larger: names stand where there mostly was none.
 MOSTLY = 0.5
 #: [share of the variance] Of a column that a cubic in time draws, from which it went with the

@@ -234,6 +234,26 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
     assert wins.beside.share(wins.trial, rival) < 0.5
 
 
+@pytest.mark.parametrize(
+    ("half", "double", "line"),
+    [
+        (0.0, 0.0, True),
+        (49.0, 0.0, True),
+        (51.0, 0.0, False),
+        (0.0, 51.0, False),
+        (0.0, 49.0, True),
+    ],
+)
+def test_waves_of_other_periods_explain_little_of_an_oscillation(monkeypatch, half, double, line):
+    """Else it is noise over a range of periods; where the phase holds nothing is asked."""
+    evidence = {30.0: half, 60.0: 100.0, 120.0: double}
+    fits = SimpleNamespace(fit=lambda period: (evidence[period],))
+    monkeypatch.setattr(oscillations, "_waves", lambda *_: fits)
+
+    assert oscillations.is_line(None, None, (), oscillation(60.0, 0.0, [(0.0, 180.0)])) == line
+    assert oscillations.is_line(None, None, (), oscillation(60.0, 0.0))
+
+
 def test_nights_at_equal_intervals_leave_the_period_open():
     """How many periods went by between them is not known: that is part of the error."""
     equal = 1.2e9 + NIGHT * 4 * 86400.0 + (TIME - TIME[120 * NIGHT]) / 8

@@ -18,7 +18,9 @@ from pyport.diagnosis.searching.confirming import likeliest
 from pyport.diagnosis.searching.turns import TIE, Outcome
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
+from pyport.diagnosis.shapes.oscillations import is_line
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS, SEEN
 
@@ -137,8 +139,8 @@ def _of_moments(outcome: Outcome) -> Outcome:
 def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     """Return the choice that is to be dropped, and why; None where all of them pay.
 
-    Of several that do harm, or have no size, the one with the least evidence: the others may do
-    it through it.
+    Of several that do harm, or have no size or period, the one with the least evidence: the
+    others may do it through it.
     """
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     idle: list[tuple[Chosen, str]] = []
@@ -152,17 +154,25 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
             if before > after:
                 how = f"better with it by {by:.2g} per cent, less than the error of that"
             idle.append((one, f"data left out are predicted {how}"))
-    together = joint.fit(setup, weighed, chosen)
-    idle = idle or [
-        (one, f"its size is within {SEEN:g} sigma of zero")
-        for n, one in enumerate(chosen, len(setup.base))
-        if joint.distance(together, n) < SEEN
-    ]
+    idle = idle or _shapeless(outcome)
     if idle:
         return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
     if chosen and (weakest := _harm_to_all(outcome)) is not None:
         return weakest, "with everything found data left out are predicted worse than by the model"
     return None
+
+
+def _shapeless(outcome: Outcome) -> list[tuple[Chosen, str]]:
+    """Return the choices that have no size as they are told, or oscillate with no one period."""
+    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
+    together, noise, found = joint.fit(setup, weighed, chosen), weighed.covariance, []
+    for n, one in enumerate(chosen, len(setup.base)):
+        effect = one.candidate.effect
+        if joint.distance(together, n) < SEEN:
+            found.append((one, f"its size is within {SEEN:g} sigma of zero"))
+        elif effect.id == OSCILLATION and not is_line(setup, noise, outcome.others(one), effect):
+            found.append((one, "waves of half or twice its period explain most of what it does"))
+    return found
 
 
 def _harm_to_all(outcome: Outcome) -> Chosen | None:

@@ -34,7 +34,7 @@ from pyport.effects.empirical.oscillations import OSCILLATION, Stretch, oscillat
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, FEWEST, PERIODS_FREE
+from pyport.thresholds import CONVINCING, FEWEST, MOSTLY, PERIODS_FREE
 
 #: Shares of the drift's amplitude beside which a period is looked for.
 SHARES_OF_DRIFT = (1.0, 0.7, 0.3)
@@ -169,6 +169,20 @@ def likeliest_period(
     chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
     apart = np.array([one[0] - period for one in found])
     return period, float(np.hypot(sigma, np.sqrt(np.mean(chance * apart**2)))), evidence
+
+
+def is_line(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> bool:
+    """Tell whether an oscillation has a period: others explain less than most of it.
+
+    What scatters in more ways than drifts do has power over a range of periods, and waves whose
+    phase is free draw it at any of them: at half and at twice the period nearly as well. One
+    whose phase holds has a period.
+    """
+    if not _wanders(effect):
+        return True
+    waves, period = _waves(setup, noise, others, effect), effect.member["period_s"]
+    half, own, double = (waves.fit(period * times)[0] for times in (0.5, 1.0, 2.0))
+    return max(half, double) <= MOSTLY * own
 
 
 def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> Array:

@@ -265,10 +265,10 @@ def settled(monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 
     monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
     monkeypatch.setattr(settling.holdout, "folds", lambda *_: None)
     monkeypatch.setattr(settling.joint, "fit", lambda *_: None)
-    own = len(setup().base)
+    own, weighed = len(setup().base), SimpleNamespace(covariance=None)
     monkeypatch.setattr(settling.joint, "distance", lambda _fit, n: sigmas[n - own])
     found = settling._worst(
-        Outcome(setup(), tuple(one.chosen for one in steps), steps, None, 0.001, ())
+        Outcome(setup(), tuple(one.chosen for one in steps), steps, weighed, 0.001, ())
     )
     return found and found[0].candidate.effect.id
 
@@ -309,6 +309,17 @@ def test_a_finding_without_a_size_is_dropped(monkeypatch, sigmas, dropped):
     rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
 
     assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas) == dropped
+
+
+def test_an_oscillation_without_a_period_is_dropped(monkeypatch):
+    """Whatever predicts better with it."""
+    rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
+    monkeypatch.setattr(settling, "OSCILLATION", "skew")
+    monkeypatch.setattr(settling, "is_line", lambda *_: True)
+    kept = settled(monkeypatch, rms, (30.0, 20.0))
+    monkeypatch.setattr(settling, "is_line", lambda *_: False)
+
+    assert (kept, settled(monkeypatch, rms, (30.0, 20.0))) == (None, "skew")
 
 
 @pytest.mark.parametrize(
