@@ -551,13 +551,22 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
     assert asked == [above]
 
 
-@pytest.mark.parametrize(("tilts", "asked"), [(20.0, 2), (5.0, 1)])
-def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, asked):
-    """It is a tilt with a zero: beside nights that lean a little it would be claimed by itself."""
+@pytest.mark.parametrize(
+    ("tilts", "clocks", "asked"),
+    [(20.0, 40.0, 2), (5.0, 40.0, 1), (20.0, 41.0, 2), (20.0, 39.0, 1)],
+)
+def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, clocks, asked):
+    """It is a tilt with a zero: beside nights that lean a little it would be claimed by itself.
+
+    And it explains as much as the tilt beside noise that holds still, else it is the zero alone.
+    """
+    still = {"epoch_clock": clocks, "epoch_tilt": 40.0}
     kinds = [trial(name, 40.0) for name in ("epoch_clock", "epoch_tilt")]
     monkeypatch.setattr(confirmed_changes, "proposed", lambda *_: (None, kinds))
     monkeypatch.setattr(
-        confirmed_changes, "refined", lambda *given: won(given[3].candidate.effect.id, 40.0)
+        confirmed_changes,
+        "refined",
+        lambda *given: won(given[3].candidate.effect.id, still[given[3].candidate.effect.id]),
     )
     confirmed = []
 
