@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 
+import pytest
 from samples import sample
 
 from pyport.diagnosis.diagnose import diagnose
@@ -13,6 +14,7 @@ from pyport.recordings import read
 NIGHTS = ("2021-08-21", "2023-07-02", "2023-09-24", "2025-03-26")
 
 
+@pytest.mark.slow
 def test_the_tilt_of_one_night_is_no_clock(tmp_path):
     """13.3 arcsec more toward the east in the second night, the azimuth's zero the other way."""
     head, rows = [], []
