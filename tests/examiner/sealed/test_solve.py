@@ -21,7 +21,7 @@ def test_a_solver_sees_the_recordings_and_nothing_else(sealed):
     """Its folder holds one file, whose name is the same for every case."""
     solve.run(sealed, 2, ("fake_solver", "silent"))
 
-    assert len(reports(sealed)) == 11
+    assert len(reports(sealed)) == 13
     assert all(one["two_axes"]["beside"] == ["recordings.csv"] for one in reports(sealed))
 
 
@@ -80,7 +80,7 @@ def test_a_solver_that_is_stopped_from_outside_gave_no_answer(sealed, how):
         solve.run(sealed, 1, ("fake_solver", how))
 
     assert reports(sealed) == []
-    assert solve.run(sealed, 2, ("fake_solver", "silent")) == 11
+    assert solve.run(sealed, 2, ("fake_solver", "silent")) == 13
 
 
 def test_a_solver_that_crashes_failed(sealed):
