@@ -180,6 +180,11 @@ class Effect:
     of: str = ""
 
     @property
+    def on_altaz(self) -> str:
+        """Return its id on an alt-azimuth mount, which is its own unless it is another's there."""
+        return self.of or self.id
+
+    @property
     def is_change(self) -> bool:
         """Tell whether it is a change from one state of the telescope to another."""
         return self.changes_with in ("session", "order")

@@ -93,7 +93,7 @@ def _alike(effect: Effect, mount: Mount) -> list[tuple[str, Alike, str]]:
             how,
             said(how.decide, mount.words),
         )
-        for other, how in alike(effect.of or effect.id, mount)
+        for other, how in alike(effect.on_altaz, mount)
     ]
 
 

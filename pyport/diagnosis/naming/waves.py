@@ -73,7 +73,7 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
 
 def may_be_a_bend(effect: Effect) -> bool:
     """Tell whether an effect follows the second angle: its harmonics, and steps of its axis."""
-    harmonic = (effect.of or effect.id) == "elevation_encoder_harmonics"
+    harmonic = effect.on_altaz == "elevation_encoder_harmonics"
     return harmonic or effect.member.get("axis") == "second"
 
 

@@ -54,7 +54,7 @@ def proposed(
     scatter by. Oscillations are proposed by `oscillations`, which looks for their period.
     """
     effects = [one.candidate.effect for one in (*setup.base, *chosen)]
-    has = {"", *(one.of or one.id for one in effects)}
+    has = {"", *(one.on_altaz for one in effects)}
     wanted = [
         one
         for one in trials

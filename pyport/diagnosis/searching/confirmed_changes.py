@@ -57,7 +57,7 @@ def confirmed_changes(
     least = max(CONVINCING, above)
     worth = [one for one in moved if one.trial.evidence > least]
     found = side_by_side(sure_of, [one for one in worth if not one.effect.part_of])
-    standing = {one.effect.of or one.effect.id for one in found if one.trial.evidence > CONVINCING}
+    standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
     parts = [one for one in worth if one.effect.part_of in standing and _is_all_of_it(one, moved)]
     return [*found, *side_by_side(sure_of, parts), *waves]
 
@@ -68,7 +68,7 @@ def _is_all_of_it(part: Contender, moved: Sequence[Contender]) -> bool:
     A clock moves the tilt and the zero of azimuth together. One that fits the zero alone moves
     the tilt off, which noise whose nights lean differently forgives.
     """
-    whole = [one for one in moved if (one.effect.of or one.effect.id) == part.effect.part_of]
+    whole = [one for one in moved if one.effect.on_altaz == part.effect.part_of]
     return part.trial.evidence >= max(one.trial.evidence for one in whole)
 
 

@@ -228,7 +228,7 @@ def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:
     What changes is there. In one night a term times the hour draws nearly what the term draws.
     """
     effect = winner.candidate.effect
-    return rival.candidate.effect.change_of == (effect.of or effect.id)
+    return rival.candidate.effect.change_of == effect.on_altaz
 
 
 def _only_adds_to(beside: Projection, one: CandidateFit, rival: CandidateFit) -> bool:

@@ -43,7 +43,7 @@ FAMILIES = {
 
 def is_short(effect: Effect) -> bool:
     """Tell whether an effect is a wave that comes oftener than the harmonics tried one by one."""
-    return (effect.of or effect.id) in FAMILIES and effect.member["k"] > HARMONICS[-1]
+    return effect.on_altaz in FAMILIES and effect.member["k"] > HARMONICS[-1]
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Way:
 def angles_of(setup: Problem, effect: Effect) -> Array:
     """Return the angle that a wave follows, of each reading [deg], shape (m,)."""
     at = setup.recordings.at.axes
-    second, _ = FAMILIES[effect.of or effect.id]
+    second, _ = FAMILIES[effect.on_altaz]
     return (at.el if second else at.az)[setup.stack.row] / DEG
 
 
@@ -77,9 +77,9 @@ def ways_of(setup: Problem) -> Iterator[Way]:
     families = {one.effect.id for one in setup.candidates}
     at, row = setup.recordings.at, setup.stack.row
     for effect in catalogue(at.mount).values():
-        if effect.id not in families or (effect.of or effect.id) not in FAMILIES:
+        if effect.id not in families or effect.on_altaz not in FAMILIES:
             continue
-        _, along = FAMILIES[effect.of or effect.id]
+        _, along = FAMILIES[effect.on_altaz]
         side = np.broadcast_to(at.side, len(at))[row]
         sign = side * (setup.stack.is_y if along else ~setup.stack.is_y * np.cos(at.axes.el[row]))
         angle = angles_of(setup, effect)

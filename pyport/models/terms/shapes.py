@@ -243,7 +243,7 @@ def shape_of(effect: Effect, column: int) -> tuple[Shape, float] | None:
     A column of the catalogue's effect of this id, or of an effect that comes with k for the
     harmonic a wave of k times azimuth.
     """
-    identity, mount = effect.of or effect.id, _mount_of(effect)
+    identity, mount = effect.on_altaz, _mount_of(effect)
     if known(identity) is None:
         return None
     own, k = seen(effect, column), effect.parameter
