@@ -81,8 +81,8 @@ STABLE = 0.8
 NOTICEABLE = 0.1
 #: [share] What is most: draws without any name above it, and the verdict is `unknown`; what of a
 #: disagreement of axes a cause may leave; what of a wandering oscillation other periods may
-#: explain. A majority. Smaller: names vanish where they mostly
-#: came back. Larger: names stand where there mostly was none.
+#: explain. A majority. Smaller: names vanish where they mostly came back. Larger: names stand
+#: where there mostly was none.
 MOSTLY = 0.5
 #: [share of the variance] Of a column that a cubic in time draws, from which it went with the
 #: hour. What else went with the hour is then alike to a cosine of 0.95. Smaller: weather of one

@@ -154,7 +154,7 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
             if before > after:
                 how = f"better with it by {by:.2g} per cent, less than the error of that"
             idle.append((one, f"data left out are predicted {how}"))
-    idle = idle or _shapeless(outcome)
+    idle = idle or _without_size_or_period(outcome)
     if idle:
         return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
     if chosen and (weakest := _harm_to_all(outcome)) is not None:
@@ -162,8 +162,8 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     return None
 
 
-def _shapeless(outcome: Outcome) -> list[tuple[Chosen, str]]:
-    """Return the choices that have no size as they are told, or oscillate with no one period."""
+def _without_size_or_period(outcome: Outcome) -> list[tuple[Chosen, str]]:
+    """Return the choices whose reported size may be zero, and oscillations without one period."""
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     together, noise, found = joint.fit(setup, weighed, chosen), weighed.covariance, []
     for n, one in enumerate(chosen, len(setup.base)):

@@ -1,7 +1,7 @@
 """The variances of departures, which are random effects, by restricted likelihood.
 
-A session with one row borrows from the others; one with a
-hundred speaks for itself (Searle, Casella & McCulloch 1992, Variance Components, ch. 6).
+A session with one row borrows from the others; one with a hundred speaks for itself (Searle,
+Casella & McCulloch 1992, Variance Components, ch. 6).
 """
 
 from __future__ import annotations

@@ -305,7 +305,7 @@ def test_each_finding_and_all_together_must_pay(
     [((9.0, 2.1), None), ((9.0, 1.9), "skew"), ((1.9, 9.0), "refraction"), ((1.9, 1.8), "skew")],
 )
 def test_a_finding_without_a_size_is_dropped(monkeypatch, sigmas, dropped):
-    """Within two sigma of zero as it would be told, whatever predicts better with it."""
+    """Within two sigma of zero as it would be reported, whatever predicts better with it."""
     rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
 
     assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas) == dropped
