@@ -160,8 +160,9 @@ SHORTEST_PERIOD_S = 1200.0
 #: all, and a third shows that it is one. Smaller: what alternates from one reading to the next is
 #: a period. Larger: periods go unfound where readings are rare.
 SHORTEST_STEPS = 3.0
-#: [periods] That a single session must hold. One is a drift, and nothing came back. Smaller: the
-#: drift of one night is an oscillation. Larger: slow oscillations of one long night go unfound.
+#: [periods] That a session must hold by itself: a single one, or each where the phase wanders. One
+#: is a drift, and nothing came back. Smaller: the drift of a night is an oscillation. Larger: slow
+#: oscillations of one long night go unfound.
 PERIODS_ALONE = 2.0
 #: [periods] In which a wandering phase is one. That of quality factor 10 is forgotten, by e, in
 #: 10 / pi of them. Smaller: each stretch fits its noise, so that nothing is worth it. Larger: the

@@ -157,7 +157,7 @@ def test_a_whole_number_stands_unless_another_is_better_by_far(monkeypatch, k, s
         scan=SimpleNamespace(length=np.array([360.0])), member=lambda turns: round(turns, 6)
     )
     monkeypatch.setattr(drive_waves, "_beside", lambda *_: fit)
-    peak = drive_waves.Peak(360 / 40.1, 0.0, 1.0, wanders=False)
+    peak = drive_waves.Peak(360 / 40.1, 0.0, 1.0)
     found, sigma = drive_waves._refined(None, None, (), way, peak)
 
     assert (found, sigma) == pytest.approx((chosen, slope**-0.5))

@@ -353,6 +353,20 @@ def test_a_phase_that_wanders_is_free_in_each_stretch():
     np.testing.assert_allclose(x[:, 0] ** 2 + x[:, 1] ** 2, inside[:, 0])
 
 
+def test_what_swings_along_a_line_has_one_amplitude_for_both_axes():
+    """Three in x for four in y, of half as many coefficients."""
+    at = Circumstances(np.zeros(40), np.ones(40), columns={"time": np.arange(40) * 60.0})
+    line = oscillation(600.0, 0.0, [(0.0, 600.0), (1200.0, 1800.0)], direction_deg=53.130102354)
+    x, y = line.columns(at)
+
+    assert [one.name for one in line.coefficients] == [
+        "sine[1]", "cosine[1]", "sine[2]", "cosine[2]"
+    ]  # fmt: skip
+    np.testing.assert_allclose(4 * x, 3 * y, atol=1e-9)
+    np.testing.assert_allclose(np.hypot(x, y)[:11].max(axis=0) > 0.9, [True, True, False, False])
+    assert line.make(**line.member).coefficients == line.coefficients
+
+
 @pytest.mark.parametrize("member", [{"period_s": 0.5}, {"period_s": float("nan")}])
 def test_an_oscillation_has_a_period(member):
     """A file cannot ask for a period of no length."""

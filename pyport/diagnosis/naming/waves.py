@@ -16,7 +16,7 @@ from pyport.diagnosis.naming.scene import Check, Scene
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import levels_of
 from pyport.diagnosis.shapes.fields import Ground
-from pyport.diagnosis.shapes.oscillations import likeliest_period
+from pyport.diagnosis.shapes.oscillations import likeliest_direction, likeliest_period
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
 from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED
@@ -130,7 +130,7 @@ def of_drive(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Para
     sigma = drive_waves.sigma_of(scene.setup, noise, others, effect)
     period = Parameter("period", 360 / turns_of, 360 / turns_of**2 * sigma, "deg")
     value, covariance = _solved(scene, choice)
-    amplitude, phase = of_axis("", value, covariance, held=True)
+    amplitude, phase = of_axis("", value, covariance)
     free = 0.0 if turns_of.is_integer() else sigma
     turned = free * abs(float(np.mean(drive_waves.angles_of(scene.setup, effect))))
     return [
@@ -173,8 +173,9 @@ def own_period(scene: Scene, chosen: Chosen) -> Check:
 def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     """Return the period of an oscillation [min], its amplitudes, and phases where one holds.
 
-    The amplitude of a wandering one is the root mean square of those of its stretches, less what
-    their errors add. A phase of 0 has the sine begin at the moment that the variant names.
+    Of one that wanders they are the line that it swings along, and the root mean square of the
+    amplitudes of its stretches, less what their errors add. A phase of 0 has the sine begin at the
+    moment that the variant names.
     """
     chosen, setup = scene.joint.choices[choice], scene.setup
     effect = chosen.candidate.effect
@@ -184,12 +185,42 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     known = scene.joint.solution.known[scene.joint.slice(choice)]
     value, covariance = _solved(scene, choice)
     value, covariance = value[known], covariance[np.ix_(known, known)]
+    if "direction_deg" in effect.member:
+        line = likeliest_direction(setup, scene.weighed.covariance, others, effect)[:2]
+        return found + _along(*line, *_wandering(value, covariance))
     names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
     for axis in ("xel", "el"):
         own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]
-        if own:
-            found += of_axis(axis, value[own], covariance[np.ix_(own, own)], held=len(own) == 2)
+        if len(own) == 2:
+            found += of_axis(axis, value[own], covariance[np.ix_(own, own)])
     return found
+
+
+def _wandering(value: Array, covariance: Array) -> tuple[float, float]:
+    """Return the root mean square of amplitudes (2 n,), less what errors add, and its sigma."""
+    waves = len(value) / 2
+    size = float(np.sqrt(value @ value / waves))
+    along = value / (waves * max(size, 1e-300))
+    size = float(np.sqrt(max(size**2 - np.trace(covariance) / waves, 0.0)))
+    return size, float(np.sqrt(along @ covariance @ along))
+
+
+def _along(direction_deg: float, error_deg: float, size: float, sigma: float) -> list[Parameter]:
+    """Return a line and its error, and what an amplitude along it is in either axis."""
+    angle, error = direction_deg * DEG, error_deg * DEG
+    shares = {"xel": (np.cos(angle), np.sin(angle)), "el": (np.sin(angle), np.cos(angle))}
+    return [
+        Parameter("direction", direction_deg, error_deg, "deg"),
+        *(
+            Parameter(
+                f"amplitude_{axis}",
+                size * abs(along) / ARCSEC,
+                float(np.hypot(sigma * along, size * across * error)) / ARCSEC,
+                "arcsec",
+            )
+            for axis, (along, across) in shares.items()
+        ),
+    ]
 
 
 def _solved(scene: Scene, choice: int) -> tuple[Array, Array]:
@@ -200,15 +231,11 @@ def _solved(scene: Scene, choice: int) -> tuple[Array, Array]:
     return solution.values[where], excess * solution.covariance[where, where]
 
 
-def of_axis(axis: str, value: Array, covariance: Array, *, held: bool) -> list[Parameter]:
-    """Return the amplitude in an axis, and the phase where one is `held`."""
-    waves = max(len(value) // 2, 1)
-    size = float(np.sqrt(value @ value / waves))
-    along = value / (waves * max(size, 1e-300))
+def of_axis(axis: str, value: Array, covariance: Array) -> list[Parameter]:
+    """Return the amplitude in an axis and the phase, of a sine and a cosine (2,)."""
+    size = float(np.hypot(*value))
+    along = value / max(size, 1e-300)
     sigma = float(np.sqrt(along @ covariance @ along))
-    if not held:
-        size = float(np.sqrt(max(size**2 - np.trace(covariance) / waves, 0.0)))
-        return [Parameter(f"amplitude_{axis}", size / ARCSEC, sigma / ARCSEC, "arcsec")]
     across = np.array([-along[1], along[0]])
     phase = float(np.arctan2(value[1], value[0]))
     error = float(np.sqrt(across @ covariance @ across)) / max(size, 1e-300)

@@ -102,6 +102,7 @@ def ways_of(setup: Problem) -> Iterator[Way]:
             np.array([length]),
             shortest,
             longest,
+            longest,
         )
         yield Way(effect, scan, step)
 
@@ -178,7 +179,7 @@ def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effe
 
 def sigma_of(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> float:
     """Return the error of how often a wave comes in a turn."""
-    near = Peak(360 / float(one.member["k"]), 0.0, 1.0, wanders=False)
+    near = Peak(360 / float(one.member["k"]), 0.0, 1.0)
     return _refined(setup, noise, others, way_of(setup, one), near)[1]
 
 
@@ -197,7 +198,7 @@ def _refined(
     """
     fit, turns = _beside(setup, noise, chosen, way), 360 / peak.period
     width = 360 / (OVERSAMPLED * float(way.scan.length[0]))
-    best, sigma, worth = top(fit, turns + width * np.linspace(-1, 1, NEAR))
+    best, sigma, worth = top(lambda k: fit.fit(k)[0], turns + width * np.linspace(-1, 1, NEAR))
     whole = round(best)
     if fit.fit(whole)[0] > worth - CONVINCING:
         return way.member(whole), sigma

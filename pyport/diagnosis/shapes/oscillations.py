@@ -8,9 +8,8 @@ loses hundreds by that; where there is an oscillation, it gains them back.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.searching.confirming import beside_model
 from pyport.diagnosis.shapes.periods import (
+    DIRECTIONS_DEG,
     OVERSAMPLED,
     Peak,
     Scan,
@@ -60,21 +60,22 @@ def proposed(
     noises = [_with_drift(present, share, scans[0].longest) for share in SHARES_OF_DRIFT]
     each = [[view_of(setup, scan, noise, chosen) for noise in noises] for scan in scans]
     least = min(view.lack for view in each[0])
+    # A phase that wanders must be convincingly better: slowly it nearly holds.
     found = [
-        (peak.worth - view.lack + least, peak, scan, noise)
+        (peak.worth - view.lack + least - CONVINCING * peak.wanders, peak, scan, noise)
         for scan, views in zip(scans, each, strict=True)
         for noise, view, peaks in zip(noises, views, peaks_of(scan, views), strict=True)
         for peak in peaks
     ]
     worth, best, scan, _ = max(found, key=lambda one: one[0])
     price = 2 * float(np.log(len(scans)))
-    if worth - price <= max(CONVINCING, above) or best.period > scan.longest:
+    if worth - price <= max(CONVINCING, above) or not scan.shows(best):
         return None
     refined = []
     for wanders in {peak.wanders for _, peak, *_ in found}:
         own = [one for one in found if one[1].wanders == wanders]
         was, peak, scan, noise = max(own, key=lambda one: one[0])
-        if peak.period <= scan.longest:
+        if scan.shows(peak):
             one, evidence = _refined(setup, scan, noise, chosen, peak, len(scans))
             refined.append((was + evidence - peak.evidence, one))
     return max(refined, key=lambda one: one[0])[1]
@@ -89,14 +90,12 @@ def _ways(setup: Problem) -> tuple[bool, ...]:
 def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
     """Return an oscillation of the same kind with the period that readings of weight prefer."""
     scan = _scan_of(setup, one)
-    wanders = _wanders(one)
     view = view_of(setup, scan, covariance, others)
-    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders)
-    first = _effect(setup, scan, peak.period, wanders=wanders)
-    if wanders:
+    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == _wanders(one))
+    first = _effect(setup, scan, peak.period, peak.direction_deg)
+    if peak.wanders:
         return first
-    period = likeliest_period(setup, covariance, others, first)[0]
-    return _effect(setup, scan, period, wanders=wanders)
+    return _effect(setup, scan, likeliest_period(setup, covariance, others, first)[0])
 
 
 def _with_drift(present: Covariance, share: float, longest: float) -> Covariance:
@@ -118,13 +117,20 @@ def _with_drift(present: Covariance, share: float, longest: float) -> Covariance
 
 
 def _effect(
-    setup: Problem, scan: Scan, period_s: float, *, wanders: bool, periods: float | None = None
+    setup: Problem,
+    scan: Scan,
+    period_s: float,
+    direction_deg: float | None = None,
+    periods: float | None = None,
 ) -> Effect:
-    """Return the oscillation of a period, its sine counted from the middle of the recordings."""
+    """Return the oscillation of a period, its sine counted from the middle of the recordings.
+
+    Its phase wanders where it has a line: it is free in so many periods, or `PERIODS_FREE`.
+    """
     time = clock(setup.recordings.at)[setup.stack.row]
     since = float(np.round((time.min() + time.max()) / 2))
     reversing = bool((scan.sign < 0).any())
-    if not wanders:
+    if direction_deg is None:
         return oscillation(period_s, since, reversing=reversing)
     stretch, count = stretches_of(scan, period_s, periods or PERIODS_FREE)
     begin, end = np.full(count, np.inf), np.full(count, -np.inf)
@@ -134,7 +140,7 @@ def _effect(
     found: list[Stretch] = [
         (float(one), float(other)) for one, other in zip(begin[enough], end[enough], strict=True)
     ]
-    return oscillation(period_s, since, found, reversing=reversing)
+    return oscillation(period_s, since, found, direction_deg=direction_deg, reversing=reversing)
 
 
 def _refined(
@@ -144,9 +150,12 @@ def _refined(
 
     And its evidence.
     """
-    first = _effect(setup, scan, peak.period, wanders=peak.wanders)
+    first = _effect(setup, scan, peak.period, peak.direction_deg)
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
-    effect = _effect(setup, scan, period, wanders=peak.wanders)
+    effect = _effect(setup, scan, period, peak.direction_deg)
+    if peak.wanders:
+        direction, _, evidence = likeliest_direction(setup, noise, chosen, effect)
+        effect = _effect(setup, scan, period, direction)
     one = of_period(setup, effect, peak.choices * ways)
     return replace(one, candidate=replace(one.candidate, of_time=True)), evidence
 
@@ -164,11 +173,24 @@ def likeliest_period(
     if not _wanders(effect):
         width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
         periods += near_best(waves.scan, view_of(setup, waves.scan, noise, chosen))
-    found = [top(waves, one * np.exp(width * np.linspace(-1, 1, NEAR))) for one in periods]
+    grid = np.exp(width * np.linspace(-1, 1, NEAR))
+    found = [top(lambda period: waves.fit(period)[0], one * grid) for one in periods]
     period, sigma, evidence = max(found, key=lambda one: one[2])
     chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
     apart = np.array([one[0] - period for one in found])
     return period, float(np.hypot(sigma, np.sqrt(np.mean(chance * apart**2)))), evidence
+
+
+def likeliest_direction(
+    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
+) -> tuple[float, float, float]:
+    """Return the likeliest line [deg] of a wandering oscillation, its sigma, and its evidence."""
+    waves, period = _waves(setup, noise, chosen, effect), effect.member["period_s"]
+    width = np.ptp(DIRECTIONS_DEG[:2]) * np.linspace(-1, 1, NEAR)
+    direction, sigma, evidence = top(
+        lambda line: waves.along(line).fit(period)[0], effect.member["direction_deg"] + width
+    )
+    return direction % 180, sigma, evidence
 
 
 def is_line(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> bool:
@@ -194,7 +216,7 @@ def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effec
     period = effect.member["period_s"]
     _, covariance, variance = waves.fit(period)
     columns, rest = waves.columns(period)
-    prior = variance * np.kron(np.eye(2), covariance)
+    prior = variance * covariance
     # With V = rest prior rest' + 1 the prediction is prior rest' V^-1 of the data.
     inner = np.eye(len(prior)) + rest.T @ rest @ prior
     return np.asarray(columns @ (prior @ np.linalg.solve(inner, rest.T @ waves.left)))
@@ -215,8 +237,8 @@ def _wanders(effect: Effect) -> bool:
 class _Waves:
     """Waves beside a model and a noise, amplitudes of one size: whose phase holds or wanders.
 
-    `left` are the whitened data without the model's directions `basis`; `mixes` how amplitudes
-    may hang together.
+    `left` are the whitened data without the model's directions `basis`; `mixes` roots of how
+    amplitudes may hang together.
     """
 
     setup: Problem
@@ -226,6 +248,12 @@ class _Waves:
     left: Array
     free: Effect
     mixes: Sequence[Array]
+
+    def along(self, direction_deg: float) -> _Waves:
+        """Return the same along another line."""
+        return replace(
+            self, free=oscillation(**{**self.free.member, "direction_deg": direction_deg})
+        )
 
     def columns(self, period_s: float) -> tuple[Array, Array]:
         """Return waves of unit size (m, k), and whitened and without the model (M, k)."""
@@ -242,9 +270,8 @@ class _Waves:
         products, seen = rest.T @ rest, rest.T @ self.left
         tried = []
         for mix in self.mixes:
-            both = np.kron(np.eye(2), mix)
-            power, vectors = np.linalg.eigh(both.T @ products @ both)
-            along = vectors.T @ (both.T @ seen)
+            power, vectors = np.linalg.eigh(mix.T @ products @ mix)
+            along = vectors.T @ (mix.T @ seen)
             tried.append((*at_best(np.maximum(power, 0.0), along), mix))
         evidence, variance, mix = max(tried, key=lambda one: one[0])
         return evidence, mix @ mix.T, variance
@@ -255,7 +282,7 @@ def _waves(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: 
     model = noise.whiten(setup.expanded((*setup.base, *chosen)))
     white = noise.whiten(setup.residual[:, None])[:, 0]
     _, basis, left = beside_model(noise, model, white)
-    free, mixes = _wandered(setup, scan, effect) if _wanders(effect) else (effect, [np.eye(2)])
+    free, mixes = _wandered(setup, scan, effect) if _wanders(effect) else (effect, [np.eye(4)])
     return _Waves(setup, scan, noise, basis, left, free, mixes)
 
 
@@ -266,22 +293,16 @@ def _wandered(setup: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[
     root of the amplitudes' covariance, sine and cosine of each stretch in turn.
     """
     period = effect.member["period_s"]
-    free = _effect(setup, scan, period, wanders=True, periods=PERIODS_ONE)
+    free = _effect(setup, scan, period, effect.member["direction_deg"], PERIODS_ONE)
     middle = np.mean(free.member["stretches_s"], axis=1)
     apart = np.abs(middle[:, None] - middle) / period
     roots = [np.linalg.cholesky(np.exp(-np.pi * apart / quality)) for quality in QUALITIES]
     return free, [np.asarray(np.kron(one, np.eye(2)), float) for one in roots]
 
 
-class _Fits(Protocol):
-    """What knows the evidence of a period or frequency: the first that `fit` returns."""
-
-    def fit(self, tried: float, /) -> tuple[float, *tuple[object, ...]]: ...
-
-
-def top(waves: _Fits, tried: Array) -> tuple[float, float, float]:
-    """Return the top of a parabola through the best of some periods, its sigma, its evidence."""
-    worth = np.array([waves.fit(float(one))[0] for one in tried])
+def top(evidence: Callable[[float], float], tried: Array) -> tuple[float, float, float]:
+    """Return the top of a parabola through the best of what is tried, its sigma, its evidence."""
+    worth = np.array([evidence(float(one)) for one in tried])
     best = int(np.argmax(worth))
     some = slice(max(best - 3, 0), best + 4)
     middle = float(tried[best])

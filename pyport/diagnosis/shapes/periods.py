@@ -1,7 +1,9 @@
 """Periods of waves in time: which of them the readings show, beside a model and a noise.
 
-A wave's phase may hold from session to session, or wander and be free in stretches of a few
-periods. Both are looked for by sums over readings, no column for each frequency.
+A wave's phase may hold from session to session. Or it wanders, and is free in stretches of a few
+periods: then the beam swings along one line, for one thing moves it, and a session must hold two
+periods, for each is seen alone. Both are looked for by sums over readings, no column for each
+frequency.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pyport.angles import Array, Codes
+from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.searching.confirming import beside_model
 from pyport.noise.covariance import Covariance
@@ -29,6 +31,8 @@ from pyport.thresholds import (
 
 #: A wandering period is tried at steps of this share.
 STEP = 0.04
+#: Lines [deg] along which the beam may swing, from across toward along elevation.
+DIRECTIONS_DEG = np.arange(0.0, 180.0, 22.5)
 #: Frequencies tried in one over the length of a session, and in one over that of the campaign.
 OVERSAMPLED = 4
 #: Longest stretch [s] that is searched as one: a day, as most sessions are shorter.
@@ -40,7 +44,7 @@ SPECTRUM = 16
 #: Periods of a wave whose phase holds that are looked at closely.
 MOST_PERIODS = 6
 #: Sizes of a wandering wave that are tried, over what a stretch determines it to.
-_SIZES = np.geomspace(0.02, 1e3, 16)[:, None]
+_SIZES = np.geomspace(0.02, 1e3, 16)[:, None, None]
 
 
 @dataclass(frozen=True)
@@ -48,13 +52,18 @@ class Peak:
     """The best period of a kind, in the unit of its scan.
 
     `evidence` is twice the log of how much likelier the data are with it, its choice among
-    `choices` periods not yet paid.
+    `choices` periods not yet paid. `direction_deg` is the line of one whose phase wanders.
     """
 
     period: float
     evidence: float
     choices: float
-    wanders: bool
+    direction_deg: float | None = None
+
+    @property
+    def wanders(self) -> bool:
+        """Tell whether its phase is free in every few periods."""
+        return self.direction_deg is not None
 
     @property
     def worth(self) -> float:
@@ -78,6 +87,8 @@ class Scan:
         Of each session, shape (S,).
     shortest, longest
         Periods between which one is looked for.
+    alone
+        The longest that each session shows by itself.
     """
 
     time: Array
@@ -88,6 +99,11 @@ class Scan:
     length: Array
     shortest: float
     longest: float
+    alone: float
+
+    def shows(self, peak: Peak) -> bool:
+        """Tell whether sessions are long enough for a period."""
+        return peak.period <= (self.alone if peak.wanders else self.longest)
 
     @property
     def coherent(self) -> float:
@@ -123,12 +139,13 @@ def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
     moments = np.diff(np.unique(time))
     step = float(np.median(moments)) if len(moments) else 0.0
     shortest = max(SHORTEST_PERIOD_S, SHORTEST_STEPS * step)
-    longest = float(np.median(length)) if len(length) > 1 else float(length[0]) / PERIODS_ALONE
+    alone = float(np.median(length)) / PERIODS_ALONE
+    longest = float(np.median(length)) if len(length) > 1 else alone
     if longest < 2 * shortest:
         return None
     is_y = setup.stack.is_y.astype(np.intp)
     side = np.broadcast_to(at.side if reversing else 1.0, len(at))
-    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest)
+    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest, alone)
 
 
 @dataclass(frozen=True)
@@ -203,7 +220,7 @@ def highest(scan: Scan, frequency: Array, gain: Array, waves: int) -> Peak:
     # Among frequencies that lie close a high peak is met more often than among independent ones,
     # by the root of its height (Baluev 2008, MNRAS 385, 1279).
     choices = scan.coherent * float(np.sqrt(max(float(gain[best]) / 2, 1.0)))
-    return Peak(1 / float(frequency[best]), evidence, choices, wanders=False)
+    return Peak(1 / float(frequency[best]), evidence, choices)
 
 
 def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
@@ -251,13 +268,17 @@ def _sums(pull: Array, group: Codes, time: Array, frequency: Array, groups: int)
 
 
 def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
-    """Return the best period of a wave whose phase is free in stretches of some periods."""
+    """Return the best period of a wave whose phase is free in stretches of some periods.
+
+    And its line. Periods beyond the longest that is shown take part here, too.
+    """
     logs = np.arange(np.log(scan.shortest), np.log(scan.longest), STEP)
     periods = np.exp(logs)
     own = 2 * scan.session + scan.is_y
     readings = np.maximum(np.bincount(own, minlength=2 * len(scan.length)), 1)[:, None]
     each = [view.at(periods) / readings for view in views]
-    evidence = np.empty((len(views), len(periods)))
+    line = np.stack([np.cos(DIRECTIONS_DEG * DEG), np.sin(DIRECTIONS_DEG * DEG)])
+    evidence = np.empty((len(views), len(periods), len(DIRECTIONS_DEG)))
     for n, period in enumerate(periods):
         stretch, count = stretches_of(scan, period, PERIODS_FREE)
         group = 2 * stretch + scan.is_y
@@ -267,16 +288,17 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
             sums = np.bincount(group, pulled.real, 2 * count) + 1j * np.bincount(
                 group, pulled.imag, 2 * count
             )
-            information = np.bincount(group, each[k][own, n], 2 * count)
+            squares = np.abs(sums.reshape(count, 2) @ line) ** 2
+            information = np.bincount(group, each[k][own, n], 2 * count).reshape(count, 2) @ line**2
             size = _SIZES / max(float(information.max()), 1e-300)
             power = size * information
-            gained = size * np.abs(sums) ** 2 / (1 + power) - 2 * np.log1p(power)
-            evidence[k, n] = gained.sum(axis=1).max()
-    choices = max(1.0, float(np.ptp(logs)) / ANOTHER_PERIOD)
-    best = evidence.argmax(axis=1)
+            gained = size * squares / (1 + power) - 2 * np.log1p(power)
+            evidence[k, n] = gained.sum(axis=1).max(axis=0)
+    choices = max(1.0, float(np.ptp(logs)) / ANOTHER_PERIOD) * len(DIRECTIONS_DEG)
+    found = [(np.unravel_index(one.argmax(), one.shape), float(one.max())) for one in evidence]
     return [
-        Peak(float(periods[one]), float(worth[one]), choices, wanders=True)
-        for one, worth in zip(best, evidence, strict=True)
+        Peak(float(periods[period]), worth, choices, float(DIRECTIONS_DEG[direction]))
+        for (period, direction), worth in found
     ]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import DEG, Array
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
 
 #: The id of an oscillation.
@@ -26,6 +26,7 @@ def oscillation(
     since_s: float = 0.0,
     stretches_s: Sequence[Stretch] | None = None,
     *,
+    direction_deg: float | None = None,
     reversing: bool = False,
 ) -> Effect:
     """Return an oscillation of the zeros.
@@ -39,6 +40,9 @@ def oscillation(
     stretches_s
         Where its phase wanders: times in each of which amplitude and phase are free. None where
         they hold throughout.
+    direction_deg
+        The line along which the beam swings [deg], from across toward along elevation. None where
+        both axes have an amplitude and a phase of their own.
     reversing
         Whether it changes its sign where the mount has turned over, as what the second axis does.
 
@@ -59,8 +63,12 @@ def oscillation(
         inside = [np.ones(len(at), bool)] if stretches_s is None else _inside(time, stretches_s)
         columns = ((one * sine, one * cosine) for one in inside)
         waves = [wave for pair in columns for wave in pair]
-        return stack(at, *[(wave, 0) for wave in waves], *[(0, wave) for wave in waves])
+        return stack(at, *[(x * wave, y * wave) for _, x, y in ways for wave in waves])
 
+    ways = [("_xel", 1.0, 0.0), ("_el", 0.0, 1.0)]
+    if direction_deg is not None:
+        line = direction_deg * DEG
+        ways = [("", float(np.cos(line)), float(np.sin(line)))]
     labels = [""] if stretches_s is None else [f"[{n + 1}]" for n in range(len(stretches_s))]
     counted = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
     wanders = "" if stretches_s is None else f", its phase free in {len(labels)} stretches of time"
@@ -70,8 +78,8 @@ def oscillation(
         "something hunts or is switched by turns: a servo, a heater, an air conditioner",
         "a sine wave in time; Scargle 1982, ApJ 263, 835 (its search)",
         tuple(
-            Coefficient(f"{wave}_{axis}{label}")
-            for axis in ("xel", "el")
+            Coefficient(f"{wave}{axis}{label}")
+            for axis, *_ in ways
             for label in labels
             for wave in ("sine", "cosine")
         ),
@@ -86,6 +94,7 @@ def oscillation(
         changes_with="time" if stretches_s is None else "stretch",
         member={"period_s": period_s, "since_s": since_s}
         | ({} if stretches_s is None else {"stretches_s": [list(one) for one in stretches_s]})
+        | ({} if direction_deg is None else {"direction_deg": direction_deg})
         | ({"reversing": True} if reversing else {}),
         make=oscillation,
     )
