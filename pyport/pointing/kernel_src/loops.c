@@ -298,8 +298,9 @@ static size_t grid(int exact, const double *p, size_t columns, const double *az,
     return large;
 }
 
-/* From one number to another by a share: at either end exactly what stands there. */
-#define BETWEEN(from, to, share) FUSED(share, to, FUSED(-(share), from, from))
+/* From one number to another by a share: at either end exactly what stands there. Minus is the
+   number's and not the share's: compilers then subtract the product in one instruction. */
+#define BETWEEN(from, to, share) FUSED(share, to, FUSED(-(from), share, from))
 
 static size_t look_up(const struct table *t, size_t n, const double *az, const double *zd,
                       double *d_az, double *d_zd)
