@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -92,7 +93,20 @@ _ROUNDS = 30
 MANY = 6
 
 
-def scale(residual: Array, floor: float = 0.0, through: int = 0) -> float:
+def median(values: Array) -> float:
+    """Return the median of finite values, sooner than numpy's, which looks for NaN besides."""
+    half = len(values) // 2
+    parted = np.partition(values, half)
+    middle = float(parted[half])
+    return middle if len(values) % 2 else (float(parted[:half].max()) + middle) / 2
+
+
+def scale(
+    residual: Array,
+    floor: float = 0.0,
+    through: int = 0,
+    middle: Callable[[Array], float] = median,
+) -> float:
     """Return a robust sigma of residuals about zero, no smaller than `floor`.
 
     A robust fit of many columns goes right through as many readings, which say
@@ -100,25 +114,17 @@ def scale(residual: Array, floor: float = 0.0, through: int = 0) -> float:
 
     The median absolute deviation, refined once by the rms of what lies within
     three of it (times 1.0135, what a normal sample loses by the cut), so that
-    rounded data whose median deviation is zero still have a scatter.
+    rounded data whose median deviation is zero still have a scatter. `middle` finds the median.
     """
     if through:
         residual = np.sort(np.abs(residual))[through:]
     if len(residual) == 0:
         return floor
     size = np.abs(residual)
-    first = max(_median(size) / _MAD, floor, 1e-300)
+    first = max(middle(size) / _MAD, floor, 1e-300)
     kept = size[size <= 3 * first]
     refined = 1.0135 * float(np.sqrt(kept @ kept / len(kept))) if len(kept) else first
     return max(refined, floor)
-
-
-def _median(values: Array) -> float:
-    """Return the median of finite values, sooner than numpy's, which looks for NaN besides."""
-    half = len(values) // 2
-    parted = np.partition(values, half)
-    middle = float(parted[half])
-    return middle if len(values) % 2 else (float(parted[:half].max()) + middle) / 2
 
 
 def biweight(residual: Array, sigma: float, reach: float) -> Array:

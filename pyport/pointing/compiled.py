@@ -17,7 +17,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 
 #: What `module.c` must offer; raised with it, so that an older kernel is left out.
-INTERFACE = 6
+INTERFACE = 7
 
 
 def _installed() -> ModuleType | None:

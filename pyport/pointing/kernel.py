@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
+from pyport.least_squares import robust
 from pyport.pointing import compiled
 from pyport.pointing.leaning import Leaning
 
@@ -111,6 +112,13 @@ def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:
     normal, right = np.empty((len(columns),) * 2), np.empty(len(columns))
     KERNEL.gram(columns, weight, target, normal, right)
     return normal, right
+
+
+def median(values: Array) -> float:
+    """Return the median of finite numbers, shape (n,), one at least."""
+    if KERNEL is None:
+        return robust.median(values)
+    return float(KERNEL.median(np.ascontiguousarray(values)))
 
 
 def whiten(

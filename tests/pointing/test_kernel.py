@@ -163,6 +163,15 @@ def test_products_of_columns(level, rows):
     np.testing.assert_allclose(right, columns @ target, atol=1e-12)
 
 
+@pytest.mark.parametrize("count", [1, 2, 7, 1000, 1001])
+def test_median(level, count):
+    """The middle number, or the mean of two, to the last digit; some numbers are equal."""
+    values = np.random.default_rng(5).normal(size=count)
+    values[::3] = np.round(values[::3])
+
+    assert kernel.median(values) == np.median(values), level
+
+
 @pytest.mark.parametrize("drifts", [(), ((0.7, 30.0),), ((0.7, 30.0), (1.5, 900.0), (3.0, 9e4))])
 def test_whitening_is_celerites(monkeypatch, level, drifts):
     """Columns, and the variance of each row given those before it; also of some rows alone."""

@@ -400,12 +400,65 @@ static void gram(size_t k, size_t n, const double *columns, const double *weight
             for (size_t b = 0; b <= a; b += BESIDE)
                 add_products(some, heavy, a - b < BESIDE ? a - b + 1 : BESIDE,
                              columns + b * n + low, n, normal + a * k + b);
-            add_products(some, column, 1, target + low, 0, right + a);
         }
+        for (size_t b = 0; b < k; b += BESIDE)
+            add_products(some, target + low, k - b < BESIDE ? k - b : BESIDE,
+                         columns + b * n + low, n, right + b);
     }
     for (size_t a = 0; a < k; a++)
         for (size_t b = 0; b < a; b++)
             normal[b * k + a] = normal[a * k + b];
+}
+
+/* The smallest but k of n numbers, which are lost. */
+static double ranked(size_t n, double *of, size_t k)
+{
+    uint64_t chance = 0;
+    for (;;)
+    {
+        /* a pivot by chance: no order of the numbers makes all of them bad */
+        chance = chance * 6364136223846793005u + 1442695040888963407u;
+        double pivot = of[(chance >> 32) % n];
+        size_t below = 0, upto = 0, kept = 0;
+        _Pragma("omp simd reduction(+ : below, upto)") for (size_t i = 0; i < n; i++)
+        {
+            below += of[i] < pivot;
+            upto += of[i] <= pivot;
+        }
+        /* no branch depends on a number: half of them would be mispredicted */
+        if (k < below)
+            for (size_t i = 0; i < n; i++)
+            {
+                double one = of[i];
+                of[kept] = one;
+                kept += one < pivot;
+            }
+        else if (k >= upto)
+            for (size_t i = 0; i < n; i++)
+            {
+                double one = of[i];
+                of[kept] = one;
+                kept += one > pivot;
+            }
+        if (!kept)
+            return pivot;
+        k -= k < below ? 0 : upto;
+        n = kept;
+    }
+}
+
+static double median(size_t n, const double *values, double *room)
+{
+    memcpy(room, values, n * sizeof *values);
+    double high = ranked(n, room, n / 2), low = -__builtin_inf();
+    size_t below = 0;
+    _Pragma("omp simd reduction(+ : below) reduction(max : low)") for (size_t i = 0; i < n; i++)
+    {
+        int less = values[i] < high;
+        below += less;
+        low = less && values[i] > low ? values[i] : low;
+    }
+    return n % 2 || below < n / 2 ? high : (low + high) / 2;
 }
 
 /* Columns that are whitened at a time: what is carried along of them stays in the first cache. */
@@ -773,4 +826,5 @@ static void elementary(int which, size_t n, const double *y, const double *x, do
         EACH for (size_t i = 0; i < n; i++) out[i] = arctangent(y[i], x[i]);
 }
 
-const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, whiten, products, elementary};
+const struct loops LOOPS = {LEVEL, scattered, grid, look_up, gram, median, whiten, products,
+                           elementary};

@@ -35,6 +35,8 @@ struct loops {
     /* Products of k columns of n rows, each row so heavy, and of the columns with a target. */
     void (*gram)(size_t k, size_t n, const double *columns, const double *weight,
                  const double *target, double *normal, double *right);
+    /* The middle one of n numbers, or the mean of the two; `room` holds as many. */
+    double (*median)(size_t n, const double *values, double *room);
     /* Whiten some n rows of k columns, written in their place, under scatter and drifts of so many terms: d is the variance of a
        row given those before it, `room` holds DRIFT_ROOM(n, terms) numbers; 0 where a d is none. */
     int (*whiten)(size_t n, const int64_t *rows, size_t terms, size_t k, const double *time,

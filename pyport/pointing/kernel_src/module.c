@@ -207,6 +207,29 @@ static PyObject *gram(PyObject *self, PyObject *args)
     return answer(&of, k);
 }
 
+static PyObject *median(PyObject *self, PyObject *given)
+{
+    struct numbers of;
+    (void)self;
+    if (!take(&of, &given, 1, 1))
+        return NULL;
+    size_t n = size(&of, 0);
+    if (!n)
+        return wrong(&of);
+    double *room = PyMem_Malloc(n * sizeof(double)), found = 0;
+    if (!room)
+    {
+        PyErr_NoMemory();
+        return wrong(&of);
+    }
+    Py_BEGIN_ALLOW_THREADS
+    found = chosen->median(n, values(&of, 0), room);
+    Py_END_ALLOW_THREADS
+    PyMem_Free(room);
+    give_back(&of);
+    return PyFloat_FromDouble(found);
+}
+
 /* n indices below m. */
 static int take_indices(PyObject *from, Py_buffer *rows, size_t n, size_t m)
 {
@@ -449,6 +472,7 @@ static PyMethodDef methods[] = {
     {"gram", gram, METH_VARARGS,
      "Write the products of k columns of n rows, each row so heavy, and those with a target.\n\n"
      "(columns of shape (k, n), weights, target, products of shape (k, k), products with it)."},
+    {"median", median, METH_O, "Return the median of n finite numbers, one at least."},
     {"whiten", whiten, METH_VARARGS,
      "Write columns of unit scatter under drifts; return whether the variances allowed it.\n\n"
      "(k, indices of n rows, time, rates, variances of the drifts, variance of each row, columns\n"
@@ -488,7 +512,7 @@ PyMODINIT_FUNC PyInit_pyport_kernel(void)
         if (has(LEVELS[n]))
             chosen = LEVELS[n];
     PyObject *module = PyModule_Create(&definition);
-    if (module && PyModule_AddIntConstant(module, "INTERFACE", 6) < 0)
+    if (module && PyModule_AddIntConstant(module, "INTERFACE", 7) < 0)
         Py_CLEAR(module);
     return module;
 }

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
 from pyport.least_squares import robust
+from pyport.pointing import kernel
 from pyport.recordings.schema import Recordings
 
 #: 2004-01-01, after which the box offset was another [s, UTC since 1970].
@@ -99,7 +100,7 @@ def document(level: float) -> Tune:
 
 def soft_l1(residual: Array) -> Tuned:
     """Return 2 (sqrt(1 + u^2) - 1), u in robust sigmas: a square that goes over into a line."""
-    sigma = robust.scale(residual, LEAST)
+    sigma = robust.scale(residual, LEAST, middle=kernel.median)
 
     return Tuned(
         lambda r: 1 / np.sqrt(1 + (r / sigma) ** 2),
@@ -110,7 +111,7 @@ def soft_l1(residual: Array) -> Tuned:
 
 def huber(residual: Array) -> Tuned:
     """Return Huber's: a square inside 1.345 robust sigmas, a line beyond."""
-    corner = _HUBER_CORNER * robust.scale(residual, LEAST)
+    corner = _HUBER_CORNER * robust.scale(residual, LEAST, middle=kernel.median)
     return Tuned(
         lambda r: corner / np.maximum(np.abs(r), corner),
         lambda r, _: (np.abs(r) <= corner).astype(float),
@@ -133,7 +134,7 @@ def _likeliest_t(residual: Array) -> tuple[float, float]:
     from scipy.optimize import minimize
     from scipy.special import gammaln
 
-    start = robust.scale(residual, LEAST)
+    start = robust.scale(residual, LEAST, middle=kernel.median)
     size = np.quantile(np.abs(residual), _QUANTILES) / start
 
     def unlikeliness(logs: Array) -> float:
