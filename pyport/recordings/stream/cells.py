@@ -94,15 +94,23 @@ def grouped(label: Codes, key: Codes) -> tuple[Codes, Codes]:
     """Return the first row of each cell, in the order of labels and keys, and each row's cell."""
     if len(key) == 0:
         return np.zeros(0, np.int64), np.zeros(0, np.int64)
-    if int(label.max()) < 1 << _LABELS:
-        order = np.argsort((label << _KEY) + key)
+    # Rows that follow each other mostly share a cell: only runs of such rows are put in order.
+    runs = _starts(label, key)
+    labels, keys = label[runs], key[runs]
+    if int(labels.max()) < 1 << _LABELS:
+        order = np.argsort((labels << _KEY) + keys)
     else:
-        order = np.lexsort((key, label))
-    change = (np.diff(key[order]) != 0) | (np.diff(label[order]) != 0)
-    number = np.concatenate([[0], np.cumsum(change)])
-    cell = np.empty(len(key), np.int64)
-    cell[order] = number
-    return order[np.concatenate([[0], np.flatnonzero(change) + 1])], cell
+        order = np.lexsort((keys, labels))
+    starts = _starts(labels[order], keys[order])
+    cell = np.empty(len(runs), np.int64)
+    cell[order] = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(runs)))
+    return runs[order[starts]], np.repeat(cell, np.diff(runs, append=len(key)))
+
+
+def _starts(label: Codes, key: Codes) -> Codes:
+    """Return the rows whose label or key is not that of the row before."""
+    changed = (np.diff(key) != 0) | (np.diff(label) != 0)
+    return np.flatnonzero(np.concatenate([[True], changed]))
 
 
 def merged(some: Sequence[Cells], level: int) -> Cells:
