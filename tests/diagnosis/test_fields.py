@@ -212,7 +212,7 @@ def test_the_best_box_is_the_one_that_was_put_there():
 def test_noise_alone_is_worth_no_field():
     """Averaged over all forms that it could take, no field explains white noise."""
     setup = prepare(recordings(800, 9), load("altaz"))
-    worths = list(Ground(setup, weigh(setup), ()).worths(lasting=False))
+    worths = list(Ground(setup, weigh(setup), ()).worths())
 
     assert len(worths) > 50
     assert max(one.evidence for one in worths) < 10
@@ -222,7 +222,7 @@ def test_fields_of_time_are_left_out_where_only_lasting_ones_are_asked_for():
     """All others are the same."""
     setup = prepare(recordings(200, 9), load("altaz"))
     ground = Ground(setup, weigh(setup), ())
-    every, lasting = list(ground.worths(lasting=False)), list(ground.worths(lasting=True))
+    every, lasting = list(ground.worths()), list(ground.worths([False]))
     kept = [one.evidence for one in every if not one.field.of_time]
 
     assert 0 < len(lasting) < len(every)
@@ -276,7 +276,7 @@ def test_how_many_columns_go_together_decides_nothing(monkeypatch):
     for size in (1, 1 << 30):
         monkeypatch.setattr(fields, "WHITENED", size)
         monkeypatch.setattr(evidence, "TOGETHER", size)
-        worths = Ground(setup, weighed, ()).worths(lasting=False)
+        worths = Ground(setup, weighed, ()).worths()
         trials = trials_of(setup, projection(setup, weighed, ()))
         found.append([one.evidence for one in (*worths, *trials)])
 

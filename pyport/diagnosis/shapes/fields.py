@@ -9,7 +9,7 @@ set of names, what was left out is none of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,13 +126,13 @@ class Ground:
         """Return what a field is worth in the readings that it has columns for."""
         return worth(field, *self.products(field.columns))
 
-    def worths(self, *, lasting: bool) -> Iterator[Worth]:
-        """Yield what every field is worth, in each axis and in both; none of time if `lasting`."""
+    def worths(self, of_time: Collection[bool] = (False, True)) -> Iterator[Worth]:
+        """Yield what every field is worth, in each axis and in both: that lasts, or is of time."""
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
         several = ["both axes"] if len(measured) > 1 else []
-        wanted = (one for one in families(self.setup) if not (lasting and one[1].of_time))
+        wanted = (one for one in families(self.setup) if one[1].of_time in of_time)
         for kind, field, white in self._whitened(wanted):
             large = np.abs(field.values) > 0.1
             felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]

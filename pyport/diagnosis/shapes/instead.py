@@ -26,27 +26,54 @@ from pyport.thresholds import (
 def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     """Return the search with a field in place of all names from some turn on, if it is better.
 
+    One that lasts does not stand in place of changes with time, which beside the noise of the
+    model alone are mostly noise: they stay.
+
     A field that no name points at shows by itself: a Bayes factor bounds the chance that noise
     alone reaches it. None in time does, for that is what a drift is like; and none in an array,
     where what the antennas share in a scan is too little known to bear that bound.
     """
-    setup, before, names = outcome.setup, outcome.chosen[:turn], outcome.steps[turn:]
+    before, names = outcome.steps[:turn], outcome.steps[turn:]
     unnamed = not names and family_p_value(outcome.last) > FAMILY_ERROR
-    if unnamed and setup.blocks.antennas >= ENOUGH_ANTENNAS:
+    if unnamed and outcome.setup.blocks.antennas >= ENOUGH_ANTENNAS:
         return None
-    weighed = outcome.weighed if not names else weigh_model(setup, before)
-    ground = Ground(setup, weighed, before)
-    worths = [*ground.worths(lasting=unnamed), *map(ground.worth_of, boxes(setup, weighed, before))]
-    strongest = max((step.winner.gain for step in outcome.steps[:turn]), default=0.0)
+    changes = tuple(one for one in names if one.chosen.candidate.effect.changes_with)
+    if not changes:
+        ways = [(before, names, (False,) if unnamed else (False, True))]
+    else:
+        lasting = tuple(one for one in names if not one.chosen.candidate.effect.changes_with)
+        ways = [(before, names, (True,))]
+        ways += [((*before, *changes), lasting, (False,))] if lasting else []
+    found = [(*one, way[0]) for way in ways if (one := _best_in_place(outcome, *way)) is not None]
+    more, best, kept = max(found, key=lambda one: one[0], default=(0.0, None, ()))
+    if best is None or more <= 0 or best.directions.shape[1] == 0:
+        return None
+    return _with_field(outcome, kept, best)
+
+
+def _best_in_place(
+    outcome: Outcome, kept: Sequence[Step], names: Sequence[Step], of_time: Sequence[bool]
+) -> tuple[float, Worth] | None:
+    """Return the best field beside what is kept, and by how much it exceeds the names it replaces.
+
+    `of_time`: which of the fields are tried, those that last and those in time. None where there
+    are none.
+    """
+    setup, chosen = outcome.setup, tuple(one.chosen for one in kept)
+    whole = len(kept) == len(outcome.steps)
+    weighed = outcome.weighed if whole else weigh_model(setup, chosen)
+    ground = Ground(setup, weighed, chosen)
+    worths = list(ground.worths(of_time))
+    if False in of_time:
+        worths += map(ground.worth_of, boxes(setup, weighed, chosen))
+    strongest = max((step.winner.gain for step in kept), default=0.0)
     least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
-    elif unnamed:
+    elif True not in of_time:
         least = max(least, -2 * float(np.log(FAMILY_ERROR)))
-    best = max(worths, key=lambda one: one.evidence)
-    if best.evidence <= least or best.directions.shape[1] == 0:
-        return None
-    return _with_field(outcome, turn, best)
+    best = max(worths, key=lambda one: one.evidence, default=None)
+    return None if best is None else (best.evidence - least, best)
 
 
 def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
@@ -56,9 +83,9 @@ def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
     return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
 
 
-def _with_field(outcome: Outcome, turn: int, worth: Worth) -> Outcome | None:
-    """Return the search with a field from some turn on; None where it does not predict."""
-    setup, before, steps = outcome.setup, outcome.chosen[:turn], outcome.steps[:turn]
+def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outcome | None:
+    """Return the search with a field beside what some turns chose; None where it predicts not."""
+    setup, before = outcome.setup, tuple(one.chosen for one in steps)
     gain, same = worth.gain, next((one for one in steps if _same_bumps(one, worth.field)), None)
     if same is not None:
         worth, steps = _together_with(same, worth), tuple(one for one in steps if one is not same)

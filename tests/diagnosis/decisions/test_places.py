@@ -139,7 +139,7 @@ def bumps(monkeypatch, felt):
         _whitened=lambda wanted: ((*one, one[1].values) for one in wanted),
         _products=lambda *_: (np.eye(4), np.eye(4), np.zeros(4)),
     )
-    list(fields.Ground.worths(ground, lasting=False))
+    list(fields.Ground.worths(ground))
     return seen
 
 

@@ -657,11 +657,11 @@ def field(evidence, directions=1, *, of_time=False):
     )
 
 
-def taken(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
-    """Tell whether a field takes the place of names from some turn on."""
+def left(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
+    """Return which names a field leaves that takes the place of others; None where none does."""
 
-    def every(*, lasting):
-        return [one for one in worths if not (lasting and one.field.of_time)]
+    def every(of_time):
+        return [one for one in worths if one.field.of_time in of_time]
 
     ground = SimpleNamespace(worths=every, worth_of=lambda one: one)
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
@@ -669,8 +669,14 @@ def taken(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
     monkeypatch.setattr(instead, "family_p_value", lambda _: p_value)
     monkeypatch.setattr(instead, "_together", lambda *_: together)
-    monkeypatch.setattr(instead, "_with_field", lambda *_: "a field")
-    return instead.field_instead(now, turn) == "a field"
+    monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
+    kept = instead.field_instead(now, turn)
+    return kept if kept is None else [one.winner.candidate.effect.id for one in kept]
+
+
+def taken(*args, **options):
+    """Tell whether a field takes the place of names from some turn on."""
+    return left(*args, **options) is not None
 
 
 @pytest.mark.parametrize(
@@ -681,6 +687,21 @@ def test_a_field_must_beat_all_names_by_six(monkeypatch, evidence, wins):
     now = outcome(step(trial()))
 
     assert taken(monkeypatch, [field(evidence)], now, together=50.0) == wins
+
+
+@pytest.mark.parametrize(("of_time", "kept"), [(False, ["epoch_tilt"]), (True, [])])
+def test_a_field_that_lasts_leaves_changes_with_time(monkeypatch, of_time, kept):
+    """One in time stands in place of both."""
+    now = outcome(*(step(trial(name)) for name in ("refraction", "epoch_tilt")))
+
+    assert left(monkeypatch, [field(90.0, of_time=of_time)], now) == kept
+
+
+def test_a_field_that_lasts_does_not_stand_in_place_of_a_change(monkeypatch):
+    """However much it explains beside the noise that holds the change."""
+    now = outcome(step(trial("epoch_tilt")))
+
+    assert not taken(monkeypatch, [field(90.0)], now)
 
 
 @pytest.mark.parametrize(
