@@ -187,6 +187,7 @@ ENTER, IN_FILE, CHANGE = (
     "change against the file",
 )
 GRID = "pyport convert writes it for another program as waves, or with --rest-as grid.csv as a grid"
+PAST = "its phase wanders, and what it will do is not known: there is nothing to enter"
 #: Endings of names of what a coefficient is counted from.
 COUNTED = frozenset({"c", "s", "centre", "rad", "h"})
 #: More coefficients than this are those of many antennas or sessions: a file holds them.
@@ -197,14 +198,18 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
     """Return the table of a completed model for the terminal, empty for an undetermined one.
 
     What a coefficient is counted from (a mean temperature, a moment) stands below, as far as
-    `terms` tell; a field without a name has numbers that no control system takes.
+    `terms` tell; a field without a name has numbers that no control system takes, and what was
+    free in every stretch of time has none that hold after it.
     """
     if completed.undetermined:
         return []
-    values = [one for one in completed.values if one.effect != UNKNOWN]
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
+    past = {one.finding for one in terms if one.effect.changes_with == "stretch"} - {None}
+    values = [one for one in completed.values if one.effect != UNKNOWN and one.finding not in past]
     told = [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
-    told += [f"{term.effect.id}: {_counted(term)}" for term in terms if _counted(term)]
+    told += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
+    counted = [term for term in terms if _counted(term) and term.finding not in past]
+    told += [f"{term.effect.id}: {_counted(term)}" for term in counted]
     if not values:
         return told
     return _table(values) + told

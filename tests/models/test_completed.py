@@ -13,6 +13,7 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import CATALOGUE
+from pyport.effects.empirical.oscillations import oscillation
 from pyport.errors import BadInput
 from pyport.fitting.fit import completed as completed_fit
 from pyport.fitting.fit import fit
@@ -20,7 +21,8 @@ from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
 from pyport.formats.models import load
 from pyport.models import toml
-from pyport.models.conditions import Completed
+from pyport.models.complete import PAST, lines
+from pyport.models.conditions import Completed, Value
 from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
 from pyport.page import of_diagnosis, of_fit
@@ -239,3 +241,18 @@ def test_coefficients_known_in_combination_only_are_saved_and_applied(tmp_path):
     np.testing.assert_allclose(
         told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
     )
+
+
+def test_what_wandered_is_nothing_to_enter():
+    """It holds in stretches that are past; what lasts, and a step's moment, stand in the table."""
+    members = oscillation(3600.0, 0.0, [(0.0, 7200.0)], direction_deg=30.0), CATALOGUE["refraction"]
+    terms = [Term(effect, finding=n) for n, effect in enumerate(members, 1)]
+    values = [
+        Value(one.name, term.effect.id, "arcsec", 2.0, 0.1, 0.0, {}, term.finding, determined=True)
+        for term in terms
+        for one in term.effect.coefficients
+    ]
+    told = lines(Completed({}, tuple(values), np.eye(len(values))), terms)
+
+    assert [line.split()[0] for line in told] == ["enter", "refraction", "finding"]
+    assert told[-1] == "finding 1: " + PAST

@@ -21,13 +21,12 @@ from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
 
-_HOW = {
-    "session": "Night-to-night",
-    "stretch": "Stretch-to-stretch",
-    "source": "Source-to-source",
+#: Of what departs: its scatter, several of it where they are counted, and where they differ.
+_WORDS = {
+    "session": ("Night-to-night", "sessions", "nights"),
+    "stretch": ("Stretch-to-stretch", "stretches", "stretches of rows"),
+    "source": ("Source-to-source", "sources", "sources"),
 }
-_MANY = {"session": "sessions", "stretch": "stretches", "source": "sources"}
-_WHOSE = {"session": "nights", "stretch": "stretches of rows", "source": "sources"}
 #: Scatter that differs by less than a quarter between low and high, or that a drift widens by
 #: less, is not worth a word.
 GROWS = 1.25
@@ -201,8 +200,8 @@ def _of_drift(one: dict[str, Any]) -> str:
 def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
     """Return a sentence for all that the noise does, and for what the recordings' header tells."""
     said = [
-        f"{_HOW[one['of']]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
-        f"({len(one['labels'])} {_MANY[one['of']]}; "
+        f"{_WORDS[one['of']][0]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
+        f"({len(one['labels'])} {_WORDS[one['of']][1]}; "
         f"{one['most_arcsec']:.2g} in {one['most_label']})"
         for one in noise.departing
     ]
@@ -289,7 +288,9 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
     usual = float(np.median(scatter)) / ARCSEC
     largest = {
-        one["of"]: f"{_WHOSE[one['of']]} differ in the {one['term']} by {one['sigma_arcsec']:.2g}"
+        one[
+            "of"
+        ]: f"{_WORDS[one['of']][2]} differ in the {one['term']} by {one['sigma_arcsec']:.2g}"
         for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"]))
         if np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
     }
