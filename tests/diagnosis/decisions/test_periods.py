@@ -83,6 +83,10 @@ def test_a_wandering_wave_has_one_line(direction_deg):
 
     assert best.direction_deg == direction_deg
     assert best.period == pytest.approx(HOUR, rel=0.05)
+    # Where nothing swings, the smallest size costs least: two amplitudes in each of four nights.
+    (nothing,) = periods.peaks_of(both, [replace(flat, pull=0 * wave)])
+    lost = next(one for one in nothing if one.wanders).evidence
+    assert lost == pytest.approx(-2 * 4 * np.log1p(0.02))
 
 
 @pytest.mark.parametrize(("period_h", "stretches"), [(0.5, 8), (1, 4), (2, 2), (3, 1), (6, 1)])
