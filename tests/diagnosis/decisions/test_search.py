@@ -472,6 +472,17 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
     assert best is (moved if more > 0 else change)
 
 
+@pytest.mark.parametrize(("worth", "shows"), [(6.5, True), (5.5, False)])
+def test_what_shows_beside_a_change_convinces(monkeypatch, worth, shows):
+    """Else the change stands alone."""
+    monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
+    monkeypatch.setattr(confirmed_changes, "best_shown", lambda *given: (given[-1][0], worth))
+    trials = [trial("temperature")]
+    found = confirmed_changes._best_beside(won("epoch_offset"), None, (), trials)
+
+    assert (found is not None) == shows
+
+
 def test_a_change_that_does_not_move_is_not_confirmed_again(monkeypatch):
     """What is known of it counts, with that of the lasting effect."""
     change = won("epoch_offset")
