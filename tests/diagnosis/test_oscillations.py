@@ -268,6 +268,16 @@ def test_nights_at_equal_intervals_leave_the_period_open():
 
 
 @pytest.mark.slow
+def test_nothing_is_said_of_an_axis_that_was_not_measured():
+    """A wandering wave of elevations alone has an amplitude there, and no line."""
+    given = made(SWINGS["wandering"])
+    found = diagnose(replace(given, x=np.full(len(given.x), np.nan)), load("altaz"), seed=1)
+
+    assert found.findings[0].effect == OSCILLATION
+    assert [one.name for one in found.findings[0].parameters] == ["period", "amplitude_el"]
+
+
+@pytest.mark.slow
 def test_period_amplitude_and_phase_are_reported():
     """Each with its error; the sentence says them."""
     found = diagnose(made(SWINGS["held"]), load("altaz"), seed=1).findings[0]

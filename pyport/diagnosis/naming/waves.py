@@ -187,7 +187,9 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     value, covariance = value[known], covariance[np.ix_(known, known)]
     if "direction_deg" in effect.member:
         line = likeliest_direction(setup, scene.weighed.covariance, others, effect)[:2]
-        return found + _along(*line, *_wandering(value, covariance))
+        measured = np.unique(setup.stack.is_y).astype(int)
+        told = _along(*line, *_wandering(value, covariance))
+        return found + ([told[1 + measured[0]]] if len(measured) == 1 else told)
     names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
     for axis in ("xel", "el"):
         own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]

@@ -19,7 +19,6 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.searching.confirming import beside_model
 from pyport.diagnosis.shapes.periods import (
-    DIRECTIONS_DEG,
     OVERSAMPLED,
     Peak,
     Scan,
@@ -186,10 +185,11 @@ def likeliest_direction(
 ) -> tuple[float, float, float]:
     """Return the likeliest line [deg] of a wandering oscillation, its sigma, and its evidence."""
     waves, period = _waves(setup, noise, chosen, effect), effect.member["period_s"]
-    width = np.ptp(DIRECTIONS_DEG[:2]) * np.linspace(-1, 1, NEAR)
-    direction, sigma, evidence = top(
-        lambda line: waves.along(line).fit(period)[0], effect.member["direction_deg"] + width
-    )
+    line, several = effect.member["direction_deg"], waves.scan.lines_deg
+    if len(several) == 1:
+        return line, 0.0, waves.fit(period)[0]
+    near = line + np.ptp(several[:2]) * np.linspace(-1, 1, NEAR)
+    direction, sigma, evidence = top(lambda one: waves.along(one).fit(period)[0], near)
     return direction % 180, sigma, evidence
 
 

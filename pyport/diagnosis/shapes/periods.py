@@ -101,6 +101,12 @@ class Scan:
     longest: float
     alone: float
 
+    @property
+    def lines_deg(self) -> Array:
+        """Return the lines along which a swing may be seen: an axis alone is one."""
+        measured = np.unique(self.is_y)
+        return DIRECTIONS_DEG if len(measured) > 1 else np.asarray(90.0 * measured, float)
+
     def shows(self, peak: Peak) -> bool:
         """Tell whether sessions are long enough for a period."""
         return peak.period <= (self.alone if peak.wanders else self.longest)
@@ -277,8 +283,9 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
     own = 2 * scan.session + scan.is_y
     readings = np.maximum(np.bincount(own, minlength=2 * len(scan.length)), 1)[:, None]
     each = [view.at(periods) / readings for view in views]
-    line = np.stack([np.cos(DIRECTIONS_DEG * DEG), np.sin(DIRECTIONS_DEG * DEG)])
-    evidence = np.empty((len(views), len(periods), len(DIRECTIONS_DEG)))
+    lines = scan.lines_deg
+    line = np.stack([np.cos(lines * DEG), np.sin(lines * DEG)])
+    evidence = np.empty((len(views), len(periods), len(lines)))
     for n, period in enumerate(periods):
         stretch, count = stretches_of(scan, period, PERIODS_FREE)
         group = 2 * stretch + scan.is_y
@@ -294,10 +301,10 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
             power = size * information
             gained = size * squares / (1 + power) - 2 * np.log1p(power)
             evidence[k, n] = gained.sum(axis=1).max(axis=0)
-    choices = max(1.0, float(np.ptp(logs)) / ANOTHER_PERIOD) * len(DIRECTIONS_DEG)
+    choices = max(1.0, float(np.ptp(logs)) / ANOTHER_PERIOD) * len(lines)
     found = [(np.unravel_index(one.argmax(), one.shape), float(one.max())) for one in evidence]
     return [
-        Peak(float(periods[period]), worth, choices, float(DIRECTIONS_DEG[direction]))
+        Peak(float(periods[period]), worth, choices, float(lines[direction]))
         for (period, direction), worth in found
     ]
 
