@@ -287,13 +287,11 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     """Return what counts as noise though it is none: departures, drifts, an uneven session."""
     scatter = [np.hypot(one.within, one.between) for one in diagnosis.weighed.covariance.noises]
     usual = float(np.median(scatter)) / ARCSEC
-    largest = {
-        one[
-            "of"
-        ]: f"{_WORDS[one['of']][2]} differ in the {one['term']} by {one['sigma_arcsec']:.2g}"
-        for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"]))
-        if np.hypot(usual, one["sigma_arcsec"]) > GROWS * usual
-    }
+    largest = {}
+    for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"])):
+        of, sigma = one["of"], one["sigma_arcsec"]
+        if np.hypot(usual, sigma) > GROWS * usual:
+            largest[of] = f"{_WORDS[of][2]} differ in the {one['term']} by {sigma:.2g}"
     said = [text for of, text in largest.items() if of != "source"]
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
     told = []

@@ -102,7 +102,6 @@ def ways_of(setup: Problem) -> Iterator[Way]:
             np.array([length]),
             shortest,
             longest,
-            longest,
         )
         yield Way(effect, scan, step)
 

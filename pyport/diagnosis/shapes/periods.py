@@ -87,8 +87,6 @@ class Scan:
         Of each session, shape (S,).
     shortest, longest
         Periods between which one is looked for.
-    alone
-        The longest that each session shows by itself.
     """
 
     time: Array
@@ -99,7 +97,11 @@ class Scan:
     length: Array
     shortest: float
     longest: float
-    alone: float
+
+    @property
+    def alone(self) -> float:
+        """Return the longest period that each session shows by itself."""
+        return float(np.median(self.length)) / PERIODS_ALONE
 
     @property
     def lines_deg(self) -> Array:
@@ -145,13 +147,12 @@ def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
     moments = np.diff(np.unique(time))
     step = float(np.median(moments)) if len(moments) else 0.0
     shortest = max(SHORTEST_PERIOD_S, SHORTEST_STEPS * step)
-    alone = float(np.median(length)) / PERIODS_ALONE
-    longest = float(np.median(length)) if len(length) > 1 else alone
+    longest = float(np.median(length)) / (1.0 if len(length) > 1 else PERIODS_ALONE)
     if longest < 2 * shortest:
         return None
     is_y = setup.stack.is_y.astype(np.intp)
     side = np.broadcast_to(at.side if reversing else 1.0, len(at))
-    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest, alone)
+    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest)
 
 
 @dataclass(frozen=True)
