@@ -20,9 +20,9 @@ from pyport.effects.telescope.rotation import (
 )
 from pyport.effects.telescope.thermal import ACTS, AIR, BETWEEN, acting_c, sun, ways
 
-#: So many conditions are tried. With four terms each that is the 24 members that a search bears,
-#: and refraction: the temperature drives one term, in four ways.
-MOST_DRIVERS = 6
+#: So many conditions are tried: those of the contract, the hour, the Sun, and four columns of any
+#: name. With each the price of a choice grows, and with every four the time of a search by a tenth.
+MOST_DRIVERS = 10
 #: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
 FEW_VALUES = 4
 #: A column of which so much of the variance is drawn by the direction is a name for it.
@@ -118,10 +118,10 @@ def drivers(at: Circumstances) -> list[Driver]:
     """Return the conditions worth trying, at most `MOST_DRIVERS`.
 
     First what is known to move a telescope: the temperature, the time of the day, the height of
-    the Sun, the wind. Then every other column of numbers that is no place, time, offset, error
-    or detail of the measurement, by its name; that takes more than a few values; that does not
-    only grow or only fall with time (a counter, a clock: `drift`) and is not drawn by the
-    direction; those first that the direction draws least.
+    the Sun, the wind, the pressure, the humidity. Then every other column of numbers that is no
+    place, time, offset, error or detail of the measurement, by its name; that takes more than a
+    few values; that does not only grow or only fall with time (a counter, a clock: `drift`) and is
+    not drawn by the direction; those first that the direction draws least.
     """
     known = [
         _recorded(at, "temperature_c"),
@@ -131,7 +131,8 @@ def drivers(at: Circumstances) -> list[Driver]:
     ]
     others = {name: _free(at, name) for name in at.columns if _may_drive(at, name)}
     ranked = sorted(
-        (name for name in others if others[name] > 1 - BY_DIRECTION), key=lambda n: -others[n]
+        (name for name in others if others[name] > 1 - BY_DIRECTION),
+        key=lambda name: (name not in _CONTRACT, -others[name]),
     )
     found = [*known, *(_recorded(at, name) for name in ranked)]
     return [one for one in found if one is not None][:MOST_DRIVERS]
