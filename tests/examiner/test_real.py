@@ -144,6 +144,27 @@ def test_differences_are_over_both_sigmas():
     assert measures.differences(one, none) == []
 
 
+def test_coefficients_that_go_together_are_one_number():
+    """Three apart are three; three that are one and the same are one; unknown ones count not."""
+
+    def independent(matrix):
+        return measures.independent_of({"correlation": {"matrix": matrix}})
+
+    assert independent(np.eye(3).tolist()) == pytest.approx(3)
+    assert independent(np.ones((3, 3)).tolist()) == pytest.approx(1)
+    assert independent([[1, 0, None], [0, 1, None], [None, None, None]]) == pytest.approx(2)
+
+
+def test_a_ratio_has_the_error_of_its_pointings():
+    """Of residuals alike it is none; of independent ones it falls with the root of their number."""
+    rng = np.random.default_rng(1)
+    ours, theirs = rng.normal(size=(2, 400, 2))
+
+    assert huber.ratio_sigma(theirs, theirs) < 1e-12
+    # Either rms of 800 numbers is known to 1 / sqrt(2 * 800).
+    assert huber.ratio_sigma(ours, theirs) == pytest.approx(np.sqrt(2 / 1600), rel=0.25)
+
+
 def test_sigmas_below_the_rounding_are_counted():
     """Offsets in whole tens of arcsec give no term to a millionth of one."""
     some = replace(drawn(), step_arcsec=10.0)

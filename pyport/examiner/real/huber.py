@@ -67,11 +67,23 @@ def residuals(recordings: Recordings, coefficients: Coefficients) -> Array:
     return left
 
 
+#: Samples of pointings for the error of a ratio.
+DRAWS = 200
+
+
 def ratio(ours: Array, theirs: Array) -> float:
     """Return by how much residuals (n, 2) exceed others: rms, each axis over the others' rms."""
     measured = np.isfinite(theirs).any(axis=0)
     scale = np.sqrt(np.nanmean(theirs[:, measured] ** 2, axis=0))
     return float(np.sqrt(np.nanmean((ours[:, measured] / scale) ** 2)))
+
+
+def ratio_sigma(ours: Array, theirs: Array) -> float:
+    """Return the error of `ratio`: its scatter among pointings drawn with replacement."""
+    rng = np.random.default_rng(0)
+    rows = np.flatnonzero(np.isfinite(theirs).any(axis=1))
+    drawn = (rng.choice(rows, len(rows)) for _ in range(DRAWS))
+    return float(np.std([ratio(ours[some], theirs[some]) for some in drawn]))
 
 
 def clipped(ours: Array, theirs: Array) -> float:

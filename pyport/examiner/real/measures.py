@@ -43,10 +43,12 @@ class Row:
     in_fit_clipped: float = math.nan
     across: float = math.nan
     across_clipped: float = math.nan
+    across_sigma: float = math.nan  #: error of `across`, from pointings drawn with replacement
     scheme: str = ""  #: what was left out
-    #: `rms_z`, `pairs`: of differences between halves of the nights over their sigmas, and how
-    #: many.
+    #: `rms_z`, `rms_z_sigma`, `pairs`: of differences between halves of the nights over their
+    #: sigmas, what that scatters by where all sigmas are right, and how many differences.
     rms_z: float = math.nan
+    rms_z_sigma: float = math.nan
     pairs: int = 0
     #: `findings`, `worse`: what was found, as "effect (variant), verdict"; how many predict unseen
     #: data worse.
@@ -160,6 +162,7 @@ def _across(recordings: Recordings) -> dict[str, Any]:
     return {
         "across": huber.ratio(ours, theirs),
         "across_clipped": huber.clipped(ours, theirs),
+        "across_sigma": huber.ratio_sigma(ours, theirs),
         "scheme": scheme,
     }
 
@@ -181,12 +184,31 @@ def halves(
 
 def _half_sigmas(recordings: Recordings, rng: np.random.Generator) -> dict[str, Any]:
     z: list[float] = []
+    independent: list[float] = []
     for pair in halves(recordings, rng, SPLITS):
         fits = [program.fitted(one.table, one.header, one.model) for one in pair]
         if not any(isinstance(one, program.Refused) for one in fits):
             z += differences(*(one for one in fits if isinstance(one, dict)))
-    rms = float(np.sqrt(np.mean(np.square(z)))) if z else math.nan
-    return {"rms_z": rms, "pairs": len(z)}
+            independent += [independent_of(one) for one in fits if isinstance(one, dict)]
+    if not z:
+        return {}
+    return {
+        "rms_z": float(np.sqrt(np.mean(np.square(z)))),
+        "rms_z_sigma": float(1 / np.sqrt(2 * np.mean(independent))),
+        "pairs": len(z),
+    }
+
+
+def independent_of(fit: dict[str, Any]) -> float:
+    """Return how many independent numbers scatter as the squares of all coefficients together do.
+
+    The variance of a sum of squares is twice the sum of the squared correlations (Satterthwaite
+    1946, Biometrics Bulletin 2, 110): coefficients that go together count as one.
+    """
+    found = np.array(fit["correlation"]["matrix"], float)
+    known = np.isfinite(np.diag(found))
+    found = found[np.ix_(known, known)]
+    return float(np.trace(found) ** 2 / np.sum(found**2))
 
 
 def differences(first: dict[str, Any], second: dict[str, Any]) -> list[float]:

@@ -75,8 +75,13 @@ def _row(entry: dict[str, Any], data: Path | None, subsets: int) -> Row | str:
 IN_FIT, ACROSS, RMS_Z, AGREEMENT = 1.10, 1.02, (0.8, 1.3), 0.80
 
 
-def _ratio(plain: float, clipped: float) -> str:
-    return "-" if math.isnan(plain) else f"{plain:.3f} ({clipped:.3f})"
+def _ratio(plain: float, clipped: float, sigma: float | None = None) -> str:
+    error = "" if sigma is None else f" +- {sigma:.3f}"
+    return "-" if math.isnan(plain) else f"{plain:.3f}{error} ({clipped:.3f})"
+
+
+def _rms_z(row: Row) -> str:
+    return "-" if math.isnan(row.rms_z) else f"{row.rms_z:.2f} +- {row.rms_z_sigma:.2f}"
 
 
 def _total(row: Row) -> str:
@@ -89,9 +94,9 @@ COLUMNS: dict[str, Callable[[Row], str]] = {
     "rows": lambda row: str(row.rows),
     "nights": lambda row: str(row.nights),
     "in fit": lambda row: _ratio(row.in_fit, row.in_fit_clipped),
-    "held out": lambda row: _ratio(row.across, row.across_clipped),
+    "held out": lambda row: _ratio(row.across, row.across_clipped, row.across_sigma),
     "left out": lambda row: row.scheme or "-",
-    "rms z": lambda row: "-" if math.isnan(row.rms_z) else f"{row.rms_z:.2f}",
+    "rms z": _rms_z,
     "findings": lambda row: str(len(row.findings)),
     "worse": lambda row: str(row.worse),
     "total, arcsec": _total,
@@ -105,8 +110,11 @@ def failures(row: Row) -> list[str]:
     """Return the targets that a set misses, in words."""
     found = [
         (row.in_fit > IN_FIT, f"in the fit {row.in_fit:.3f} of Huber's scatter"),
-        (row.across > ACROSS, f"held out {row.across:.3f} of Huber's scatter"),
-        (_outside(row.rms_z), f"rms z {row.rms_z:.2f}"),
+        (
+            row.across > ACROSS,
+            f"held out {row.across:.3f} +- {row.across_sigma:.3f} of Huber's scatter",
+        ),
+        (_outside(row.rms_z), f"rms z {_rms_z(row)}"),
         (row.worse > 0, f"{row.worse} findings predict worse"),
         (_grows(row.total), f"held out {_total(row)} arcsec"),
         (row.unstable > 0, f"{row.unstable} named findings are not stable"),
@@ -165,10 +173,12 @@ def markdown(rows: Sequence[Row], absent: Sequence[str]) -> str:
         "",
         "Written by `make real`. Scatter is that of `fit` over Huber least squares of the same",
         "terms, plain and, in brackets, with residuals cut off at three sigmas: in the fit, and of",
-        "what was left out of it (nights, or blocks of time where there is one). Targets: at most",
-        f"{IN_FIT} and {ACROSS}; rms z of coefficients between halves of the nights {RMS_Z[0]} to",
-        f"{RMS_Z[1]}; no finding and no total that predicts worse; halves agree in",
-        f"{AGREEMENT:.0%} of names.",
+        "what was left out of it (nights, or blocks of time where there is one), +- its scatter",
+        "among pointings drawn with replacement. rms z is that of coefficients between halves of",
+        "the nights, +- what it scatters by where all sigmas are right: coefficients that go",
+        "together are few independent numbers. Targets: at most",
+        f"{IN_FIT} and {ACROSS}; rms z {RMS_Z[0]} to {RMS_Z[1]}; no finding and no total that",
+        f"predicts worse; halves agree in {AGREEMENT:.0%} of names.",
         "",
         "| " + " | ".join(COLUMNS) + " |",
         "|" + " --- |" * len(COLUMNS),
