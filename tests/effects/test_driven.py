@@ -7,7 +7,7 @@ from effects.sky import campaign, replaced, without
 from pyport.diagnosis.candidates import design
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
-from pyport.effects.empirical.conditions import MOST_DRIVERS, drivers
+from pyport.effects.empirical.conditions import MOST_DRIVERS, drivers, untried
 from pyport.effects.telescope.thermal import ways
 from pyport.recordings.schema import Recordings, stack
 
@@ -46,6 +46,8 @@ def test_what_moves_telescopes_comes_first():
         assert names(one)[:4] == first
         assert set(names(one)[4:6]) == {"humidity_pct", "pressure_hpa"}
     assert len(names(more)) == MOST_DRIVERS
+    assert untried(AT) == []
+    assert {*names(more)[6:], *untried(more)} == {f"sensor{n}" for n in range(8)}
 
 
 def test_temperature_drives_here_what_it_does_not_drive_elsewhere():

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
+from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
+from pyport.effects.empirical.conditions import MOST_DRIVERS, untried
 from pyport.fitting.soundness import doubts
 from pyport.least_squares import robust
 from pyport.models.conditions import undetermined
@@ -237,6 +239,11 @@ def warnings(diagnosis: Diagnosis) -> list[str]:
         found.append(
             f"the search did not come to its end: it stopped at {MOST_FINDINGS} effects, and more "
             "may be left"
+        )
+    if left := untried(conditions(diagnosis.setup.recordings)):
+        found.append(
+            f"{MOST_DRIVERS} conditions at most are tried as what a term follows: not "
+            f"{', '.join(left)}"
         )
     return found
 

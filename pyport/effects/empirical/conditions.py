@@ -115,7 +115,17 @@ def told(follows: str, centre: float | None = None, way: str = AIR, lag_h: float
 
 
 def drivers(at: Circumstances) -> list[Driver]:
-    """Return the conditions worth trying, at most `MOST_DRIVERS`.
+    """Return the conditions that are tried, at most `MOST_DRIVERS`."""
+    return _in_order(at)[:MOST_DRIVERS]
+
+
+def untried(at: Circumstances) -> list[str]:
+    """Return the names of the conditions that are worth trying, too, and one too many."""
+    return [one.name for one in _in_order(at)[MOST_DRIVERS:]]
+
+
+def _in_order(at: Circumstances) -> list[Driver]:
+    """Return the conditions worth trying, those first that are the likeliest to drive a term.
 
     First what is known to move a telescope: the temperature, the time of the day, the height of
     the Sun, the wind, the pressure, the humidity. Then every other column of numbers that is no
@@ -135,7 +145,7 @@ def drivers(at: Circumstances) -> list[Driver]:
         key=lambda name: (name not in _CONTRACT, -others[name]),
     )
     found = [*known, *(_recorded(at, name) for name in ranked)]
-    return [one for one in found if one is not None][:MOST_DRIVERS]
+    return [one for one in found if one is not None]
 
 
 def _recorded(at: Circumstances, name: str) -> Driver | None:

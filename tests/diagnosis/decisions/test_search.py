@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
+from effects.sky import campaign, replaced
 from scipy.stats import chi2
 
 from pyport.diagnosis import case, diagnose
@@ -93,24 +94,44 @@ def test_a_search_ends_at_eight_findings(monkeypatch):
     assert len(end.steps) == 8
 
 
-@pytest.mark.parametrize(("turns", "warned"), [(8, True), (7, False), (5, False)])
-def test_a_search_that_stopped_there_says_so(turns, warned):
-    """Eight findings are not the end."""
+def warned(at, turns=0):
+    """Return what is warned of after so many turns, of fits in which nothing is wrong."""
     fit = SimpleNamespace(
         solution=SimpleNamespace(
             known=np.ones(1, bool), condition=1.0, covariance=np.eye(1), rank=1
         )
     )
-    done = SimpleNamespace(
-        setup=SimpleNamespace(residual=np.zeros(100)),
-        before=fit,
-        after=fit,
-        findings=(),
-        steps=(0,) * turns,
-        weighed=SimpleNamespace(used=np.ones(100, bool)),
+    return remarks.warnings(
+        SimpleNamespace(
+            setup=SimpleNamespace(
+                residual=np.zeros(100), recordings=SimpleNamespace(at=at, meta={})
+            ),
+            before=fit,
+            after=fit,
+            findings=(),
+            steps=(0,) * turns,
+            weighed=SimpleNamespace(used=np.ones(100, bool)),
+        )
     )
 
-    assert any("did not come to its end" in one for one in remarks.warnings(done)) == warned
+
+@pytest.mark.parametrize(("turns", "said"), [(8, True), (7, False), (5, False)])
+def test_a_search_that_stopped_there_says_so(turns, said):
+    """Eight findings are not the end."""
+    found = warned(campaign(40), turns)
+
+    assert any("did not come to its end" in one for one in found) == said
+
+
+def test_conditions_that_are_too_many_are_named():
+    """Of six that are known and six sensors ten are tried, and two sensors told."""
+    noise = np.random.default_rng(2).normal(size=(6, 40))
+    more = replaced(campaign(40), **{f"sensor{n}": one for n, one in enumerate(noise)})
+
+    assert warned(campaign(40)) == []
+    (said,) = warned(more)
+    assert said.startswith("10 conditions at most")
+    assert said.count("sensor") == 2
 
 
 @pytest.mark.parametrize(
