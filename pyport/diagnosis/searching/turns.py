@@ -167,7 +167,8 @@ class Name:
     runner_up
         The best effect outside the class, None where there is none.
     others
-        Members of the winner's family that follow another condition and are not excluded.
+        Members of the winner's family that follow another condition, or are another term that
+        follows it, and are not excluded.
     """
 
     members: tuple[str, ...]
@@ -190,7 +191,7 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
     for rival in rivals:
         effect = rival.candidate.effect.id
         if effect in members:
-            if rival.evidence > least and _follows_another(winner, rival):
+            if rival.evidence > least and _another_term(winner, rival):
                 others.append(rival.candidate.effect.variant)
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
@@ -216,10 +217,10 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
     return Name(tuple(members), outside[0] if outside else None, tuple(dict.fromkeys(others)))
 
 
-def _follows_another(winner: CandidateFit, rival: CandidateFit) -> bool:
-    """Tell whether a rival of the winner's family has another driver."""
+def _another_term(winner: CandidateFit, rival: CandidateFit) -> bool:
+    """Tell whether a rival of the winner's family follows another condition, or is another term."""
     one, other = winner.candidate.effect, rival.candidate.effect
-    return one.id == other.id and one.driver != other.driver
+    return one.id == other.id and (one.driver, one.change_of) != (other.driver, other.change_of)
 
 
 def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:
@@ -299,7 +300,7 @@ def agrees(value: float, sigma: float, expected: float) -> bool:
 def decide_by(members: Sequence[str], others: Sequence[str] = ()) -> str | None:
     """Name the observation that distinguishes the members of a class, and what drives them."""
     if others:
-        apart = f"{', or '.join(others)}, as well: observe while those conditions go apart"
+        apart = f"{', or '.join(others)}, as well: observe where and while these go apart"
         return "; ".join(filter(None, (decide_by(members), apart)))
     if len(members) < 2:
         return None

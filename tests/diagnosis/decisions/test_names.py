@@ -8,12 +8,14 @@ import pytest
 from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
 
 from pyport.angles import ARCSEC
+from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.naming import guards, scene
 from pyport.diagnosis.naming import verdict as resampling
 from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.naming.verdict import judged
 from pyport.diagnosis.searching import turns
 from pyport.effects import CATALOGUE, Coefficient
+from pyport.effects.empirical import conditions, driven
 
 
 def members(rivals, winner=None, **alike):
@@ -39,6 +41,32 @@ def test_what_explains_nothing_joins_no_class(evidence, inside):
     found = members([trial("sag_sine", evidence), *others], trial("refraction", 4.0))
 
     assert ("sag_sine" in found) == inside
+
+
+@pytest.mark.parametrize(("evidence", "other"), [(93.0, True), (91.0, False)])
+@pytest.mark.parametrize(
+    ("term", "condition", "told"),
+    [
+        ("sag_cosine", "pressure_hpa", "sag_cosine follows pressure_hpa"),
+        ("tilt", "yoke_temp_c", "tilt follows yoke_temp_c"),
+        ("tilt", "pressure_hpa", None),
+    ],
+)
+def test_of_driven_terms_another_term_and_another_condition_count(
+    term, condition, told, evidence, other
+):
+    """Within odds of fifty to one the winner is not the one; a tilt that comes late is the same."""
+
+    def follows(what, which):
+        effect = driven.driven(what, conditions.told(which, 0.0))
+        return Candidate(effect, np.arange(1), (0,), 24)
+
+    winner = trial(of=follows("tilt", "pressure_hpa"), evidence=100.0)
+    rival = trial(of=follows(term, condition), evidence=evidence)
+
+    found = turns.name(winner, [winner, rival], beside())
+    assert found.members == ("driven_term",)
+    assert found.others == ((told,) if other and told else ())
 
 
 @pytest.mark.parametrize(
