@@ -372,3 +372,16 @@ def test_an_oscillation_has_a_period(member):
     """A file cannot ask for a period of no length."""
     with pytest.raises(ValueError, match="period above a second"):
         oscillation(**member)
+
+
+@pytest.mark.parametrize("mount", ["xy-ns", "fork"])
+def test_a_warm_tube_sags_along_elevation_on_any_mount(mount):
+    """On an alt-azimuth mount that is a member of two coefficients, "as cos E", and no other."""
+    at = dataclasses.replace(AT, mount=KINDS[mount])
+    family = {one.variant: one for one in CATALOGUE["temperature"].variants(at)}
+    excess = AT.columns["temperature_c"] - AT.columns["temperature_c"].mean()
+
+    assert "as the tube sags" not in variants("temperature")
+    found = family["as the tube sags"].columns(at)
+    wanted = at.along_axes(np.zeros((len(at), 1)), (excess * np.cos(AT.el))[:, None])
+    np.testing.assert_allclose(found, wanted, atol=1e-12)

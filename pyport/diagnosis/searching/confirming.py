@@ -72,14 +72,18 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
 
 def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
     """Return the member of a family that makes the data likeliest, each beside its own noise."""
+    return max(members, key=lambda one: worth_beside_own(setup, others, one))
+
+
+def worth_beside_own(setup: Problem, others: Sequence[Chosen], one: Chosen) -> float:
+    """Return twice the log of how likely an effect makes the data beside the noise it leaves.
+
+    Up to a constant, its price paid; `others` is what else is fitted.
+    """
+    whole = noise(setup, (*others, one), searching=False)
     model = setup.expanded((*setup.base, *others))
-
-    def worth(one: Chosen) -> float:
-        whole = noise(setup, (*others, one), searching=False)
-        lack, gained = _lack(whole, model, setup.expanded([one]), setup.residual)
-        return gained - lack
-
-    return max(members, key=worth)
+    lack, gained = _lack(whole, model, setup.expanded([one]), setup.residual)
+    return gained - lack - one.candidate.price
 
 
 def _among(setup: Problem, one: Chosen) -> float:

@@ -9,22 +9,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen, confounded
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.changes import past_outliers
-from pyport.diagnosis.searching.confirming import likeliest
-from pyport.diagnosis.searching.turns import TIE, Outcome
+from pyport.diagnosis.searching.confirming import likeliest, worth_beside_own
+from pyport.diagnosis.searching.turns import TIE, Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
 from pyport.diagnosis.shapes.oscillations import is_line
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.runs.stages import stage
-from pyport.thresholds import FEWEST, OUT_OF_REACH, PAYS, SEEN
+from pyport.thresholds import FEWEST, NOT_EXCLUDED, OUT_OF_REACH, PAYS, SEEN
 
-#: Members of a family that are tried beside noise of their own, at most.
+#: Members of a family, and rivals that follow a condition, tried beside noise of their own at most.
 MOST_NOISES = 3
 
 
@@ -74,12 +76,43 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
         beside = projection(setup, weighed, outcome.others(one))
         own = beside.trials([(one.candidate, one.scope)])
         if own:
-            trials = tuple(trials_of(setup, beside))
             step = replace(  # noqa: PLW2901 - the same turn beside the final noise
-                step, winner=own[0], trials=trials, beside=beside
+                step, winner=own[0], trials=tuple(trials_of(setup, beside)), beside=beside
             )
+            step = _with_driven_rivals(outcome, step)  # noqa: PLW2901 - the same turn, once more
         steps.append(step)
     return replace(outcome, steps=tuple(steps))
+
+
+def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:
+    """Return a turn in which what follows a condition has the evidence that its own noise leaves.
+
+    Conditions go slowly with time, and so does noise: what such a rival explains is a drift to
+    the noise beside the winner.
+    """
+    setup, best, others = outcome.setup, step.winner, outcome.others(step.chosen)
+    driven = [
+        one
+        for one in step.trials
+        if one.candidate.effect.driver is not None
+        and not confounded(setup, one.candidate.effect)
+        and one.scope == best.scope
+        and best.evidence - OUT_OF_REACH < one.evidence < best.evidence - NOT_EXCLUDED
+    ]
+    driven.sort(key=lambda one: -round(one.evidence, TIE))
+    tried = turns.distinct(step.beside, [best, *driven], MOST_NOISES)[1:]
+    if not tried:
+        return step
+    whole = worth_beside_own(setup, others, step.chosen)
+    behind = {
+        id(one): whole - worth_beside_own(setup, others, Chosen(one.candidate, one.scope))
+        for one in tried
+    }
+    trials = tuple(
+        replace(one, evidence=max(one.evidence, best.evidence - behind.get(id(one), np.inf)))
+        for one in step.trials
+    )
+    return replace(step, trials=trials)
 
 
 def _of_families(outcome: Outcome) -> Outcome:

@@ -102,6 +102,10 @@ _THROUGH: dict[str, Callable[[Circumstances], Array | float]] = {
     "as sin E": lambda at: np.sin(at.el),
 }
 
+#: On other mounts than an alt-azimuth one, where that is "as cos E" of an axis, the tube sags
+#: along elevation as ever.
+_SAGS = "as the tube sags"
+
 #: Time constants of steel that are tried [h], thin and thick. What steel of any between three
 #: quarters of an hour and five hours draws in a night, one of these draws to a cosine of 0.9.
 STEEL_H = (1, 3)
@@ -190,19 +194,23 @@ def _temperature(
         if way != BETWEEN:
             air = at.numbers("temperature_c")
             excess = excess - (np.nanmean(air) if reference_c is None else reference_c)
+        if sags:
+            return stack(at, (0, excess * np.cos(at.el)))
         size = excess * _THROUGH[through](at)
         return stack(at, (size, 0), (0, size))
 
+    sags = through == _SAGS
+    of_axes = Coefficient("temperature_xel", "arcsec/K"), Coefficient("temperature_el", "arcsec/K")
     late, pattern = ACTS[way]
     return Effect(
         "temperature",
         "the structure bends as the air warms and cools",
         _GREVE,
-        (Coefficient("temperature_xel", "arcsec/K"), Coefficient("temperature_el", "arcsec/K")),
+        (Coefficient("temperature_sag", "arcsec/K"),) if sags else of_axes,
         basis,
         variant=through + late.format(lag_h),
         profile=_temperatures,
-        acts_in=AXES,
+        acts_in=SKY if sags else AXES,
         pattern=pattern,
         needs=("temperature_c",),
         formula=(
@@ -221,9 +229,8 @@ def _temperature(
 def _temperatures(at: Circumstances) -> tuple[Effect, ...]:
     """Return every way that a temperature may act, above the mean of these recordings."""
     reference_c = float(np.nanmean(at.numbers("temperature_c")))
-    return tuple(
-        _temperature(through, reference_c, *way) for way in ways(at) for through in _THROUGH
-    )
+    through = tuple(_THROUGH) if at.sky is None else (*_THROUGH, _SAGS)
+    return tuple(_temperature(one, reference_c, *way) for way in ways(at) for one in through)
 
 
 def wind_tilt(at: Circumstances) -> tuple[Array, Array]:

@@ -396,6 +396,31 @@ def test_a_member_that_draws_the_same_curve_is_not_tried(monkeypatch, share, tri
     assert bool(asked) == tried
 
 
+@pytest.mark.parametrize(
+    ("rival", "evidence", "own", "inside"),
+    [
+        ("temperature", 80.0, 95.0, True),
+        ("temperature", 80.0, 91.0, False),
+        ("temperature", 45.0, 95.0, True),
+        ("temperature", 35.0, 95.0, False),
+        ("sag_sine", 80.0, 95.0, False),
+    ],
+)
+def test_a_rival_that_follows_a_condition_is_weighed_beside_its_own_noise(
+    monkeypatch, rival, evidence, own, inside
+):
+    """Where it came within sixty; it is in the class if by its own noise it is within eight."""
+    worth = {"driven_term": 100.0, rival: own}
+    monkeypatch.setattr(
+        settling, "worth_beside_own", lambda _s, _o, one: worth[one.candidate.effect.id]
+    )
+    one = step(trial("driven_term", 100.0), trials=[trial(rival, evidence)])
+    outcome = Outcome(setup(), (one.chosen,), (one,), None, 0.001, ())
+    held = settling._with_driven_rivals(outcome, one)
+
+    assert (rival in held.called.members) == inside
+
+
 def test_three_members_at_most_are_tried(monkeypatch):
     """And the one that was chosen."""
     asked = []
