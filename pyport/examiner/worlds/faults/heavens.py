@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -44,39 +46,13 @@ def _leaving_out(step: str) -> Draw:
     return lambda world, rng: left_out(step, world)  # noqa: ARG005 - nothing to draw
 
 
-def clock(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a clock that is slow, so that the real hour angles are greater than assumed."""
-    return Fault(
-        "clock",
-        lambda world, size: world.with_steering(clock_s=-size),
-        unit="s",
-        pilot=2.0,
-        same=("site_longitude",),
-        where=_BOTH,
-        parameters={"clock_error": 1.0},
-    )
-
-
-def site_latitude(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a latitude that is too small."""
-    return Fault(
-        "site_latitude",
-        lambda world, size: world.with_steering(north=-size * ARCSEC),
-        same=("tilt",),
-        where=_BOTH,
-        parameters={"latitude_error": 1.0},
-    )
-
-
-def site_longitude(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a longitude that is too far west."""
-    return Fault(
-        "site_longitude",
-        lambda world, size: world.with_steering(east=-size * ARCSEC),
-        same=("clock",),
-        where=_BOTH,
-        parameters={"longitude_error": 1.0},
-    )
+def _believing(
+    effect: str,
+    apply: Callable[[World, float], World],
+    **more: Any,  # noqa: ANN401 - the rest of a Fault
+) -> Draw:
+    """Return what draws a belief that is wrong, of which nothing but the size is open."""
+    return lambda world, rng: Fault(effect, apply, **more)  # noqa: ARG005 - nothing to draw
 
 
 def source_position(world: World, rng: np.random.Generator) -> Fault:
@@ -111,62 +87,64 @@ def parallax(world: World, rng: np.random.Generator) -> Fault:
     return Fault("parallax", apply, where=where, parameters={"parallax": 1.0})
 
 
-def refraction(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a constant of refraction that is too small or too great."""
-    return Fault(
+_OF_AIR: dict[str, Any] = {"unit": "of it", "where": {"axes": ["el"]}}
+
+FAULTS: dict[str, Draw] = {
+    **{step: _leaving_out(step) for step in (*_FORGOTTEN, "ut1")},
+    # slow, so that the real hour angles are greater than assumed
+    "clock": _believing(
+        "clock",
+        lambda world, size: world.with_steering(clock_s=-size),
+        unit="s",
+        pilot=2.0,
+        same=("site_longitude",),
+        where=_BOTH,
+        parameters={"clock_error": 1.0},
+    ),
+    # too small, and too far west
+    "site_latitude": _believing(
+        "site_latitude",
+        lambda world, size: world.with_steering(north=-size * ARCSEC),
+        same=("tilt",),
+        where=_BOTH,
+        parameters={"latitude_error": 1.0},
+    ),
+    "site_longitude": _believing(
+        "site_longitude",
+        lambda world, size: world.with_steering(east=-size * ARCSEC),
+        same=("clock",),
+        where=_BOTH,
+        parameters={"longitude_error": 1.0},
+    ),
+    "source_position": source_position,
+    "parallax": parallax,
+    # the constant is that of the air as it was, vapour and all
+    "refraction": _believing(
         "refraction",
         lambda world, size: world.with_steering(bent=1 - size),
-        unit="of it",
         pilot=0.1,
-        # the constant is that of the air as it was, vapour and all
         beside=("refraction_curvature", "wet_refraction"),
-        where={"axes": ["el"]},
-    )
-
-
-def refraction_curvature(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a coefficient of cot^3 E that is wrong."""
-    return Fault(
+        **_OF_AIR,
+    ),
+    "refraction_curvature": _believing(
         "refraction_curvature",
         lambda world, size: world.with_steering(curved=1 - size),
-        unit="of it",
         pilot=1.0,
-        where={"axes": ["el"]},
-    )
-
-
-def wet_refraction(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a steering program that takes the air to be dry, to some degree."""
-    return Fault(
+        **_OF_AIR,
+    ),
+    # a steering program that takes the air to be dry, to some degree
+    "wet_refraction": _believing(
         "wet_refraction",
         lambda world, size: world.with_steering(wet=1 - size),
-        unit="of it",
         pilot=1.0,
         beside=("refraction",),
-        where={"axes": ["el"]},
-    )
-
-
-def ionosphere(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an ionosphere that the steering does not know of."""
-    return Fault(
+        **_OF_AIR,
+    ),
+    "ionosphere": _believing(
         "ionosphere",
         lambda world, size: replace(world, electrons_m2=size * 1e16),
         unit="TECU",
         pilot=1000.0,
         where={"axes": ["el"]},
-    )
-
-
-FAULTS: dict[str, Draw] = {
-    **{step: _leaving_out(step) for step in (*_FORGOTTEN, "ut1")},
-    "clock": clock,
-    "site_latitude": site_latitude,
-    "site_longitude": site_longitude,
-    "source_position": source_position,
-    "parallax": parallax,
-    "refraction": refraction,
-    "refraction_curvature": refraction_curvature,
-    "wet_refraction": wet_refraction,
-    "ionosphere": ionosphere,
+    ),
 }

@@ -12,28 +12,16 @@ from pyport.examiner.worlds.mount import Wave
 from pyport.examiner.worlds.world import World, believed
 
 
-def azimuth_zero(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001 - nothing to draw
-    """Draw an azimuth encoder whose zero is off."""
-    return on_mount(
-        "azimuth_zero", ("xel",), {"azimuth_zero": 1.0}, parameters={"azimuth_zero": 1.0}
+def _part(axis: str, part: str, name: str = "", scale: float = 1.0) -> Draw:
+    """Return what draws one part of the mount askew, of which nothing but the size is open.
+
+    `name` is what the catalogue calls it, `part` where it has no name of its own; one of its
+    coefficient is `scale` of the part's.
+    """
+    effect = name or part
+    return lambda world, rng: on_mount(  # noqa: ARG005 - nothing to draw
+        effect, (axis,), {part: 1.0}, parameters={effect: scale}
     )
-
-
-def elevation_zero(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an elevation encoder whose zero is off."""
-    return on_mount(
-        "elevation_zero", ("el",), {"elevation_zero": 1.0}, parameters={"elevation_zero": 1.0}
-    )
-
-
-def collimation(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a beam that leaves the dish askew."""
-    return on_mount("collimation", ("xel",), {"beam_left": 1.0}, parameters={"collimation": 1.0})
-
-
-def skew(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an elevation axis that is not level."""
-    return on_mount("skew", ("xel",), {"skew": 1.0}, parameters={"skew": 1.0})
 
 
 def tilt(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
@@ -41,16 +29,6 @@ def tilt(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
     toward = rng.choice([-1, 1]) * rng.uniform(20, 160) * DEG
     parts = {"tilt_north": float(np.cos(toward)), "tilt_east": float(np.sin(toward))}
     return on_mount("tilt", ("xel", "el"), parts, parameters=parts, facts={"toward_rad": toward})
-
-
-def sag_cosine(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a beam that droops at the horizon."""
-    return on_mount("sag_cosine", ("el",), {"sag_cosine": 1.0}, parameters={"sag_cosine": 1.0})
-
-
-def sag_sine(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw a beam that droops at the zenith."""
-    return on_mount("sag_sine", ("el",), {"sag_sine": 1.0}, parameters={"sag_sine": 1.0})
 
 
 def azimuth_eccentricity(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
@@ -111,20 +89,6 @@ def azimuth_track(world: World, rng: np.random.Generator) -> Fault:
     return on_mount("azimuth_track", ("xel", "el"), parts, facts={"k": k})
 
 
-def azimuth_scale(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an azimuth encoder that counts a little too fast; the catalogue counts per degree."""
-    return on_mount(
-        "azimuth_scale", ("xel",), {"azimuth_scale": 1.0}, parameters={"azimuth_scale": DEG}
-    )
-
-
-def elevation_scale(world: World, rng: np.random.Generator) -> Fault:  # noqa: ARG001
-    """Draw an elevation encoder that counts a little too fast; the catalogue counts per degree."""
-    return on_mount(
-        "elevation_scale", ("el",), {"elevation_scale": 1.0}, parameters={"elevation_scale": DEG}
-    )
-
-
 def subreflector_jump(world: World, rng: np.random.Generator) -> Fault:
     """Draw a secondary mirror that drops when the dish rises past a curve in the sky."""
     level = rng.uniform(40, 60) * DEG
@@ -167,13 +131,13 @@ def rt32_edge_on_the_cable(az_south: Array) -> Array:
 
 
 FAULTS: dict[str, Draw] = {
-    "azimuth_zero": azimuth_zero,
-    "elevation_zero": elevation_zero,
-    "collimation": collimation,
-    "skew": skew,
+    "azimuth_zero": _part("xel", "azimuth_zero"),
+    "elevation_zero": _part("el", "elevation_zero"),
+    "collimation": _part("xel", "beam_left", "collimation"),
+    "skew": _part("xel", "skew"),
     "tilt": tilt,
-    "sag_cosine": sag_cosine,
-    "sag_sine": sag_sine,
+    "sag_cosine": _part("el", "sag_cosine"),
+    "sag_sine": _part("el", "sag_sine"),
     "azimuth_eccentricity": azimuth_eccentricity,
     "azimuth_harmonics": _harmonic("azimuth_harmonics", "azimuth_harmonic", "az", "az"),
     "elevation_harmonics": elevation_harmonics,
@@ -181,8 +145,9 @@ FAULTS: dict[str, Draw] = {
         "elevation_encoder_harmonics", "elevation_encoder_harmonic", "el", "el"
     ),
     "azimuth_track": azimuth_track,
-    "azimuth_scale": azimuth_scale,
-    "elevation_scale": elevation_scale,
+    # the catalogue counts per degree
+    "azimuth_scale": _part("xel", "azimuth_scale", scale=DEG),
+    "elevation_scale": _part("el", "elevation_scale", scale=DEG),
     "subreflector_jump": subreflector_jump,
 }
 

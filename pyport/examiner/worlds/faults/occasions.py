@@ -33,22 +33,14 @@ def _moment(world: World, rng: np.random.Generator) -> tuple[float, str]:
     return moment, datetime.fromtimestamp(round(moment), UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-#: What may come and go at a moment, and what it is then called.
-_CHANGES: dict[str, dict[str, float]] = {
-    "epoch_offset": {"beam_left": 1.0, "elevation_zero": 1.0},
-    "epoch_tilt": {"tilt_east": 1.0, "tilt_north": 1.0},
-    "epoch_sag": {"sag_cosine": 1.0},
-}
-
-
 def _change(world: World, rng: np.random.Generator, *, stops: bool, grows: bool) -> Fault:
-    effect = str(rng.choice(["epoch_offset"] if grows else list(_CHANGES)))
+    effect = str(rng.choice(["epoch_offset"] if grows else list(surroundings.CHANGES)))
     moment, text = _moment(world, rng)
     time_s = world.plan.time_s
     after = np.where(time_s >= moment, 1.0, 0.0)
     weight = after * (time_s - moment) / (time_s[-1] - moment) if grows else after
     _, *sizes = phase(rng)
-    parts = dict(zip(_CHANGES[effect], sizes, strict=False))
+    parts = dict(zip(surroundings.CHANGES[effect], sizes, strict=False))
     return on_mount(
         "drift" if grows else effect,
         ("xel", "el"),

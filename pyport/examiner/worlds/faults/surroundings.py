@@ -174,30 +174,26 @@ def _since(world: World, rng: np.random.Generator) -> tuple[Array, str]:
     return np.where(plan.time_s >= moment, 1.0, 0.0), text
 
 
-def epoch_offset(world: World, rng: np.random.Generator) -> Fault:
-    """Draw a day on which the zeros moved."""
-    after, text = _since(world, rng)
-    _, sin, cos = phase(rng)
-    return on_mount(
-        "epoch_offset",
-        ("xel", "el"),
-        {"beam_left": sin * after, "elevation_zero": cos * after},
-        where={"since": text},
-    )
+#: What may change on a day, or come and go at a moment, by the effect that it is then.
+CHANGES = {
+    "epoch_offset": ("beam_left", "elevation_zero"),
+    "epoch_tilt": ("tilt_east", "tilt_north"),
+    "epoch_sag": ("sag_cosine",),
+}
 
 
-def epoch_tilt(world: World, rng: np.random.Generator) -> Fault:
-    """Draw a day on which the lean of the azimuth axis changed."""
-    after, text = _since(world, rng)
-    _, sin, cos = phase(rng)
-    parts = {"tilt_east": sin * after, "tilt_north": cos * after}
-    return on_mount("epoch_tilt", ("xel", "el"), parts, where={"since": text})
+def _epoch(effect: str) -> Draw:
+    """Return what draws a day on which zeros moved, the azimuth axis leaned, a weight was added."""
 
+    def draw(world: World, rng: np.random.Generator) -> Fault:
+        after, text = _since(world, rng)
+        names = CHANGES[effect]
+        sizes = phase(rng)[1:] if len(names) > 1 else (1.0,)
+        parts = {name: size * after for name, size in zip(names, sizes, strict=True)}
+        axes = ("xel", "el")[-len(names) :]
+        return on_mount(effect, axes, parts, where={"since": text})
 
-def epoch_sag(world: World, rng: np.random.Generator) -> Fault:
-    """Draw a day on which a weight was added to the dish."""
-    after, text = _since(world, rng)
-    return on_mount("epoch_sag", ("el",), {"sag_cosine": after}, where={"since": text})
+    return draw
 
 
 def drift(world: World, rng: np.random.Generator) -> Fault:
@@ -264,9 +260,7 @@ def wandering_oscillation(world: World, rng: np.random.Generator) -> Fault:
 
 
 TIMES: dict[str, Draw] = {
-    "epoch_offset": epoch_offset,
-    "epoch_tilt": epoch_tilt,
-    "epoch_sag": epoch_sag,
+    **{effect: _epoch(effect) for effect in CHANGES},
     "drift": drift,
     "oscillation": oscillation,
     "wandering_oscillation": wandering_oscillation,
