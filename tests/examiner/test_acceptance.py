@@ -26,7 +26,7 @@ def test_every_promised_kind_of_case_is_drawn():
 
 def test_silence_is_broken_by_more_than_one_in_twenty():
     """Five per cent of claims pass, more do not."""
-    verdict, _ = drawn._solve(drawn._Task(drawn.Spec("null", "null", rows=200, noise="white"), 1))
+    verdict, _ = drawn._solve((drawn.Spec("null", "null", rows=200, noise="white"), 1))
     quiet = [replace(verdict, claimed=False)] * 19
 
     assert drawn._silence([*quiet, replace(verdict, claimed=True)]).passed
@@ -42,7 +42,7 @@ def test_a_share_passes_from_its_least_on():
 @pytest.mark.slow
 def test_an_uncatalogued_cause_counts_only_when_what_it_follows_is_told():
     """A misfit that follows a column must come back unknown, with that column."""
-    task = drawn._Task(drawn.Spec("unknown", "unknown", "strange_column", 1.0, 800), 4)
+    task = drawn.Spec("unknown", "unknown", "strange_column", 1.0, 800), 4
 
     assert drawn._solve(task)[0].first
 

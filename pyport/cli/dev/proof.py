@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pyport.cli.dev.trials import DATA
-from pyport.cli.manners import PATH, flag, in_json, option, say
+from pyport.cli.manners import PATH, flag, in_json, many_jobs, option, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _NEXT = (
 @option("--set which", "About 150 cases, or about 1,600.", "small", of="small full")
 @option("--name", "What the set is called.")
 @option("--data", "Folder of public recordings, for their noise.", DATA, type=PATH)
-@option("--jobs", "Cases at the same time.", 1)
+@many_jobs
 @option("--sets", "Folder of published sets, in a repository.", Path("docs/proof/sets"), type=PATH)
 @option("--out", "Folder of recordings, reports and sealed truths.", Path("out/sets"), type=PATH)
 @option("--verify", "Check the set of this name from the history.", metavar="NAME")
@@ -95,7 +95,7 @@ def _verify(place: Path, again: str, jobs: int, *, as_json: bool) -> None:
 @option("--seed", "What everything is drawn from; who is to answer does not know it.")
 @option("--cases", "How many.", 40)
 @flag("--score", "Score ANSWERS: files, and bic, lasso, pyport, who answer now.")
-@option("--jobs", "Cases at the same time.", 1)
+@many_jobs
 @in_json
 def challenge(
     folder: Path,

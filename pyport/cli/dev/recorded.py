@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, as_promised, in_json, option, plain, resumable, say
+from pyport.cli.manners import PATH, as_promised, in_json, many_jobs, option, plain, resumable, say
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
@@ -22,12 +22,11 @@ _public = option(
     Path("../shared/data"),
     type=PATH,
 )
-_jobs = option("--jobs", "Cases at the same time.", 1)
 
 
 @click.command("acceptance", epilog="Example: pyport dev acceptance --jobs 2 --data ../shared/data")
 @option("--data", "Folder of others' recordings.", type=PATH)
-@_jobs
+@many_jobs
 @option("--seed", "Where the cases' seeds begin.", 10_000)
 @in_json
 def acceptance(data: Path | None, jobs: int, seed: int, *, as_json: bool) -> None:
@@ -64,7 +63,7 @@ def _lines(there: Path | None, data: Path | None, jobs: int, seed: int) -> Itera
 @_public
 @option("--sets", "Sets whose names begin so, separated by commas; all by default.")
 @option("--subsets", "Subsets of few rows of each set.", 200)
-@_jobs
+@many_jobs
 @resumable("out/real")
 @option("--markdown", "Write the table as a page.", type=PATH)
 @in_json

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from pyport.cli.manners import as_promised, counted, in_json, option, resumable, say
+from pyport.cli.manners import as_promised, counted, in_json, many_jobs, option, resumable, say
 from pyport.errors import BadInput
 
 Outcomes = list[dict[str, Any]]
@@ -23,7 +23,7 @@ def _drawn(folder: str, cases: int, each: str, seed: int) -> Callable[[Callable[
         for one in (
             in_json,
             resumable(folder),
-            option("--jobs", "Cases at the same time.", 1),
+            many_jobs,
             option("--seed", "Seed of everything random.", seed),
             option("--cases", f"Cases of {each}.", cases),
         ):

@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pyport.cli.manners import in_json, option, say
+from pyport.cli.manners import PATH, in_json, many_jobs, option, say
 
 if TYPE_CHECKING:
     from pyport.examiner.sealed.examine import Score
 
 DATA = Path("../shared/data")
 
-_A_PATH = click.Path(path_type=Path)
-_jobs = option("--jobs", "Cases at the same time.", 1)
 _data = option(
     "--data",
     "Folder of public recordings, for their noise; those shipped where it is not there.",
     DATA,
-    type=_A_PATH,
+    type=PATH,
 )
 _which = option(
     "--set which",
@@ -57,7 +55,7 @@ def command() -> None:
 @option("--data", "Folder of those that are not shipped.")
 @option("--seed", "Seed of the first case; each next one has one more.", 0)
 @option("--count", "How many cases.", 1)
-@option("-o --out", "Folder to write to.", type=_A_PATH, required=True)
+@option("-o --out", "Folder to write to.", type=PATH, required=True)
 @in_json
 def make(
     *,
@@ -87,7 +85,7 @@ def make(
 
 
 @command.command(epilog="Example: pyport dev trials seal out/set")
-@click.argument("folder", metavar="SET", type=_A_PATH)
+@click.argument("folder", metavar="SET", type=PATH)
 @_which
 @_data
 @in_json
@@ -103,8 +101,8 @@ def seal(folder: Path, which: str, data: Path, *, as_json: bool = False) -> None
 
 
 @command.command(epilog="Example: pyport dev trials run out/set --jobs 2")
-@click.argument("folder", metavar="SET", type=_A_PATH)
-@_jobs
+@click.argument("folder", metavar="SET", type=PATH)
+@many_jobs
 @option("--cluster", "A Dask scheduler whose workers share the work.", metavar="ADDRESS")
 @in_json
 def run(folder: Path, jobs: int, cluster: str | None, *, as_json: bool = False) -> None:
@@ -116,7 +114,7 @@ def run(folder: Path, jobs: int, cluster: str | None, *, as_json: bool = False) 
 
 
 @command.command(epilog="Example: pyport dev trials reveal out/set")
-@click.argument("folder", metavar="SET", type=_A_PATH)
+@click.argument("folder", metavar="SET", type=PATH)
 @in_json
 def reveal(folder: Path, *, as_json: bool = False) -> None:
     """Fix the answers and open the truths."""
@@ -128,8 +126,8 @@ def reveal(folder: Path, *, as_json: bool = False) -> None:
 
 
 @command.command(epilog="Example: pyport dev trials score out/set")
-@click.argument("folder", metavar="SET", type=_A_PATH)
-@_jobs
+@click.argument("folder", metavar="SET", type=PATH)
+@many_jobs
 @in_json
 def score(folder: Path, jobs: int, *, as_json: bool = False) -> None:
     """Check every seal, print the score and write it to SET/score.json, good or bad."""
@@ -145,10 +143,10 @@ def score(folder: Path, jobs: int, *, as_json: bool = False) -> None:
 
 
 @command.command(epilog="Example: pyport dev trials prove out/set --set small --jobs 2")
-@click.argument("folder", metavar="SET", type=_A_PATH)
+@click.argument("folder", metavar="SET", type=PATH)
 @_which
 @_data
-@_jobs
+@many_jobs
 @in_json
 @click.pass_context
 def prove(
@@ -168,9 +166,9 @@ def prove(
 
 
 @command.command(epilog="Example: pyport dev trials page")
-@option("--docs", "Folder of the manual.", Path("docs"), type=_A_PATH)
-@option("--readme", "The README.", Path("README.md"), type=_A_PATH)
-@option("--data", "Folder of public recordings: the case studies' pictures, too.", type=_A_PATH)
+@option("--docs", "Folder of the manual.", Path("docs"), type=PATH)
+@option("--readme", "The README.", Path("README.md"), type=PATH)
+@option("--data", "Folder of public recordings: the case studies' pictures, too.", type=PATH)
 @in_json
 def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
     """Write the public record: page, ledger and README from all published sets, DOCS/proof/sets.

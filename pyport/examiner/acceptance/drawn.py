@@ -7,7 +7,7 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,20 +15,28 @@ import numpy as np
 
 from pyport.angles import ARCMIN, DEG
 from pyport.diagnosis.arrays.repeat import medians
+from pyport.diagnosis.diagnose import diagnose
 from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.protocol import Spec
-from pyport.examiner.sealed.record.files import Rate, write_recordings
+from pyport.examiner.sealed.record.files import Rate, count, write_recordings
 from pyport.examiner.sealed.scoring.judge import Verdict, judge, place, read_table
 from pyport.examiner.worlds.campaign import NOISES
+from pyport.examiner.worlds.case import Case
 from pyport.examiner.worlds.faults import UNCATALOGUED
 from pyport.examiner.worlds.faults.mount import rt32_edge_on_the_cable
 from pyport.examiner.worlds.kinds import HIDEABLE, make_case
+from pyport.formats.models import load
+from pyport.recordings import read
 from pyport.recordings.files import Survey
+from pyport.report.made import report_of
+from pyport.report.typed import as_json
 from pyport.runs.stages import track
 from pyport.studies.gmrt.array import GAINED, evidence
 
 #: Cases without anything hidden, and of each uncatalogued cause.
 NULLS, OF_UNCATALOGUED = 200, 8
+#: The share of cases without anything hidden in which something may be claimed.
+MOST_CLAIMS = 0.05
 #: How loud a cause is, how often each is drawn then, and the share that must come out.
 LOUDNESS = ((0.5, 2, 0.95), (0.25, 2, 0.85))
 #: Column or place that an uncatalogued cause must be found at; the others are anywhere in the sky.
@@ -45,16 +53,10 @@ class Line:
     passed: bool | None
 
 
-@dataclass(frozen=True)
-class _Task:
-    spec: Spec
-    seed: int
-
-
 def lines(jobs: int, seed: int) -> Iterator[Line]:
     """Yield the figures of all drawn cases; `seed` is where their seeds begin."""
     specs = list(_specs())
-    tasks = [_Task(spec, seed + n) for n, spec in enumerate(specs)]
+    tasks = [(spec, seed + n) for n, spec in enumerate(specs)]
     with ProcessPoolExecutor(jobs) as pool:
         solved = track(pool.map(_solve, tasks, chunksize=4), "diagnosing", total=len(tasks))
         verdicts, chances = zip(*solved, strict=True)
@@ -89,43 +91,35 @@ def _specs() -> Iterator[Spec]:
         yield from [Spec("unknown", "unknown", name, 0.5)] * OF_UNCATALOGUED
 
 
-def _solve(task: _Task) -> tuple[Verdict, float]:
+def _solve(task: tuple[Spec, int]) -> tuple[Verdict, float]:
     """Make a case, write what may be seen of it, diagnose that, and judge the report.
 
     With the verdict comes the chance that an ideal observer detects the cause.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    made = task.spec.make(task.seed)
-    truth = {"spec": task.spec.as_json(), "seed": task.seed, "truth": made.truth}
+    spec, seed = task
+    made = spec.make(seed)
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "recordings.csv"
         report = diagnosed(made, path)
-        verdict = judge(str(task.seed), truth, {**report, "examined": {}})
+        verdict = judged(spec, seed, made, report)
         placed = place(read_table(path), report["findings"], made.truth["effects"])
-    wanted = _FOLLOWS.get(task.spec.effect or "")
-    if task.spec.group == "unknown" and verdict.first and wanted:
+    wanted = _FOLLOWS.get(spec.effect or "")
+    if spec.group == "unknown" and verdict.first and wanted:
         told = report["findings"][0]["looks_like"] or ""
-        verdict = _but(verdict, first=wanted in told)
+        verdict = replace(verdict, first=wanted in told)
     chance = 0.0 if made.truth["kind"] != "one" else observer.possible(made)
-    return _but(verdict, place=placed), chance
+    return replace(verdict, place=placed), chance
 
 
-def diagnosed(made: Any, path: Path, model: str | None = None) -> dict[str, Any]:  # noqa: ANN401
+def diagnosed(made: Case, path: Path) -> dict[str, Any]:
     """Return the report of a made case; what may be seen of it is written to `path`."""
-    from pyport.examiner.sealed.record.files import write_recordings
-
     write_recordings(made, path)
-    return reported(made, path, model)
+    return reported(made, path)
 
 
-def reported(made: Any, path: Path, model: str | None) -> dict[str, Any]:  # noqa: ANN401
+def reported(made: Case, path: Path, model: str | None = None) -> dict[str, Any]:
     """Return the report of a made case that was written to `path` before."""
-    from pyport.diagnosis.diagnose import diagnose
-    from pyport.formats.models import load
-    from pyport.recordings import read
-    from pyport.report.made import report_of
-    from pyport.report.typed import as_json
-
     asked = dict(zip(made.arguments[::2], made.arguments[1::2], strict=True))
     refit = None if asked.get("--refit", "all") == "all" else ()
     found = diagnose(read(path), load(model or asked.get("--model", "altaz")), refit=refit)
@@ -133,22 +127,20 @@ def reported(made: Any, path: Path, model: str | None) -> dict[str, Any]:  # noq
     return report
 
 
-def _but(verdict: Verdict, **changes: object) -> Verdict:
-    from dataclasses import replace
-
-    return replace(verdict, **changes)  # type: ignore[arg-type]
+def judged(spec: Spec, seed: int, made: Case, report: dict[str, Any]) -> Verdict:
+    """Return what the report of a made case is worth."""
+    truth = {"spec": spec.as_json(), "truth": made.truth}
+    return judge(str(seed), truth, {**report, "examined": {}})
 
 
 def _right(verdicts: Iterable[Verdict]) -> Rate:
-    verdicts = list(verdicts)
-    return Rate(sum(one.first for one in verdicts), len(verdicts))
+    return count([one.first for one in verdicts])
 
 
-def _silence(verdicts: list[Verdict]) -> Line:
-    rate = Rate(sum(one.claimed for one in verdicts), len(verdicts))
-    most = 0.05
-    wanted = f"at most {100 * most:.0f} %"
-    return Line("nothing hidden: any finding", str(rate), wanted, rate.hits <= most * rate.of)
+def _silence(verdicts: Iterable[Verdict]) -> Line:
+    rate = count([one.claimed for one in verdicts])
+    wanted, within = f"at most {100 * MOST_CLAIMS:.0f} %", rate.hits <= MOST_CLAIMS * rate.of
+    return Line("nothing hidden: any finding", str(rate), wanted, within)
 
 
 def _at_least(what: str, rate: Rate, least: float) -> Line:

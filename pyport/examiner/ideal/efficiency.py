@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from pyport.examiner import program
-from pyport.examiner.acceptance.drawn import diagnosed
+from pyport.examiner.acceptance.drawn import diagnosed, judged
 from pyport.examiner.ideal import observer
 from pyport.examiner.sealed.protocol import Spec
-from pyport.examiner.sealed.scoring.judge import judge
 from pyport.examiner.worlds.kinds import HIDEABLE
 
 ROWS = (60, 100, 150, 300, 600, 1200, 2400)
@@ -52,10 +51,9 @@ def examine(drawn: Drawn) -> dict[str, Any]:
     """Make a case, diagnose it, and return what was said beside what could have been."""
     spec = Spec("one", "one", drawn.effect, drawn.rho, drawn.rows)
     made = spec.make(drawn.seed)
-    truth = {"spec": spec.as_json(), "seed": drawn.seed, "truth": made.truth}
     with tempfile.TemporaryDirectory() as name:
         report = diagnosed(made, Path(name) / "recordings.csv")
-    verdict = judge(str(drawn.seed), truth, {**report, "examined": {}})
+    verdict = judged(spec, drawn.seed, made, report)
     return vars(drawn) | {
         "program": program.version(),
         "detected": verdict.claimed,

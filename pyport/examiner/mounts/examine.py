@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from pyport.examiner import program
+from pyport.examiner.acceptance.drawn import judged
 from pyport.examiner.scores import Share, counted
 from pyport.examiner.sealed.record.files import write_recordings
-from pyport.examiner.sealed.scoring.judge import judge
 from pyport.examiner.worlds.faults import UNKNOWN as FORMS
 from pyport.examiner.worlds.kinds import STANDS, Spec
 
@@ -83,8 +83,7 @@ def examine(case: Case) -> dict[str, Any]:
     }
     if isinstance(report, program.Refused):
         return outcome | {"refused": report.why}
-    truth = {"spec": spec.as_json(), "truth": made.truth}
-    verdict = judge("", truth, {**report, "examined": {}})
+    verdict = judged(spec, seed, made, report)
     found = [
         {key: one.get(key) for key in ("effect", "variant", "verdict", "class")}
         for one in report["findings"]

@@ -120,16 +120,7 @@ def draw(case: Case) -> World:
     if case.step:
         step = _step(rng, case, at, np.flatnonzero(watched), sigma)
         offset = offset + step.offset
-    if case.kind == noises.ROUNDED:
-        grain = noises.ROUNDED_TO * sigma
-        offset = grain * np.round(offset / grain)
-    said = None if case.kind != noises.SIGMA_GIVEN or drawn.sigma is None else drawn.sigma * sigma
-    table = nulls.table(at, offset, said)
-    header: dict[str, float | str] = {
-        "latitude_deg": math.degrees(at.latitude),
-        "longitude_deg": math.degrees(at.longitude),
-        "height_m": 500.0,
-    }
+    table, header = nulls.recorded(case.kind, at, offset, sigma, drawn)
     return World(
         {name: cells[~watched] for name, cells in table.items()},
         {name: cells[watched] for name, cells in table.items()},

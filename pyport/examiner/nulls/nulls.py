@@ -87,19 +87,10 @@ def draw(case: Case) -> World:
         # Rows go by fives as causes do: shifted by one each time, every pair of them is drawn.
         cause = causes.draw(rng, at, case.number + case.number // len(ROWS), visible)
         offset = offset + cause.offset
-    if case.kind == noises.ROUNDED:
-        step = noises.ROUNDED_TO * sigma
-        offset = step * np.round(offset / step)
     memory_s = kind.memory_s or 0.0
     moved = not kind.centred or memory_s > LONG_MEMORY * np.ptp(at.time_s)
-    said = None if case.kind != noises.SIGMA_GIVEN or drawn.sigma is None else drawn.sigma * sigma
     return World(
-        table(at, offset, said),
-        {
-            "latitude_deg": math.degrees(at.latitude),
-            "longitude_deg": math.degrees(at.longitude),
-            "height_m": 500.0,
-        },
+        *recorded(case.kind, at, offset, sigma, drawn),
         dict(zip(scores.ALTAZ, truth.tolist(), strict=True)),
         causes.CONSTANTS if moved else (),
         cause,
@@ -107,8 +98,16 @@ def draw(case: Case) -> World:
     )
 
 
-def table(at: schedule.Pointings, offset: Array, said: Array | None) -> dict[str, Any]:
-    """Return recordings as columns; offsets and, where recorded, errors are (n, 2) [arcsec]."""
+def recorded(
+    kind: str, at: schedule.Pointings, offset: Array, sigma: float, drawn: noises.Drawn
+) -> tuple[dict[str, Any], dict[str, float | str]]:
+    """Return recordings as columns, and their header, as a kind of noise has them.
+
+    `offset`, `sigma`: (n, 2) and the white sigma [arcsec].
+    """
+    if kind == noises.ROUNDED:
+        step = noises.ROUNDED_TO * sigma
+        offset = step * np.round(offset / step)
     stamp = schedule.START + np.round(at.time_s * 1000).astype("timedelta64[ms]")
     table: dict[str, Any] = {
         "time_utc": stamp,
@@ -119,9 +118,15 @@ def table(at: schedule.Pointings, offset: Array, said: Array | None) -> dict[str
         "d_xel_arcsec": offset[:, 0],
         "d_el_arcsec": offset[:, 1],
     }
-    if said is not None:
-        table |= {"sigma_xel_arcsec": said[:, 0], "sigma_el_arcsec": said[:, 1]}
-    return table | at.weather
+    if kind == noises.SIGMA_GIVEN and drawn.sigma is not None:
+        across, along = (drawn.sigma * sigma).T
+        table |= {"sigma_xel_arcsec": across, "sigma_el_arcsec": along}
+    header: dict[str, float | str] = {
+        "latitude_deg": math.degrees(at.latitude),
+        "longitude_deg": math.degrees(at.longitude),
+        "height_m": 500.0,
+    }
+    return table | at.weather, header
 
 
 def examine(case: Case) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,8 @@ class Recordings:
 
     Attributes
     ----------
-    name, source
-        What the set is called, and where it is from.
+    name
+        What the set is called.
     table, header
         The recordings as the program is given them.
     az, el, x, y
@@ -64,9 +64,7 @@ class Recordings:
     file: Path | None = None
     facts: tuple[dict[str, Any], ...] = ()
     public: bool = True
-    source: str = ""
     step_arcsec: float = 0.0
-    said: dict[str, Any] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Return n."""
@@ -161,7 +159,6 @@ def _finish(
         hour_angle=hour,
         facts=tuple(entry.get("fact", ())),
         public=entry["format"] not in {"shipped", "simulated"},
-        source=entry.get("source", ""),
         step_arcsec=min([one for one in (step_x, step_a, step_y) if one > 0], default=0.0),
     )  # fmt: skip
     return replace(found.take(np.flatnonzero(kept)), file=None if dropped else file)

@@ -27,11 +27,6 @@ class Row:
     needed: str
     passed: bool | None
 
-    def __str__(self) -> str:
-        """Return the row as Markdown."""
-        mark = {True: "yes", False: "**no**", None: "shown"}[self.passed]
-        return f"| {self.what} | {self.result} | {self.needed} | {mark} |"
-
 
 def at_most(what: str, rate: Rate, key: str) -> Row:
     """Return a row that passes where a rate is no larger than a threshold."""
