@@ -253,18 +253,11 @@ _OPTIONS = (
 class Lazy(click.Group):
     """A group that imports a command's module only when the command is asked for.
 
-    Parameters
-    ----------
-    name
-        The group's name on the command line.
-    package
-        The package whose modules define a `command` each, or several by their names.
-    sentences
-        Command -> the sentence that `--help` shows without importing it.
-    former
-        Name of a former version -> the words that stand for it now.
-    shared
-        Module -> the commands that it defines by their names.
+    `name`: the group's name on the command line.
+    `package`: the package whose modules define a `command` each, or several by their names.
+    `sentences`: command -> the sentence that `--help` shows without importing it.
+    `former`: name of a former version -> the words that stand for it now.
+    `shared`: module -> the commands that it defines by their names.
     """
 
     def __init__(

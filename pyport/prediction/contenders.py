@@ -72,12 +72,8 @@ Rows = NDArray[np.bool_]
 class Contender(Protocol):
     """Whoever is fitted to some readings and predicts others.
 
-    Attributes
-    ----------
-    name
-        What it is called.
-    terms
-        Its coefficients; of shrunk ones, how many free ones they amount to.
+    `name`: what it is called.
+    `terms`: its coefficients; of shrunk ones, how many free ones they amount to.
     """
 
     name: str

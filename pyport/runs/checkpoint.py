@@ -39,12 +39,8 @@ _LIBRARIES = ("numpy", "pyarrow")
 class Checkpoint:
     """The state of one run, kept under a key.
 
-    Parameters
-    ----------
-    path
-        The file; None where nothing is to be kept.
-    what
-        Whatever the result depends on, as JSON holds it.
+    `path`: the file; None where nothing is to be kept.
+    `what`: whatever the result depends on, as JSON holds it.
     """
 
     def __init__(self, path: Path | None, *what: object):

@@ -62,10 +62,7 @@ def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> It
 
     `path` is a file, or a folder of files of one format; `size` rows are yielded at once.
 
-    Raises
-    ------
-    BadInput
-        There is no such log, or it is not of the format that its name says.
+    Raises `BadInput`: there is no such log, or it is not of the format that its name says.
     """
     if not path.is_dir():
         yield from _file(path, given, cursor, size)

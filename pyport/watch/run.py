@@ -176,10 +176,7 @@ class Process:
 def alone(folder: Path) -> Iterator[None]:
     """Keep other processes from watching with the same folder.
 
-    Raises
-    ------
-    BadInput
-        One does.
+    Raises `BadInput`: one does.
     """
     folder.mkdir(parents=True, exist_ok=True)
     try:

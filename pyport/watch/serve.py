@@ -178,10 +178,7 @@ class Served:
 def serve(live: Live, host: str = HOST, port: int = PORT) -> Served:
     """Serve the page from a thread; beyond this machine only with a token in its address.
 
-    Raises
-    ------
-    BadInput
-        starlette or uvicorn are not installed, or the port is taken.
+    Raises `BadInput`: starlette or uvicorn are not installed, or the port is taken.
     """
     try:
         import uvicorn

@@ -92,10 +92,7 @@ def save(watch: Watch, path: Path, beside: object = None) -> None:
 def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept beside it
     """Take up a state; return what was kept beside it.
 
-    Raises
-    ------
-    BadInput
-        It is of another program, past or model, or no state at all.
+    Raises `BadInput`: it is of another program, past or model, or no state at all.
     """
     try:
         with np.load(path, allow_pickle=False) as kept:

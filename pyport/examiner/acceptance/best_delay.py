@@ -51,10 +51,8 @@ def best(
 ) -> list[Best]:
     """Return the best delay for each known change.
 
-    Parameters
-    ----------
-    known
-        When each was [s since 1970], and the effect that changed; "" for all terms of the model.
+    `known`: when each was [s since 1970], and the effect that changed; "" for all terms of the
+      model.
     """
     whole = with_nights(from_table(dict(table), dict(header)))
     time = np.asarray(whole.at.column("time"), float)

@@ -25,21 +25,13 @@ _HEAD = (
 class Line:
     """What the cases of one kind came to.
 
-    Attributes
-    ----------
-    claims
-        Cases with nothing hidden in which something was claimed.
-    said
-        What was claimed in them, and how often.
-    fit, cause
-        Coefficients within one and two sigma of the truth: of `fit` where nothing is hidden, of
-        the finding with the right name where one cause is.
-    found
-        Cases with one cause whose name is among the findings.
-    beside
-        Cases with one cause in which something else was claimed.
-    refused
-        Cases that the program could not use.
+    `claims`: cases with nothing hidden in which something was claimed.
+    `said`: what was claimed in them, and how often.
+    `fit`, `cause`: coefficients within one and two sigma of the truth: of `fit` where nothing is
+      hidden, of the finding with the right name where one cause is.
+    `found`: cases with one cause whose name is among the findings.
+    `beside`: cases with one cause in which something else was claimed.
+    `refused`: cases that the program could not use.
     """
 
     kind: str

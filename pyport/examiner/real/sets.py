@@ -26,28 +26,17 @@ _ARCSEC = {"deg": 3600.0, "arcmin": 60.0, "arcsec": 1.0}
 class Recordings:
     """n pointings of a set, as the examiner reads them, and what it asks of them.
 
-    Attributes
-    ----------
-    name
-        What the set is called.
-    table, header
-        The recordings as the program is given them.
-    az, el, x, y
-        Azimuth from north and elevation [rad], offsets across and along [arcsec], NaN for none.
-    night
-        Labels: the sessions, or nights by gaps in time; one where neither is known.
-    group
-        Which rows share coefficients: an antenna in a session, or all, "".
-    model
-        The model that is fitted, in the program's name.
-    hour_angle
-        Where the model is a wave in it [rad].
-    file
-        The file as it was published; None where the set is no single one.
-    facts
-        What was published of the set, and how it is looked for.
-    public
-        Whether it is another telescope's: subsets of a few rows are drawn of those.
+    `name`: what the set is called.
+    `table`, `header`: the recordings as the program is given them.
+    `az`, `el`, `x`, `y`: azimuth from north and elevation [rad], offsets across and along [arcsec],
+      NaN for none.
+    `night`: labels: the sessions, or nights by gaps in time; one where neither is known.
+    `group`: which rows share coefficients: an antenna in a session, or all, "".
+    `model`: the model that is fitted, in the program's name.
+    `hour_angle`: where the model is a wave in it [rad].
+    `file`: the file as it was published; None where the set is no single one.
+    `facts`: what was published of the set, and how it is looked for.
+    `public`: whether it is another telescope's: subsets of a few rows are drawn of those.
     """
 
     name: str

@@ -107,29 +107,20 @@ _WHOLE: dict[str, Callable[..., Case]] = {
 class Spec:
     """One case before its seed is drawn: which row of the table it is for, and what to make.
 
-    Attributes
-    ----------
-    group
-        Which rows of the score it is for.
-    kind
-        One of `KINDS`.
-    effect
-        What is hidden, drawn when not given: a cause by its name, several of them or the steps
-        left out of an ablation with plus signs between, a twin for "degenerate".
-    rho
-        Rms of what the base leaves of the cause over the noise, on the axis where it is greater.
-        Where nature gives the size of the cause the noise is scaled to it.
-    rows
-        Number of recordings, 1200 (the RT32's: 5615) when not given.
-    noise
-        One of `NOISES`; drawn for "null", "white" or "drift" for others when not given.
-    weeks
-        Length of an ablation's campaign; the RT32's own two when not given.
-    site, sky, mount, model, little
-        Of `earth.SITES`, `SKIES`, `STANDS`, `MODELS` and `LITTLE` (what the file has); drawn,
-        radio sources, alt-azimuth, the classical terms and everything when not given.
-    real, data
-        The set of recordings whose noise it is, and the folder of those that are not shipped.
+    `group`: which rows of the score it is for.
+    `kind`: one of `KINDS`.
+    `effect`: what is hidden, drawn when not given: a cause by its name, several of them or the
+      steps left out of an ablation with plus signs between, a twin for "degenerate".
+    `rho`: rms of what the base leaves of the cause over the noise, on the axis where it is greater.
+      Where nature gives the size of the cause the noise is scaled to it.
+    `rows`: number of recordings, 1200 (the RT32's: 5615) when not given.
+    `noise`: one of `NOISES`; drawn for "null", "white" or "drift" for others when not given.
+    `weeks`: length of an ablation's campaign; the RT32's own two when not given.
+    `site`, `sky`, `mount`, `model`, `little`: of `earth.SITES`, `SKIES`, `STANDS`, `MODELS` and
+      `LITTLE` (what the file has); drawn, radio sources, alt-azimuth, the classical terms and
+      everything when not given.
+    `real`, `data`: the set of recordings whose noise it is, and the folder of those that are not
+      shipped.
     """
 
     group: str

@@ -29,16 +29,10 @@ from pyport.angles import ARCSEC, Array, wrap
 class Base:
     """A base at the pointings of a case, each antenna with its own coefficients.
 
-    Parameters
-    ----------
-    columns
-        (x, y) of its terms per radian, shape (n, k) each.
-    antenna
-        Whose pointings they are.
-    measured
-        Which rows measured which axis.
-    sigma
-        Weights by axis [rad].
+    `columns`: (x, y) of its terms per radian, shape (n, k) each.
+    `antenna`: whose pointings they are.
+    `measured`: which rows measured which axis.
+    `sigma`: weights by axis [rad].
     """
 
     def __init__(
@@ -101,24 +95,17 @@ class Wave:
 class Mount:
     """Everything that is askew in a telescope; radians, a scalar or one value for each pointing.
 
-    Attributes
-    ----------
-    tilt_north, tilt_east
-        Lean of the azimuth axis.
-    roll, pitch, yaw
-        What the rail does to the platform: right side down, front down, turned anticlockwise.
-    skew
-        Right end of the elevation axis up.
-    sag_cosine, sag_sine
-        How far the beam droops at the horizon and at the zenith.
-    beam_left, beam_down
-        Where the beam leaves the dish.
-    azimuth_zero, elevation_zero, azimuth_scale, elevation_scale
-        Encoder readings minus axis angles: a constant, and per radian turned.
-    centre_right, centre_ahead
-        Displacement of the azimuth encoder's disc, in units of its radius.
-    waves
-        Harmonics in the readings.
+    `tilt_north`, `tilt_east`: lean of the azimuth axis.
+    `roll`, `pitch`, `yaw`: what the rail does to the platform: right side down, front down, turned
+      anticlockwise.
+    `skew`: right end of the elevation axis up.
+    `sag_cosine`, `sag_sine`: how far the beam droops at the horizon and at the zenith.
+    `beam_left`, `beam_down`: where the beam leaves the dish.
+    `azimuth_zero`, `elevation_zero`, `azimuth_scale`, `elevation_scale`: encoder readings minus
+      axis angles: a constant, and per radian turned.
+    `centre_right`, `centre_ahead`: displacement of the azimuth encoder's disc, in units of its
+      radius.
+    `waves`: harmonics in the readings.
 
     With these signs each positive value makes the encoder read more than the
     true position needs, wherever the word has a sense.

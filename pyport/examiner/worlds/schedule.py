@@ -26,25 +26,16 @@ _FREQUENCY_MHZ = {"L": 1420.0, "C": 4990.0, "X": 8400.0}
 class Plan:
     """n measurements as they were scheduled; shape (n,) each.
 
-    Attributes
-    ----------
-    site, site_name
-        Where each antenna really stands.
-    reference
-        The one place that the steering program computes for.
-    time_s
-        UTC, seconds since 1970, ascending.
-    ra, dec
-        Where the sources are, ICRS [rad].
-    labels
-        `source`, `antenna`, `session`, `receiver`, `channel`, `polarisation`, and `scan_axis`
-        ("az", "el") where a row measures one axis.
-    scan_direction, scan_rate
-        +1 or -1, and the speed of the scanned axis [rad/s].
-    weather
-        The weather columns, the sun's position and `frequency_mhz`, as the contract names them.
-    cable_middle
-        Azimuth [rad] in which the cable hangs free.
+    `site`, `site_name`: where each antenna really stands.
+    `reference`: the one place that the steering program computes for.
+    `time_s`: UTC, seconds since 1970, ascending.
+    `ra`, `dec`: where the sources are, ICRS [rad].
+    `labels`: `source`, `antenna`, `session`, `receiver`, `channel`, `polarisation`, and `scan_axis`
+      ("az", "el") where a row measures one axis.
+    `scan_direction`, `scan_rate`: +1 or -1, and the speed of the scanned axis [rad/s].
+    `weather`: the weather columns, the sun's position and `frequency_mhz`, as the contract names
+      them.
+    `cable_middle`: azimuth [rad] in which the cable hangs free.
     """
 
     site: Site

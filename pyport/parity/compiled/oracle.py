@@ -29,12 +29,8 @@ MOST_COPIES = 500
 class Oracle:
     """A compiled library and the process that calls it.
 
-    Parameters
-    ----------
-    description, build
-        What was compiled, and how.
-    library
-        The compiled library; compiled, or found in the cache, unless given.
+    `description`, `build`: what was compiled, and how.
+    `library`: the compiled library; compiled, or found in the cache, unless given.
     """
 
     def __init__(self, description: Description, build: Build, library: Path | None = None):

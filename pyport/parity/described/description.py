@@ -79,35 +79,23 @@ PROMISE_TEXT = {
 class Variable:
     """An argument, a result, or a member of a COMMON block that a routine reads or sets.
 
-    Attributes
-    ----------
-    name, label
-        The Fortran name, and what reports call it.
-    kind
-        Its type; None for a function that is passed as an argument.
-    intent
-        One of ``INTENTS``.
-    shape
-        Its dimensions; () for a scalar.
-    unit
-        For people.
-    low, high, logarithmic
-        Where inputs are drawn; `logarithmic` draws the size log-uniform, with either sign.
-    thresholds, values
-        Where branches turn; the only values there are, where there are few.
-    fixed
-        The value that it always has, else None; of an EXTERNAL the Fortran name that is passed.
-    python
-        Of an EXTERNAL, the ``module:function`` that the port gets.
-    common
-        The COMMON block that it belongs to, else None.
-    limits
-        Where a port promises anything but bits; None for everywhere.
-    ulp, within, turn
-        The promise's bound for this output (None: the port's), and a full turn: half a turn to
-        either side is one angle.
-    physical
-        (unit, factor, input whose cosine is a factor too or "") of a distance in other units.
+    `name`, `label`: the Fortran name, and what reports call it.
+    `kind`: its type; None for a function that is passed as an argument.
+    `intent`: one of ``INTENTS``.
+    `shape`: its dimensions; () for a scalar.
+    `unit`: for people.
+    `low`, `high`, `logarithmic`: where inputs are drawn; `logarithmic` draws the size log-uniform,
+      with either sign.
+    `thresholds`, `values`: where branches turn; the only values there are, where there are few.
+    `fixed`: the value that it always has, else None; of an EXTERNAL the Fortran name that is
+      passed.
+    `python`: of an EXTERNAL, the ``module:function`` that the port gets.
+    `common`: the COMMON block that it belongs to, else None.
+    `limits`: where a port promises anything but bits; None for everywhere.
+    `ulp`, `within`, `turn`: the promise's bound for this output (None: the port's), and a full
+      turn: half a turn to either side is one angle.
+    `physical`: (unit, factor, input whose cosine is a factor too or "") of a distance in other
+      units.
     """
 
     name: str

@@ -36,16 +36,11 @@ _LOWEST_DEG, _FIRST_DEG = -16.0, -1024.0
 class Cells:
     """Sums over the rows of each cell.
 
-    Attributes
-    ----------
-    level
-        How large they are: which of `LEVELS`.
-    names, label_names
-        The sets of labels, and which labels these are values of.
-    label, key
-        Which set of labels each cell has, and its place in sky and time, shape (c,); sorted.
-    sums, totals
-        What is summed, by name, and the sums, shape (c, T).
+    `level`: how large they are: which of `LEVELS`.
+    `names`, `label_names`: the sets of labels, and which labels these are values of.
+    `label`, `key`: which set of labels each cell has, and its place in sky and time, shape (c,);
+      sorted.
+    `sums`, `totals`: what is summed, by name, and the sums, shape (c, T).
     """
 
     level: int

@@ -53,12 +53,8 @@ _END_BYTES = 1 << 16
 class Pass:
     """What the pieces gone through so far add up to.
 
-    Attributes
-    ----------
-    cells
-        The sum of all pieces, None where none has a usable row.
-    aside, rows
-        What was excluded, and how many rows were read.
+    `cells`: the sum of all pieces, None where none has a usable row.
+    `aside`, `rows`: what was excluded, and how many rows were read.
     """
 
     def __init__(self, kept: Checkpoint):

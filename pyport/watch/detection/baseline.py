@@ -132,10 +132,7 @@ def _rows_of(at: Circumstances, one: Nuisance, known: Collection[str]) -> Array:
 def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     """Return what past recordings, of one antenna where there are several, say of a model.
 
-    Raises
-    ------
-    BadInput
-        There are too few of them, or the model lacks something.
+    Raises `BadInput`: there are too few of them, or the model lacks something.
     """
     history = with_nights(history)
     if antenna is not None:
