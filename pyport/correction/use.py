@@ -101,7 +101,7 @@ class PointingModel:
             one = self.offsets_rad(where[0] * DEG, where[1] * DEG)
             return Offsets(one[0] / ARCSEC * units.arcsec, one[1] / ARCSEC * units.arcsec)
         there = directions(where, conditions, self.model.site, self._others)
-        x, y = self._asked(there)
+        x, y = self._offsets(there.az, there.el, there.columns, there.site)
         return Offsets(*(one.reshape(there.shape) / ARCSEC * units.arcsec for one in (x, y)))
 
     def offsets_rad(self, az_rad: float, el_rad: float, **columns: Any) -> tuple[float, float]:  # noqa: ANN401
@@ -130,7 +130,7 @@ class PointingModel:
         elevation as Quantities, or an `AltAz`.
         """
         there = directions(where, conditions, self.model.site, self._others)
-        x, y = self._asked(there)
+        x, y = self._offsets(there.az, there.el, there.columns, there.site)
         return formed(there, *self._moved(there.az, there.el, x, y, there.site))
 
     def inverse(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
@@ -225,10 +225,6 @@ class PointingModel:
         if ready is None:
             ready = self._ready[labels] = kernel(self.model, dict(labels), self.model.site)
         return ready
-
-    def _asked(self, there: Pointing) -> tuple[Array, Array]:
-        """Return the offsets at some directions [rad], shape (n,)."""
-        return self._offsets(there.az, there.el, there.columns, there.site)
 
     def _offsets(
         self, az: Array, el: Array, columns: Columns, site: Site | None, mount: Mount = ALTAZ

@@ -89,7 +89,7 @@ def complete(
     about = rt32_values(model.base)
     fitted = {id(one.term) for one in solved}
     held = [term for term in model.terms if id(term) not in fitted]
-    for first in _once([*[one.term for one in solved], *held]):
+    for first in {id(term): term for term in [*(one.term for one in solved), *held]}.values():
         own = [one for one in solved if one.term is first] or _held(first)
         try:
             effect = frozen(first.effect, recordings.at)
@@ -133,11 +133,6 @@ def complete(
             offsets=len(left.stack),
         ),
     )
-
-
-def _once(terms: Sequence[Term]) -> list[Term]:
-    """Return terms in their order, each once."""
-    return list({id(term): term for term in terms}.values())
 
 
 def _held(term: Term) -> list[Solved]:

@@ -197,9 +197,9 @@ def _classical(name: str) -> Model:
 
 def _rt32(name: str, *, exact: bool) -> Model:
     """Return the RT32's model about its published parameters, each of the twelve a term."""
-    from pyport.pointing import Rt32Model, printed, recovered
+    from pyport.pointing import Rt32Model
 
-    p = recovered() if name == "rt32-3model" else printed()
+    p = np.array(list(rt32_values(name).values()))
     terms = tuple(Term(rt32_parameter(number)) for number in range(1, 13))
     return Model(name, terms, Rt32Model(p, exact=exact).offsets, name)
 

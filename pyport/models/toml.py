@@ -198,21 +198,9 @@ def _read_term(row: Mapping[str, Any], about: Mapping[int, float]) -> tuple[Term
             value.value * one.scale - zero
             for value, one in zip(own, effect.coefficients, strict=True)
         )
-    fixed = bool(row.get("fixed", False))
-    one_set = len(by) == 1
-    term = Term(effect, per, next(iter(by.values())) if one_set else None, fixed)
-    return _with(term, {} if one_set else by, finding), values
-
-
-def _with(term: Term, by: Mapping[tuple[str, ...], tuple[float, ...]], finding: Any) -> Term:  # noqa: ANN401
-    return Term(
-        term.effect,
-        term.per,
-        term.values,
-        term.fixed,
-        by,
-        None if finding is None else int(finding),
-    )
+    of_all = next(iter(by.values())) if len(by) == 1 else None
+    fixed, number = bool(row.get("fixed", False)), None if finding is None else int(finding)
+    return Term(effect, per, of_all, fixed, by if of_all is None else {}, number), values
 
 
 def _read_value(row: Mapping[str, Any], effect: str, finding: int | None) -> Value:

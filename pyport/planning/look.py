@@ -10,14 +10,12 @@ import numpy as np
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.candidates import Untestable
 from pyport.errors import BadInput
-from pyport.least_squares.gram import inverted
 from pyport.models.model import Model
 from pyport.planning.design import Coverage, Design, coverage, design
-from pyport.planning.separate import Separation, separate
+from pyport.planning.separate import Separation, separate, sigmas
 from pyport.planning.suggest import (
     Direction,
     Promise,
-    Targets,
     directions,
     of_sources,
     suggest,
@@ -109,7 +107,8 @@ def look(
         float(min(LOWEST_DEG, max(el.min(), 1.0))),
         float(max(HIGHEST_DEG, el.max())),
     )
-    targets = _targets(own, low, high, sources=sources)
+    recorded = of_sources(own, low, high) if sources else None
+    targets = within_reach(own.at, directions(low, high) if recorded is None else recorded)
     ahead, promises = suggest(made, found.pairs, targets, count)
     known, condition = _known(made)
     return Look(
@@ -145,16 +144,10 @@ def busiest(recordings: Recordings) -> tuple[str, int]:
     return str(names[np.argmax(counts)]), len(names)
 
 
-def _targets(recordings: Recordings, low: float, high: float, *, sources: bool) -> Targets:
-    found = of_sources(recordings, low, high) if sources else None
-    return within_reach(recordings.at, directions(low, high) if found is None else found)
-
-
 def _known(made: Design) -> tuple[tuple[Known, ...], float]:
     """Return the errors of the model's coefficients, and the condition number."""
     columns = made.model
-    inverse, _, condition, known = inverted(columns.T @ columns)
-    sigma = np.where(known, np.sqrt(np.maximum(np.diag(inverse), 0)), np.inf)
+    sigma, condition = sigmas(columns)
     length = np.linalg.norm(columns, axis=0)
     found = []
     for n, column in enumerate(made.columns):
@@ -165,7 +158,7 @@ def _known(made: Design) -> tuple[tuple[Known, ...], float]:
                 coefficient.name + (f"[{labels}]" if labels else ""),
                 float(sigma[n] / abs(coefficient.scale)),
                 coefficient.unit,
-                float(sigma[n] * length[n]) if known[n] else math.inf,
+                float(sigma[n] * length[n]) if np.isfinite(sigma[n]) else math.inf,
             )
         )
     return tuple(found), condition

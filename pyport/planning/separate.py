@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
-from pyport.least_squares.gram import RANK_TOLERANCE
+from pyport.least_squares.gram import RANK_TOLERANCE, inverted
 from pyport.planning.design import Design
 from pyport.thresholds import ALIKE
 
@@ -167,7 +167,7 @@ def _sight(
 ) -> Sight:
     # Of what the model takes up whole, rounding leaves columns that say nothing.
     shows = (left**2).sum(axis=0) > VISIBLE * (columns**2).sum(axis=0)
-    sigma, alone = (_sigmas(one) for one in (np.where(shows, left, 0.0), columns))
+    sigma, alone = (sigmas(one)[0] for one in (np.where(shows, left, 0.0), columns))
     worst = int(np.argmax(np.where(np.isfinite(sigma), sigma, -1.0)))
     coefficient = candidate.effect.coefficients[candidate.coefficients[worst]]
     return Sight(
@@ -180,9 +180,7 @@ def _sight(
     )
 
 
-def _sigmas(columns: Array) -> Array:
-    """Return the errors of coefficients whose columns were divided by the noise."""
-    from pyport.least_squares.gram import inverted
-
-    inverse, _, _, known = inverted(columns.T @ columns)
-    return np.where(known, np.sqrt(np.maximum(np.diag(inverse), 0)), np.inf)
+def sigmas(columns: Array) -> tuple[Array, float]:
+    """Return the errors of coefficients whose columns were divided by the noise, the condition."""
+    inverse, _, condition, known = inverted(columns.T @ columns)
+    return np.where(known, np.sqrt(np.maximum(np.diag(inverse), 0)), np.inf), condition

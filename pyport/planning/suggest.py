@@ -74,7 +74,7 @@ def suggest(
     """
     pairs = sorted(pairs, key=lambda one: -one.share)[:MOST_PAIRS]
     asked = [_Question(design, one, targets) for one in pairs]
-    questions: list[_Model | _Question] = [_Model(design, targets), *asked]
+    questions = [_Question(design, None, targets), *asked]
     weights = [MODEL_SHARE if pairs else 1.0, *([1 / max(len(pairs), 1)] * len(pairs))]
     found: list[Direction] = []
     free = np.ones(len(targets.az), bool)
@@ -138,27 +138,16 @@ class _Information:
         return (vectors / np.maximum(power, PRIOR)) @ vectors.T
 
 
-class _Model:
-    """How well the model itself is known."""
-
-    def __init__(self, design: Design, targets: Targets):
-        ahead = _ahead(design, [], targets)
-        self.size = max(1, ahead.shape[2])
-        self.information = _Information(design.model, ahead)
-
-    def gains(self) -> Array:
-        """Return the gain of each direction for a coefficient of the model."""
-        return self.information.gains() / self.size
-
-    def add(self, n: int) -> None:
-        """Add a direction."""
-        self.information.add(n)
-
-
 class _Question:
-    """How well the first of a pair is known beside the second and the model."""
+    """How well the first of a pair is known beside its second and the model; if none, the model."""
 
-    def __init__(self, design: Design, pair: Pair, targets: Targets):
+    def __init__(self, design: Design, pair: Pair | None, targets: Targets):
+        self.less: _Information | None = None
+        if pair is None:
+            ahead = _ahead(design, [], targets)
+            self.size = max(1, ahead.shape[2])
+            self.whole = _Information(design.model, ahead)
+            return
         other, one = design.of(pair.other), design.of(pair.one)
         ahead = _ahead(design, [(pair.other.effect, pair.other.coefficients)], targets)
         own = _columns(design, pair.one.effect, pair.one.coefficients, targets)
@@ -170,13 +159,13 @@ class _Question:
         self.first = self.whole.sigmas()[-self.size :]
 
     def gains(self) -> Array:
-        """Return the gain of each direction for a coefficient of the first."""
-        return (self.whole.gains() - self.less.gains()) / self.size
+        """Return the gain of each direction for a coefficient of what is asked for."""
+        return (self.whole.gains() - (self.less.gains() if self.less else 0.0)) / self.size
 
     def add(self, n: int) -> None:
         """Add a direction."""
-        self.whole.add(n)
-        self.less.add(n)
+        for one in filter(None, (self.whole, self.less)):
+            one.add(n)
 
     def promise(self, pair: Pair) -> Promise:
         """Return what the directions so far promise."""

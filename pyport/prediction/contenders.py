@@ -148,8 +148,8 @@ def solved(columns: Array, value: Array, is_y: Rows, rows: Rows) -> tuple[Array,
 class Refitted:
     """A model with its terms held and their coefficients fitted."""
 
-    def __init__(self, night: Night, model: Model, name: str = ""):
-        self.night, self.model, self.name = night, model, name or model.name
+    def __init__(self, night: Night, model: Model):
+        self.night, self.model, self.name = night, model, model.name
         self.columns, self.value = night.columns(model), night.value(model)
         self.terms = float(self.columns.shape[1])
 

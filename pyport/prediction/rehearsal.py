@@ -49,14 +49,7 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
         wrong = f"a mount of {recordings.at.mount.id}, expected an alt-azimuth one for a grid"
         raise BadInput(wrong, recordings.file)
     night = Night.of(recordings)
-    row = night.stack.row
-    known = shrunk.Known(
-        night.columns(model),
-        shrunk.columns(recordings.at)[row],
-        night.stack.is_y,
-        night.value(model),
-    )
-    found = shrunk.fit(known)
+    found = OwnChoice(night, model).whole
     low, high = recordings.at.el.min() / DEG, recordings.at.el.max() / DEG
     heights = (
         np.arange(np.ceil(low / ELEVATION_DEG), np.floor(high / ELEVATION_DEG) + 1)
