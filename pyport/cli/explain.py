@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import FILE, PATH, about_file, beside_model, flag, models, option
+from pyport.cli.manners import FILE, PATH, about_file, beside_model, flag, models, option, say
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -149,7 +149,6 @@ def predict(
     naming. A model of more terms also meets as many terms that are
     picked automatically, held and picked anew: what that costs is what picking costs.
     """
-    from pyport.files import write_whole
     from pyport.formats.models import load
     from pyport.prediction import compare, rehearsal
     from pyport.recordings import read
@@ -171,12 +170,9 @@ def predict(
             from pyport.prediction.rehearsal import write_grid
 
             write_grid(measured, first, grid)
-    whole = json.dumps(compare.as_json(done, rehearsals), indent=1, allow_nan=False)
-    if out is not None:
-        with write_whole(out / "prediction.json") as file:
-            file.write(whole + "\n")
     text = compare.text(done) + ("\n" + compare.of_rehearsals(rehearsals) if rehearsals else "")
-    click.echo(whole if as_json else text)
+    told = compare.as_json(done, rehearsals)
+    say(text, told, as_json=as_json, file=out and out / "prediction.json")
 
 
 @click.command(

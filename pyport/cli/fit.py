@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, about_file, flag, models, option
+from pyport.cli.manners import PATH, about_file, flag, models, option, say
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -156,11 +155,7 @@ def _fit_rt32(
 
 def _show(report: dict[str, object], text: str, out: Path | None, *, as_json: bool) -> None:
     """Print a fit as text or JSON, and leave the JSON in a folder where one is asked for."""
-    from pyport.files import write_whole
     from pyport.pointing import kernel
 
-    whole = json.dumps(report | {"computed_with": kernel.path()}, indent=1, allow_nan=False)
-    if out is not None:
-        with write_whole(out / "fit.json") as file:
-            file.write(whole + "\n")
-    click.echo(whole if as_json else text)
+    whole = report | {"computed_with": kernel.path()}
+    say(text, whole, as_json=as_json, file=out and out / "fit.json")

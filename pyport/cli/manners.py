@@ -81,13 +81,19 @@ def counted(outcomes: Iterable[dict[str, Any]], total: int) -> Iterator[dict[str
             click.echo(f"\r{done} of {total} cases", err=True, nl=done == total)
 
 
-def say(text: str | Callable[[], str], told: object, *, as_json: bool) -> None:
-    """Print an answer: as text, or what `told` holds as JSON; either may be a function."""
-    if as_json:
+def say(
+    text: str | Callable[[], str], told: object, *, as_json: bool, file: Path | None = None
+) -> None:
+    """Print an answer: as text, or what `told` holds as JSON, in `file` too; both may be called."""
+    if as_json or file is not None:
         told = told() if callable(told) else told
-        click.echo(json.dumps(plain(told), indent=1, allow_nan=False))
-    else:
-        click.echo(text if isinstance(text, str) else text())
+        whole = json.dumps(plain(told), indent=1, allow_nan=False)
+    if file is not None:
+        from pyport.files import write_whole
+
+        with write_whole(file) as kept:
+            kept.write(whole + "\n")
+    click.echo(whole if as_json else text if isinstance(text, str) else text())
 
 
 def plain(value: object) -> Any:  # noqa: ANN401 - whatever JSON holds

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -48,13 +48,13 @@ def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
         from pyport.studies.gmrt.curves import tracks
 
         drawn = write_figures([*tracks(read("gmrt-2003-05-31")), *june], out)
-    if as_json:
-        say("", {"sections": sections, "figures": drawn}, as_json=True)
-        return
-    for title, text in sections.items():
-        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
-    for path in drawn:
-        click.echo(str(path))
+    _say({"sections": sections, "figures": drawn}, as_json=as_json)
+
+
+def _say(told: dict[str, Any], *, as_json: bool) -> None:
+    """Print an analysis as JSON, or its sections under their titles and its figures' names."""
+    sections = [f"{one}\n{'-' * len(one)}\n{text}\n" for one, text in told["sections"].items()]
+    say("\n".join([*sections, *map(str, told["figures"])]), told, as_json=as_json)
 
 
 def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
@@ -159,32 +159,26 @@ def rt32(
             tell(method)
             fits.append(fit_rt32(measured, method=method, box=box))
             honest.append(honest_sigmas(fits[-1]))
-    parts = [
-        ("Parameters", document.text(fits[0], honest[0])),
-        ("Correlations", document.correlations(fits[0])),
-        ("Beside the document", document.beside(fits[0])),
-    ]
+    parts = {
+        "Parameters": document.text(fits[0], honest[0]),
+        "Correlations": document.correlations(fits[0]),
+        "Beside the document": document.beside(fits[0]),
+    }
     if error is not None:
         made = [(fits[0], honest[0], error)]
         for other in track(range(seed + 1, seed + campaigns), "campaigns", campaigns - 1):
             measured, error = _simulated(other, None)
             fit = fit_rt32(measured, box=chosen_step(measured, box_step))
             made.append((fit, honest_sigmas(fit), error))
-        parts.append(("What was put in, and found", document.recovered(made)))
-    parts.append(("Other methods, sigmas by sessions [arcsec]", document.compared(fits, honest)))
+        parts["What was put in, and found"] = document.recovered(made)
+    parts["Other methods, sigmas by sessions [arcsec]"] = document.compared(fits, honest)
     drawn = []
     if out is not None:
         from pyport.studies.rt32.sky import write_figures
 
         drawn = write_figures(fits[0], out)
-    if as_json:
-        told = [document.as_json(one, own) for one, own in zip(fits, honest, strict=True)]
-        say("", {"fits": told, "sections": dict(parts), "figures": drawn}, as_json=True)
-        return
-    for title, text in parts:
-        click.echo(f"{title}\n{'-' * len(title)}\n{text}\n")
-    for path in drawn:
-        click.echo(str(path))
+    told = [document.as_json(one, own) for one, own in zip(fits, honest, strict=True)]
+    _say({"fits": told, "sections": parts, "figures": drawn}, as_json=as_json)
 
 
 def _simulated(seed: int, out: Path | None) -> tuple[Recordings, Array]:

@@ -184,6 +184,6 @@ def ulp(distance: int) -> str:
     return f"{distance:,}" if distance < LONG else f"{distance:.1e}"
 
 
-def summary(path: Path, random_points: int = 5000) -> str:
+def summary(path: Path) -> str:
     """Return the short account of a description's parity that the demonstration prints."""
-    return text(run(load(path), random_points))
+    return text(run(load(path), 5000))

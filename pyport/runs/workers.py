@@ -104,8 +104,6 @@ def workers(jobs: int = 1, cluster: str | None = None) -> Iterator[Spread[Any, A
 
 def end_with_parent() -> None:
     """End this process when the one that started it is killed: nobody waits for its work."""
-    import multiprocessing
-    import os
     import threading
 
     def watch() -> None:

@@ -139,9 +139,9 @@ class Table:
             raise self.wrong(f"`{key}` = {value!r}: expected {names}", key)
         return value
 
-    def words(self, key: str, default: tuple[str, ...] | None = ()) -> tuple[str, ...]:
+    def words(self, key: str, default: tuple[str, ...] = ()) -> tuple[str, ...]:
         """Return and remove a list of texts."""
-        value = self.take(key, list, ... if default is None else list(default))
+        value = self.take(key, list, list(default))
         if not all(isinstance(one, str) for one in value):
             raise self.wrong(f"`{key}` = {value!r}: expected a list of texts", key)
         return tuple(value)

@@ -27,7 +27,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, DEG, HOUR, Array
 from pyport.recordings import sky
-from pyport.studies.gmrt.curves import Curve
+from pyport.studies.gmrt.curves import Curve, columns
 from pyport.studies.gmrt.repetition import EAST, NAMED, Jumps, Mirror, Repeat
 
 
@@ -84,8 +84,7 @@ def wave_fitted_to_place(
     hour_angle = np.linspace(*hours, 60) * HOUR
     _, computed = sky.horizon(hour_angle, np.full(60, dec), latitude)
     _, seen = sky.horizon(hour_angle + on, np.full(60, dec), latitude + north)
-    columns = np.stack([np.ones(60), np.cos(hour_angle), np.sin(hour_angle)], axis=1)
-    a, cosine, sine = np.linalg.lstsq(columns, seen - computed, rcond=None)[0]
+    a, cosine, sine = np.linalg.lstsq(columns(hour_angle), seen - computed, rcond=None)[0]
     return Wave(float(a), -float(np.hypot(cosine, sine)), float(np.arctan2(sine, -cosine)))
 
 

@@ -17,8 +17,8 @@ from pyport.recordings.schema import Recordings
 #: 2004-01-01, after which the box offset was another [s, UTC since 1970].
 _CHANGED_S = 1072915200.0
 
-#: How much larger the box offset was before, and its error as the document has it [deg].
-BOX_STEP_DEG, BOX_STEP_SIGMA_DEG = 0.017, 0.001
+#: How much larger the box offset was before, to 0.001 deg as the document has it [deg].
+BOX_STEP_DEG = 0.017
 
 
 @dataclass(frozen=True)
