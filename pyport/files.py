@@ -62,10 +62,15 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
                 Path(temporary).unlink()
 
 
+def write_file(path: str | Path, content: str | bytes) -> None:
+    """Write a file, whole or not at all: text as UTF-8, newlines as they are, or bytes."""
+    with write_whole(path, "w" if isinstance(content, str) else "wb") as file:
+        file.write(content)
+
+
 def copy_whole(source: Path, target: Path) -> None:
     """Copy the bytes of a file."""
-    with write_whole(target, "wb") as file:
-        file.write(source.read_bytes())
+    write_file(target, source.read_bytes())
 
 
 def _give_usual_permissions(path: str) -> None:

@@ -89,10 +89,9 @@ def say(
         told = told() if callable(told) else told
         whole = json.dumps(plain(told), indent=1, allow_nan=False)
     if file is not None:
-        from pyport.files import write_whole
+        from pyport.files import write_file
 
-        with write_whole(file) as kept:
-            kept.write(whole + "\n")
+        write_file(file, whole + "\n")
     click.echo(whole if as_json else text if isinstance(text, str) else text())
 
 

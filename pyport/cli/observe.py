@@ -97,7 +97,7 @@ def look(
     Coverage of the sky; which effects they could separate, from the model and
     from each other, and which not; and what to observe next to distinguish those.
     """
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.formats.models import load
     from pyport.planning import look
     from pyport.planning.summary import as_json as for_programs
@@ -130,8 +130,7 @@ def look(
         )
     whole = json.dumps(for_programs(done), indent=1, allow_nan=False)
     if out is not None:
-        with write_whole(out / "look.json") as file:
-            file.write(whole + "\n")
+        write_file(out / "look.json", whole + "\n")
     if not quiet:
         click.echo(whole if as_json else text(done))
 
@@ -208,7 +207,7 @@ def targets(
 
     Within limits and the time left, in an order that saves slewing. `pyport look` says why.
     """
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.formats.models import load
     from pyport.planning.target_lists import EPOCH, FORMATS, read_catalogue
     from pyport.planning.targets import Limits, sunrise, targets
@@ -233,8 +232,7 @@ def targets(
     told = f"{counted(as_input(rows))}, model {model}"
     click.echo(told, err=out is None or as_json)
     if out is not None:
-        with write_whole(out) as file:
-            file.write(text)
+        write_file(out, text)
         text = f"{out}: {len(found)} targets"
     say(text.rstrip("\n"), found, as_json=as_json)
 

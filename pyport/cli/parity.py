@@ -71,7 +71,7 @@ def command(
     """
     if context.invoked_subcommand is not None:
         return
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.parity import report as reporting
     from pyport.parity.document import document
     from pyport.parity.run import kept_beside, run
@@ -80,8 +80,7 @@ def command(
     kept = kept_beside(report, description, points, seed)
     parity = run(description, points, seed, jobs, live=not stored, kept_in=kept)
     if report:
-        with write_whole(report) as file:
-            file.write(document(parity))
+        write_file(report, document(parity))
     if summary:
         with Path(summary).open("a", encoding="utf-8") as file:
             file.write(reporting.markdown(parity))
@@ -125,11 +124,10 @@ def golden(config: Path | None, *, as_json: bool) -> None:
 
 def _keep(description: Description, name: str, content: dict[str, Any]) -> None:
     """Write what a long check found beside the stored answers; the report shows it."""
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.parity.compiled.stored import one_row_a_line
 
-    with write_whole(description.answers / f"{name}.json") as file:
-        file.write(one_row_a_line(content))
+    write_file(description.answers / f"{name}.json", one_row_a_line(content))
 
 
 @command.command("matrix", epilog="Example: pyport parity matrix --config parity.toml")
@@ -201,14 +199,13 @@ def init(
 ) -> None:
     """Write a first parity.toml from Fortran FILES; what they do not say is marked with a ?."""
     from pyport.errors import BadInput
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.parity.described.init import described
 
     if out.exists() and not force:
         raise BadInput("is there already: --force writes over it", out)
     text = described(list(files), out, routines)
-    with write_whole(out) as file:
-        file.write(text)
+    write_file(out, text)
     marks = sum("?" in line for line in text.splitlines() if not line.startswith("# "))
     n = text.count("[[routine]]")
     left_out = [line[2:] for line in text.splitlines() if " is left out: " in line]

@@ -84,13 +84,14 @@ def applied(
         whole = np.full(len(at), np.nan)
         whole[there] = values - turn / DEG if name.endswith("az_deg") else values
         columns[name] = whole
+    bent = any("refraction" in term.effect.id for term in model.model.terms)
     return Applied(
         Table(raw.meta, {name: values[kept] for name, values in columns.items()}),
         tuple(found),
         int(kept.sum()),
         int((kept & ~there).sum()),
         _unknown(model, known),
-        int(_low(model, known).sum()),
+        int((known.el < LOWEST_EL).sum()) if bent else 0,
         _rms(raw, there, found) if residuals else {},
     )
 
@@ -157,12 +158,6 @@ def _unknown(model: PointingModel, at: Circumstances) -> dict[str, int]:
         if values is not None and values.dtype.kind == "f" and np.isnan(values).any():
             found[name] = int(np.isnan(values).sum())
     return found
-
-
-def _low(model: PointingModel, at: Circumstances) -> NDArray[np.bool_]:
-    """Tell which directions lie lower than refraction is followed, if the model has any, (n,)."""
-    bent = any("refraction" in term.effect.id for term in model.model.terms)
-    return bent & (at.el < LOWEST_EL)
 
 
 def _rms(raw: Raw, there: NDArray[np.bool_], found: dict[str, Array]) -> dict[str, float]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.models.terms.field_system import KATPOINT_NUMBER as NUMBER
 from pyport.models.terms.field_system import RATIOS, UNITS
@@ -97,8 +97,7 @@ def _configuration(lines: list[Line], path: Path) -> ModelFile:
 
 def write(file: ModelFile, path: Path) -> None:
     """Write a model in katpoint's vocabulary as a description string."""
-    with write_whole(path) as out:
-        out.write(description(file) + "\n")
+    write_file(path, description(file) + "\n")
 
 
 def description(file: ModelFile) -> str:
@@ -188,9 +187,7 @@ def write_ska_mid(file: ModelFile, path: Path) -> None:
     tree: dict[str, Any] = {"interface": INTERFACE, "antenna": file.title or "SKAxxx", "band": None}
     tree |= file.details
     tree["coefficients"] = {name: _as_json(by_name.get(name, nothing[name])) for name in UNITS}
-    with write_whole(path) as out:
-        json.dump(tree, out, indent=2, default=_plain)
-        out.write("\n")
+    write_file(path, json.dumps(tree, indent=2, default=_plain) + "\n")
 
 
 def _plain(value: object) -> float | str:

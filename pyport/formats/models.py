@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from pyport.errors import BadInput
-from pyport.files import is_file, write_whole
+from pyport.files import is_file, write_file
 from pyport.formats import discos, katpoint_model, tpoint_mod
 from pyport.formats.field_system import ctl
 from pyport.formats.model_file import WORDS, Entry, ModelFile
@@ -111,7 +111,8 @@ def _entry(row: dict[str, Any], vocabulary: str, path: Path) -> Entry:
             raise BadInput(error.message, path) from None
     units = [unit for unit, suffix in _SUFFIX.items() if f"value{suffix}" in row]
     if len(units) != 1:
-        raise BadInput(f"{name} expects one of {_values()}", path)
+        wanted = ", ".join(f"value{suffix}" for suffix in _SUFFIX.values())
+        raise BadInput(f"{name} expects one of {wanted}", path)
     (unit,) = units
     value, sigma = (row.get(f"{key}{_SUFFIX[unit]}") for key in ("value", "sigma"))
     marks = {mark: row[mark] for mark in _MARKS if mark in row}
@@ -128,10 +129,6 @@ def _number(value: object, what: str, path: Path) -> Decimal:
     raise BadInput(f"{what} is {value!r}, expected a number", path)
 
 
-def _values() -> str:
-    return ", ".join(f"value{suffix}" for suffix in _SUFFIX.values())
-
-
 def write(file: ModelFile, path: Path) -> None:
     """Write a model with its digits as they stand."""
     whole: dict[str, Any] = {"name": file.title} if file.title else {}
@@ -140,8 +137,7 @@ def write(file: ModelFile, path: Path) -> None:
         whole["phi_deg"] = file.phi_deg
     tables = {"term": [_row(entry) for entry in file.entries], "details": file.details}
     text = toml_spelled(whole | {key: table for key, table in tables.items() if table})
-    with write_whole(path) as out:
-        out.write(text)
+    write_file(path, text)
 
 
 def _row(entry: Entry) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import numpy as np
 from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects import Site, known
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.models.conditions import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
@@ -115,9 +115,7 @@ def write(model: Model, path: Path) -> None:
 
     Raises `BadInput`: the model was not completed.
     """
-    text = toml_spelled(tree(model))
-    with write_whole(path) as file:
-        file.write(text)
+    write_file(path, toml_spelled(tree(model)))
 
 
 def read(content: Mapping[str, Any], path: Path) -> Model:

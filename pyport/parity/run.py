@@ -128,7 +128,9 @@ def over(
 ) -> Results:
     """Add up what holds at each chunk, in their order, from where it was killed the last time."""
     state = so_far.load()
-    done, results = (0, {}) if state is None else (state[0]["done"], _of_state(state))
+    told: dict[str, Any] = {"done": 0, "results": []} if state is None else state[0]
+    done = told["done"]
+    results = {(port, name): Held.from_json(held) for port, name, held in told["results"]}
     with workers(jobs) as spread_over:
         parts = spread_over(hold_one, chunks[done:])
         for some in track(parts, "Comparing", total=len(chunks) - done):
@@ -147,10 +149,6 @@ def added(results: Results, some: Results) -> Results:
 def _as_state(done: int, results: Results) -> State:
     listed = [[*key, held.as_json()] for key, held in results.items()]
     return {"done": done, "results": listed}, {}
-
-
-def _of_state(state: State) -> Results:
-    return {(port, name): Held.from_json(held) for port, name, held in state[0]["results"]}
 
 
 def _ordered(description: Description, results: Results) -> Results:

@@ -14,17 +14,14 @@ from pyport.planning.targets import Source, Target
 from pyport.recordings.formats import csv
 
 
-def _moment(time_s: float) -> str:
-    return f"{np.datetime64(round(time_s), 's')}Z"
-
-
 def as_csv(some: Sequence[Target]) -> str:
     """Return targets as CSV: when, what, where, and what each decides."""
     lines = ["time_utc,source,az_deg,el_deg,ra_deg,dec_deg,decides"]
     for one in some:
         decides = " or ".join(one.decides or ())
         where = f"{one.az_deg:.4f},{one.el_deg:.4f},{one.ra_deg:.6f},{one.dec_deg:.6f}"
-        lines.append(f"{_moment(one.time_s)},{one.source},{where},{decides}")
+        when = np.datetime64(round(one.time_s), "s")
+        lines.append(f"{when}Z,{one.source},{where},{decides}")
     return "\n".join(lines) + "\n"
 
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from types import ModuleType
 
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 
 #: What `module.c` must offer; raised with it, so that an older kernel is left out.
 INTERFACE = 7
@@ -116,8 +116,7 @@ def answered(words: Sequence[str]) -> bool:
         name = words[2]
         if name.startswith("-") or not name.encode():
             return False
-        with write_whole(name, "wb") as file:
-            file.write(_text(KERNEL))
+        write_file(name, _text(KERNEL))
         said = f"{len(AZ_DEG) * len(ZD_DEG)} rows, model rt32-3model, refraction rt32-table"
         sys.stdout.write(f"{name}: {said}\n")
         sys.stdout.flush()

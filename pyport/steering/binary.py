@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 import pyport
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.steering.grid import UNITS_PER_DEG, Grid, Table
 
 MAGIC = b"PYPORTST"
@@ -71,8 +71,7 @@ def write_binary(table: Table, path: str | Path) -> None:
         _text(table.reading, 32),
     )
     body = header + _stored(table, path)
-    with write_whole(path, "wb") as file:
-        file.write(body + _CRC.pack(zlib.crc32(body)))
+    write_file(path, body + _CRC.pack(zlib.crc32(body)))
 
 
 @dataclass(frozen=True)

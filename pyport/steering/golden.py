@@ -9,7 +9,7 @@ import hashlib
 import zlib
 from pathlib import Path
 
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.steering.ascii import rows
 from pyport.steering.grid import Table
 from pyport.steering.tabulate import tabulate
@@ -32,5 +32,4 @@ def digests(table: Table) -> list[str]:
 if __name__ == "__main__":
     new = "\n".join(digests(tabulate())) + "\n"
     if not FILE.is_file() or FILE.read_text(encoding="ascii") != new:
-        with write_whole(FILE) as file:
-            file.write(new)
+        write_file(FILE, new)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file, write_whole
 from pyport.runs.checkpoint import key_of
 from pyport.watch.alarms import Alarm
 from pyport.watch.detection.antenna import Antenna, Slot
@@ -170,10 +170,8 @@ class Outputs:
             for one in new:
                 self.say(one)
         wrong = list(self._act(watch)) if self.command else []
-        with write_whole(self.folder / STATUS) as file:
-            file.write(json.dumps(watch.status(), indent=1) + "\n")
-        with write_whole(self.folder / METRICS) as file:
-            file.write(metrics(watch))
+        write_file(self.folder / STATUS, json.dumps(watch.status(), indent=1) + "\n")
+        write_file(self.folder / METRICS, metrics(watch))
         return wrong
 
     def _act(self, watch: Watch) -> Iterator[str]:
@@ -196,8 +194,7 @@ class Outputs:
     def _has_acted(self, number: int) -> None:
         """Keep up to which event the command was run."""
         self.acted = number
-        with write_whole(self.folder / ACTED) as file:
-            file.write(str(number))
+        write_file(self.folder / ACTED, str(number))
 
 
 def line(one: Event) -> str:

@@ -87,11 +87,9 @@ def put_between(text: str, mark: str, table: str) -> str:
 
 def rewrite(page: Path, mark: str, table: str) -> None:
     """Write a page anew with a table between two marks."""
-    from pyport.files import write_whole
+    from pyport.files import write_file
 
-    text = put_between(page.read_text(encoding="utf-8"), mark, table)
-    with write_whole(page) as file:
-        file.write(text)
+    write_file(page, put_between(page.read_text(encoding="utf-8"), mark, table))
 
 
 @click.command("thresholds", epilog="Example: pyport dev thresholds")
@@ -153,10 +151,9 @@ def keys(out: str | None, *, as_json: bool) -> None:
 
 
 def _put(text: str, path: str | None) -> None:
-    from pyport.files import write_whole
+    from pyport.files import write_file
 
     if path is None:
         click.echo(text, nl=False)
         return
-    with write_whole(path) as file:
-        file.write(text)
+    write_file(path, text)

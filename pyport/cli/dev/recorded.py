@@ -84,7 +84,7 @@ def real(
     random subsets of 15 to 40 rows.
     """
     from pyport.examiner.real import table
-    from pyport.files import write_whole
+    from pyport.files import write_file
 
     try:
         entries = table.chosen([one.strip() for one in (sets or "").split(",") if one.strip()])
@@ -100,8 +100,7 @@ def real(
     order = [one["name"] for one in entries]
     rows.sort(key=lambda row: order.index(row.name))
     if markdown is not None:
-        with write_whole(markdown) as file:
-            file.write(table.markdown(rows, absent))
+        write_file(markdown, table.markdown(rows, absent))
     if not as_json:
         click.echo(table.text(rows, absent))
 

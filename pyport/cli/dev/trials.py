@@ -70,7 +70,7 @@ def make(
     """Write recordings to OUT/recordings and the truth about them to OUT/truth."""
     from pyport.examiner.sealed.record.files import write_recordings, write_truth
     from pyport.examiner.worlds.kinds import files_of, make_case
-    from pyport.files import write_whole
+    from pyport.files import write_file
     from pyport.runs.stages import track
 
     for each in track(range(seed, seed + count), "making cases", total=count):
@@ -79,8 +79,7 @@ def make(
         write_recordings(case, out / "recordings" / f"{stem}.csv")
         write_truth(case, out / "truth" / f"{stem}.json")
         for name, text in files_of(case.arguments).items():
-            with write_whole(out / name) as file:
-                file.write(text)
+            write_file(out / name, text)
     say(f"{count} cases in {out}", {"cases": count, "folder": out}, as_json=as_json)
 
 
@@ -178,20 +177,17 @@ def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
     from pyport.cli.dev.listed import rewrite
     from pyport.examiner.real import studies
     from pyport.examiner.sealed.scoring import page as book
-    from pyport.files import write_whole
+    from pyport.files import write_file
 
     sets = book.published(docs / "proof" / "sets")
-    text = book.proof(sets, docs)
-    with write_whole(docs / "proof.md") as file:
-        file.write(text)
+    write_file(docs / "proof.md", book.proof(sets, docs))
     rewrite(docs / "proof" / "ledger.md", "sets", book.ledger(sets))
     rewrite(readme, "proof", book.readme(sets))
     real = (docs / "real.md").read_text(encoding="utf-8")
     for path in sorted((docs / "proof").glob("*.md")):
         told = path.read_text(encoding="utf-8")
         if (anew := studies.filled(told, real)) != told:
-            with write_whole(path) as file:
-                file.write(anew)
+            write_file(path, anew)
     if data is not None:
         for study in studies.PICTURES:
             click.echo(studies.draw(study, data, docs / "proof" / f"{study}.png"))

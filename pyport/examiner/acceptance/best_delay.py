@@ -77,7 +77,8 @@ def _delay(gains: Array, threshold: float) -> Best:
 
 def _gains(some: Recordings, model: Model, known: Sequence[tuple[float, str]]) -> Array:
     """Return what each row adds to the log-ratio of each known change, (K, n)."""
-    steps = [Term(_since(_effect(name, model), since)) for since, name in known]
+    whole = together([term.effect for term in model.fitted()])
+    steps = [Term(_since(CATALOGUE[name] if name else whole, since)) for since, name in known]
     found = fit(some, replace(model, terms=(*model.terms, *steps)))
     offsets = []
     for step in steps:
@@ -90,10 +91,6 @@ def _gains(some: Recordings, model: Model, known: Sequence[tuple[float, str]]) -
         without = replace(seen, x=seen.x - offsets[k][:, 0], y=seen.y - offsets[k][:, 1])
         gains[k] = _of_one(seen, without, model)
     return gains
-
-
-def _effect(name: str, model: Model) -> Effect:
-    return CATALOGUE[name] if name else together([term.effect for term in model.fitted()])
 
 
 def _since(effect: Effect, since: float) -> Effect:

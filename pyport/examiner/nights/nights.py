@@ -66,10 +66,6 @@ class Step:
     truth: dict[str, float]
 
 
-def _both_zeros(n: int) -> Array:
-    return np.repeat(np.eye(2)[None], n, axis=0)
-
-
 def _tilt(at: schedule.Pointings) -> Array:
     north, east = (
         scores.both(*scores.lean(at.az, at.el, toward), len(at)) for toward in (0.0, math.pi / 2)
@@ -77,16 +73,12 @@ def _tilt(at: schedule.Pointings) -> Array:
     return np.stack([north, east], axis=2)
 
 
-def _sag(at: schedule.Pointings) -> Array:
-    return scores.both(0.0, np.cos(at.el), len(at))[:, :, None]
-
-
 #: The steps: the ids that a watch may call each by, and its columns, (n, 2, k).
 STEPS = {
     "elevation zero": ("elevation_zero", lambda at: scores.altaz(at.az, at.el)[:, :, 1:2]),
-    "both zeros": ("epoch_offset", lambda at: _both_zeros(len(at))),
+    "both zeros": ("epoch_offset", lambda at: np.repeat(np.eye(2)[None], len(at), axis=0)),
     "tilt": ("tilt", _tilt),
-    "sag": ("sag_cosine", _sag),
+    "sag": ("sag_cosine", lambda at: scores.both(0.0, np.cos(at.el), len(at))[:, :, None]),
 }
 
 

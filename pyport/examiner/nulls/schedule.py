@@ -93,10 +93,6 @@ def _half_around(rng: np.random.Generator) -> Region:
     return lambda az, el: (np.cos(az - middle) > 0) & (el > np.radians(10)) & (el < np.radians(87))
 
 
-def _half(rng: np.random.Generator) -> Region:
-    return (_half_above, _half_around)[rng.integers(2)](rng)
-
-
 def _wide(_: np.random.Generator) -> Region:
     return lambda _az, el: (el > np.radians(10)) & (el < np.radians(87))
 
@@ -113,7 +109,7 @@ def _low(_: np.random.Generator) -> Region:
 
 #: Kinds of sky: half of it (above 30 deg, or half of the circle of azimuths), ...
 SKIES = {
-    "half": _half,
+    "half": lambda rng: (_half_above, _half_around)[rng.integers(2)](rng),
     "half-around": _half_around,
     "wide": _wide,
     "band": _band,

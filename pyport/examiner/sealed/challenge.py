@@ -22,7 +22,7 @@ from pyport.examiner.sealed.record.published import check_report, read_json, rea
 from pyport.examiner.sealed.scoring import score
 from pyport.examiner.sealed.scoring.overall import Row
 from pyport.examiner.sealed.seal import Folder, check_truths, seal
-from pyport.files import write_whole
+from pyport.files import write_file
 
 #: The program as one who answers.
 PROGRAM = "pyport"
@@ -85,8 +85,8 @@ def challenge(root: Path, seed: int, count: int) -> dict[str, Any]:
         for one in sealed["cases"]
         if one["arguments"]
     ]
-    with write_whole(root / "README.md") as file:
-        file.write(_README.format(count=count, others="\n".join(others) or "(none here)"))
+    text = _README.format(count=count, others="\n".join(others) or "(none here)")
+    write_file(root / "README.md", text)
     return sealed
 
 

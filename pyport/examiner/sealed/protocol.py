@@ -25,7 +25,7 @@ from pyport.examiner.worlds.case import LITTLE
 from pyport.examiner.worlds.faults import UNKNOWN
 from pyport.examiner.worlds.kinds import HIDEABLE, MODELS, STANDS, Spec
 from pyport.examiner.worlds.twins import TWINS
-from pyport.files import write_whole
+from pyport.files import write_file
 
 #: What each row of the score must reach, as the proof's table has it.
 THRESHOLDS: dict[str, float] = {
@@ -270,8 +270,7 @@ def draft(path: Path, name: str, specs: Sequence[Spec], chance: random.Random) -
         for number, spec in enumerate(order, start=1)
     ]
     drawn = {**asked, "cases": cases}
-    with write_whole(path) as file:
-        json.dump(drawn, file)
+    write_file(path, json.dumps(drawn))
     return drawn
 
 

@@ -33,7 +33,7 @@ from pyport.examiner.sealed.record.history import History
 from pyport.examiner.sealed.record.published import read_json, read_seal
 from pyport.examiner.sealed.scoring import score
 from pyport.examiner.sealed.seal import Folder, check_truths, reveal, seal, write_json
-from pyport.files import copy_whole, sha256, write_whole
+from pyport.files import copy_whole, sha256, write_file
 from pyport.runs.stages import track
 
 SEALED, ANSWERS, OPENED = "sealed.json", "answers.jsonl.xz", "opened.jsonl.xz"
@@ -167,8 +167,7 @@ def write_lines(path: Path, lines: Iterable[Any]) -> None:
     text = "".join(
         json.dumps(one, separators=(",", ":"), ensure_ascii=False) + "\n" for one in lines
     )
-    with write_whole(path, "wb") as file:
-        file.write(lzma.compress(text.encode("utf-8")))
+    write_file(path, lzma.compress(text.encode("utf-8")))
 
 
 def read_lines(data: bytes) -> list[Any]:

@@ -26,7 +26,7 @@ from pyport.examiner.sealed.record import code, files
 from pyport.examiner.sealed.record.compact import rows_of
 from pyport.examiner.sealed.record.files import canonical, write_recordings
 from pyport.examiner.sealed.record.published import read_answers, read_report, read_seal
-from pyport.files import copy_whole, sha256, write_whole
+from pyport.files import copy_whole, sha256, write_file
 from pyport.runs.stages import track
 
 SCHEMA = "pyport.sealed/2"
@@ -79,9 +79,7 @@ class Folder:
 
 def write_json(path: Path, data: Any) -> None:  # noqa: ANN401 - whatever JSON holds
     """Write readable JSON, whole or not at all."""
-    with write_whole(path) as file:
-        json.dump(data, file, indent=1, ensure_ascii=False)
-        file.write("\n")
+    write_file(path, json.dumps(data, indent=1, ensure_ascii=False) + "\n")
 
 
 def seal(
@@ -133,10 +131,9 @@ def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
     if not nonce.exists():
         made = Spec(**spec).make(seed)
         write_recordings(made, folder.recordings(case))
-        with write_whole(truth) as file:
-            file.write(canonical({"case": case, "seed": seed, "spec": spec, "truth": made.truth}))
-        with write_whole(nonce) as file:
-            file.write(drawn["nonce"])
+        told = {"case": case, "seed": seed, "spec": spec, "truth": made.truth}
+        write_file(truth, canonical(told))
+        write_file(nonce, drawn["nonce"])
     text = truth.read_bytes().decode("utf-8")
     return {
         "case": case,

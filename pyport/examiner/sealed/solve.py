@@ -21,7 +21,7 @@ from pyport.examiner.sealed.record.compact import compact, rows_of
 from pyport.examiner.sealed.record.published import check_report, read_json, read_seal
 from pyport.examiner.sealed.seal import Folder, check_untouched
 from pyport.examiner.worlds.kinds import files_of
-from pyport.files import sha256, write_whole
+from pyport.files import sha256, write_file
 from pyport.runs.stages import track
 
 #: What solves, when nothing else is asked for: a module and its first arguments.
@@ -140,10 +140,9 @@ def _keep(task: Task, answer: Path, failure: str | None, took_s: float) -> None:
 def keep(folder: Folder, case: str, report: dict[str, Any]) -> None:
     """Write a compact report, last, so that a report means that all is there, and its rows."""
     if report.get("left_out"):
-        with write_whole(folder.rows(case)) as file:
-            file.write(rows_of(report["left_out"]))
-    with write_whole(folder.report(case)) as file:
-        json.dump(report, file, separators=(",", ":"), ensure_ascii=False)
+        write_file(folder.rows(case), rows_of(report["left_out"]))
+    text = json.dumps(report, separators=(",", ":"), ensure_ascii=False)
+    write_file(folder.report(case), text)
 
 
 def _answered(answer: Path) -> tuple[dict[str, Any], str | None]:

@@ -32,7 +32,7 @@ from pyport.examiner.sealed.record.files import commitment
 from pyport.examiner.sealed.record.history import History
 from pyport.examiner.sealed.record.published import read_seal
 from pyport.examiner.sealed.seal import Folder
-from pyport.files import write_whole
+from pyport.files import write_file
 
 #: Numbers of a verdict may differ by so much between machines, in parts of themselves.
 _ALIKE = 1e-6
@@ -83,8 +83,7 @@ def verify(place: Path, again: int | None, jobs: int = 1) -> Iterator[Check]:
     yield from _order(chain)
     with tempfile.TemporaryDirectory(prefix="proof-") as name:
         folder = Folder(Path(name) / "set")
-        with write_whole(folder.seal, "wb") as file:
-            file.write(chain.held[SEALED])
+        write_file(folder.seal, chain.held[SEALED])
         sealed = read_seal(folder.seal)
         package = history.unpack(chain.commits[0], "pyport", Path(name) / "code")
         yield from _code(sealed, package)
@@ -142,8 +141,7 @@ def _hashes(chain: Chain, sealed: dict[str, Any], folder: Folder) -> Iterator[Ch
         shown = by_case.get(one["case"])
         if shown and commitment(shown["nonce"], shown["truth"]) == one["truth_commitment"]:
             right += 1
-            with write_whole(folder.opened / f"{one['case']}.truth.json") as file:
-                file.write(shown["truth"])
+            write_file(folder.opened / f"{one['case']}.truth.json", shown["truth"])
     all_open = right == len(cases) == len(opened)
     yield Check("truths are those sealed", f"{right} of {len(cases)}", all_open)
 

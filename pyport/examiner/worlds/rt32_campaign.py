@@ -49,7 +49,11 @@ def rt32_campaign(seed: int, rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS)
     world = replace(rt32_whole(plan), across=across, up=up).with_mount(
         beam_left=np.where(plan.time_s < unix(2004, 1, 1), BOX_STEP, 0.0)
     )
-    hidden = hide(world, [], None, _noise())
+    # a tenth of the noise wanders through the session, and there are single bad rows
+    noise = Noise(
+        _SIGMA, _SIGMA, drift_share=0.06, memory_s=3600.0, outlier_share=0.05, step=ARCSEC
+    )
+    hidden = hide(world, [], None, noise)
     about = {"kind": "rt32-campaign", "seed": seed, "box_step_deg": BOX_STEP / DEG}
     case = finish(hidden, streams, about, azimuth_zero="south")
     error = _errors(case, across, up)
@@ -57,13 +61,6 @@ def rt32_campaign(seed: int, rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS)
         case,
         header={"simulated": LABEL, **case.header},
         truth={**case.truth, "error_arcsec": (error / ARCSEC).round(3).tolist()},
-    )
-
-
-def _noise() -> Noise:
-    """Return noise of which a tenth wanders through the session, and single bad rows."""
-    return Noise(
-        _SIGMA, _SIGMA, drift_share=0.06, memory_s=3600.0, outlier_share=0.05, step=1.0 * ARCSEC
     )
 
 

@@ -156,7 +156,8 @@ def _serve(pipe: Connection) -> None:
             path, number, arrays, fresh = pipe.recv()
         except EOFError:
             return
-        pipe.send(_ask(path, number, arrays, fresh=fresh))
+        # a fresh copy of a library has nothing saved yet
+        pipe.send(call(_fresh(path) if fresh else _loaded(path), number, arrays))
 
 
 def imported(path: str) -> ModuleType:
@@ -168,11 +169,6 @@ def imported(path: str) -> ModuleType:
 
 
 _loaded = cache(imported)
-
-
-def _ask(path: str, number: int, arrays: list[NDArray], *, fresh: bool) -> list[NDArray]:
-    """Call a loop of a library; where `fresh`, of a copy in which nothing was saved yet."""
-    return call(_fresh(path) if fresh else _loaded(path), number, arrays)
 
 
 def call(library: ModuleType, number: int, arrays: list[NDArray]) -> list[NDArray]:

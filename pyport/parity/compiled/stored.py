@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.parity.compiled import build
 from pyport.parity.compiled.oracle import Oracle
 from pyport.parity.described import inputs
@@ -144,8 +144,7 @@ def write(
         old = json.loads(path.read_text(encoding="utf-8"))
         if {**old, "provenance": None} == {**content, "provenance": None}:
             return False
-    with write_whole(path) as file:
-        file.write(one_row_a_line(content))
+    write_file(path, one_row_a_line(content))
     return True
 
 

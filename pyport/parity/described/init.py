@@ -131,12 +131,9 @@ def _cracked(path: Path) -> list[dict[str, Any]]:
         crackfortran.badnames.update(renamed)
     inside = [one for block in blocks for one in [block, *block.get("body", [])]]
     modules = [one for one in blocks if one.get("block") == "module"]
-    return [one for one in inside if one not in modules and not _in_module(one, modules)]
-
-
-def _in_module(block: dict[str, Any], modules: list[dict[str, Any]]) -> bool:
-    """Tell whether a routine stands in a module: such procedures are not supported."""
-    return any(block is one for module in modules for one in module.get("body", []))
+    # procedures of a module are not supported
+    refused = {id(one) for module in modules for one in module.get("body", [])}
+    return [one for one in inside if one not in modules and id(one) not in refused]
 
 
 def _intent(statements: list[str], name: str) -> tuple[str, str]:

@@ -32,7 +32,7 @@ from pyport.columns import (
     angle_of,
 )
 from pyport.errors import BadInput
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.recordings.formats.csv import read_text
 from pyport.recordings.formats.sheet import Sheet, sheet
 from pyport.recordings.raw import Raw
@@ -175,8 +175,7 @@ def load(path: Path) -> dict[str, str]:
 
 def save(columns: Mapping[str, str], path: Path) -> None:
     """Keep a map in a small TOML file."""
-    with write_whole(path) as file:
-        file.write(toml_spelled({"columns": dict(columns)}))
+    write_file(path, toml_spelled({"columns": dict(columns)}))
 
 
 #: What other people call a column: a pattern, and the contract's quantity.

@@ -144,7 +144,11 @@ def page(found: Evidence) -> str:
     for name, crab in found.crab.items():
         head = f"{name}, the Crab, from Cyg A:"
         parts.append("\n".join([head, *held_out(crab), *_verdict(crab)]))
-    parts.append("\n".join(_told(found.checks)))
+    lines = ["What must come out:"]
+    for check in found.checks:
+        said = f"{check.what}: {check.value:.3f} (wanted {check.wanted})"
+        lines.append(f"  {'yes' if check.passed else 'NO ':3} {said}")
+    parts.append("\n".join(lines))
     return "\n\n".join(parts)
 
 
@@ -157,13 +161,6 @@ def _verdict(one: Unseen) -> list[str]:
     told = f"{'Good' if good else 'Bad'}: predicted to {median.after / ARCMIN:.2f}'"
     beside = f"{'only ' if good else ''}to {median.fitted_before / ARCMIN:.2f}'"
     return [f"  {told}, the model's form fits that very day {beside}."]
-
-
-def _told(checks: tuple[Check, ...]) -> list[str]:
-    return ["What must come out:"] + [
-        f"  {'yes' if one.passed else 'NO ':3} {one.what}: {one.value:.3f} (wanted {one.wanted})"
-        for one in checks
-    ]
 
 
 def write(found: Evidence, folder: Path) -> list[Path]:

@@ -193,7 +193,8 @@ def correlations(fit: Rt32Fit) -> str:
     size = len(fit.values)
     lines = ["     " + "".join(f"{f'p{k + 1}':>6s}" for k in range(size))]
     for k, row in enumerate(fit.correlation):
-        lines.append(f"{f'p{k + 1}':>4s} " + "".join(map(_share, row[: k + 1])))
+        cells = [f"{one:6.2f}".replace("nan", "  -") for one in row[: k + 1]]
+        lines.append(f"{f'p{k + 1}':>4s} " + "".join(cells))
     return "\n".join(lines)
 
 
@@ -223,10 +224,6 @@ def _middle(ratios: Array) -> float:
     """Return the median of what is known, NaN where nothing is."""
     known = ratios[np.isfinite(ratios)]
     return float(np.median(known)) if len(known) else float("nan")
-
-
-def _share(correlation: float) -> str:
-    return f"{correlation:6.2f}".replace("nan", "  -")
 
 
 def as_json(fit: Rt32Fit, honest: Array) -> dict[str, object]:

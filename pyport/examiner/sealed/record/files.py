@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pyport.examiner.scores import Share
 from pyport.examiner.sealed.record import code
 from pyport.examiner.worlds.case import Case
-from pyport.files import write_whole
+from pyport.files import write_file, write_whole
 
 
 def commitment(nonce: str, text: str) -> str:
@@ -48,10 +48,6 @@ _PLACES = frozenset(
 )
 
 
-def _decimals(name: str) -> int:
-    return 7 if name.startswith("d_") else 6 if name in _PLACES else 2
-
-
 def canonical(truth: dict[str, Any]) -> str:
     """Return the one text that a truth is sealed as: sorted keys, no spaces to spare, one line."""
     return json.dumps(truth, sort_keys=True, separators=(",", ":"), ensure_ascii=False) + "\n"
@@ -70,15 +66,14 @@ def write_recordings(case: Case, path: Path) -> None:
 
 def write_truth(case: Case, path: Path) -> None:
     """Write what a solver may not see."""
-    with write_whole(path) as file:
-        file.write(canonical(case.truth))
+    write_file(path, canonical(case.truth))
 
 
 def _texts(name: str, values: NDArray[Any]) -> list[str]:
     """Return a column as text, blank where there is no number."""
     if values.dtype.kind != "f":
         return [str(value) for value in values]
-    decimals = _decimals(name)
+    decimals = 7 if name.startswith("d_") else 6 if name in _PLACES else 2
     return ["" if np.isnan(value) else f"{value:.{decimals}f}" for value in values]
 
 

@@ -108,7 +108,8 @@ def wrong(verdicts: Iterable[Verdict]) -> str:
         elif hidden and one.wrong:
             said = ", ".join(one.wrong)
             beside = "beside what is right " if any(one.found) else ""
-            lines.append(f"- {one.case} ({one.group}): hidden {_hidden(one)}, {beside}said {said}")
+            what = f"{one.spec['effect'] or 'causes drawn at random'} at rho {one.spec['rho']:g}"
+            lines.append(f"- {one.case} ({one.group}): hidden {what}, {beside}said {said}")
     failed = sum(1 for one in verdicts if one.failed)
     return "\n".join(
         [
@@ -119,7 +120,3 @@ def wrong(verdicts: Iterable[Verdict]) -> str:
             "",
         ]
     )
-
-
-def _hidden(one: Verdict) -> str:
-    return f"{one.spec['effect'] or 'causes drawn at random'} at rho {one.spec['rho']:g}"

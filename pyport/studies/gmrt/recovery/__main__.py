@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pyport.files import write_whole
+from pyport.files import write_file
 from pyport.recordings.files import DATA
 from pyport.studies.gmrt.recovery import build, checks
 
@@ -11,8 +11,7 @@ def main() -> None:
     """Write every file of recordings, Table 18, and the figures of the README."""
     build.write_all(DATA)
     text = checks.readme()
-    with write_whole(checks.README) as file:
-        file.write(text)
+    write_file(checks.README, text)
 
 
 if __name__ == "__main__":
