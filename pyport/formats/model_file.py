@@ -131,7 +131,10 @@ def translated(file: ModelFile, vocabulary: str, *, leave_out: bool = False) -> 
     for entry in _counted(file):
         for name, weight in _counterparts(file, entry, vocabulary):
             one = _renamed(entry, name, weight, vocabulary)
-            found[name] = one if name not in found else _sum(found[name], one)
+            if (same := found.get(name)) is not None:  # their sum's sigma is not known
+                value, fixed = same.value + one.value, same.fixed and one.fixed
+                one = replace(same, value=value, sigma=None, fixed=fixed)
+            found[name] = one
     return ModelFile(vocabulary, tuple(found.values()), file.title)
 
 
@@ -167,12 +170,6 @@ def _renamed(entry: Entry, name: str, sign: float, vocabulary: str) -> Entry:
     sigma = None if entry.sigma is None else abs(in_unit(entry.sigma, entry.unit, word.unit))
     value = in_unit(entry.value, entry.unit, word.unit) * factor
     return replace(entry, name=name, value=value, unit=word.unit, sigma=sigma, formula="")
-
-
-def _sum(one: Entry, other: Entry) -> Entry:
-    """Return two terms that mean the same as one; its sigma is not known."""
-    both = one.fixed and other.fixed
-    return replace(one, value=one.value + other.value, sigma=None, fixed=both)
 
 
 def in_unit(value: Decimal, unit: str, wanted: str) -> Decimal:

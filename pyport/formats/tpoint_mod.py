@@ -118,11 +118,8 @@ def write(file: ModelFile, path: Path) -> None:
         for entry in file.entries:
             if entry.used:
                 meant = f"! {entry.name}: {entry.formula}\n" if entry.formula else ""
-                out.write(f"{meant}{_line(entry)}\n")
+                marks = ("&" if entry.parallel else " ") + ("=" if entry.fixed else " ")
+                sigma = "" if entry.sigma is None or entry.fixed else padded(entry.sigma, 12, 5)
+                value = padded(entry.value, 10, 4, "+")
+                out.write(f"{meant}{marks}{entry.name:8s}{value}{sigma}\n")
         out.write("END\n")
-
-
-def _line(entry: Entry) -> str:
-    marks = ("&" if entry.parallel else " ") + ("=" if entry.fixed else " ")
-    sigma = "" if entry.sigma is None or entry.fixed else padded(entry.sigma, 12, 5)
-    return f"{marks}{entry.name:8s}{padded(entry.value, 10, 4, '+')}{sigma}"

@@ -31,8 +31,9 @@ def document(parity: Parity) -> str:
     for port in d.ports:
         sections += [f"## The {port.name} port: {PROMISE_TEXT[port.promise]}\n"]
         sections.append(_bits(parity, port) if port.promise == "bits" else _others(parity, port))
-    if notes := _notes(d):
-        sections += ["## Where port and Fortran differ on purpose\n", notes]
+    if notes := [[f"`{one.name}`", one.note] for one in d.routines if one.note]:
+        sections.append("## Where port and Fortran differ on purpose\n")
+        sections.append(markdown_table(["routine", "why"], notes))
     if matrix := recorded(d, "matrix"):
         sections += ["## Builds of the same text\n", MATRIX, _matrix(matrix)]
     if "sections" in d.page:
@@ -175,11 +176,6 @@ def _reproducer(one: Comparison) -> str:
         f"- {one.routine} {one.output}, {ulp(worst.distance)} ulp: `{worst.input_text()}` "
         f"gives `{one_text(worst.actual)}` for `{one_text(worst.expected)}`"
     )
-
-
-def _notes(description: Description) -> str:
-    rows = [[f"`{one.name}`", one.note] for one in description.routines if one.note]
-    return markdown_table(["routine", "why"], rows) if rows else ""
 
 
 def _matrix(matrix: dict[str, Any]) -> str:

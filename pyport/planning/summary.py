@@ -49,12 +49,11 @@ def text(look: Look) -> str:
     ):
         if told := list(told_of(look)):
             lines += ["", title, *told]
-    return "\n".join(part for line in lines for part in _wrapped(line))
-
-
-def _wrapped(line: str) -> list[str]:
-    lead = " " * (len(line) - len(line.lstrip()))
-    return textwrap.wrap(line, _WIDTH, subsequent_indent=lead + "  ") or [""]
+    wrapped = []
+    for line in lines:
+        lead = " " * (len(line) - len(line.lstrip()) + 2)
+        wrapped += textwrap.wrap(line, _WIDTH, subsequent_indent=lead) or [""]
+    return "\n".join(wrapped)
 
 
 def _head(look: Look) -> Iterable[str]:

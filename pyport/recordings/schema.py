@@ -245,7 +245,10 @@ def tabulate(recordings: Recordings) -> Table:
             label, unit = _UNITS.get(name, (name, 1.0))
             columns[label] = values if values.dtype.kind == "U" else values / unit
     if recordings.set_aside:
-        columns = {name: _lengthen(v, len(recordings.set_aside)) for name, v in columns.items()}
+        more = len(recordings.set_aside)
+        for name, values in columns.items():
+            blank = np.full(more, "" if values.dtype.kind == "U" else np.nan)
+            columns[name] = np.concatenate([values, blank])
         reasons = [aside.reason for aside in recordings.set_aside]
         columns[SET_ASIDE] = np.array([""] * len(recordings) + reasons, np.str_)
     return Table(_meta(recordings), columns)
@@ -267,9 +270,3 @@ def iso_8601(seconds: NDArray[np.float64]) -> NDArray[np.str_]:
     """Return seconds since 1970 as ISO 8601 in UTC to the microsecond, "" for NaN."""
     micro = np.round(np.nan_to_num(seconds) * 1e6).astype("datetime64[us]")
     return np.where(np.isnan(seconds), "", np.datetime_as_string(micro, timezone="UTC"))
-
-
-def _lengthen(values: NDArray[Any], by: int) -> NDArray[Any]:
-    """Return a column with blank cells added."""
-    blank = np.full(by, "" if values.dtype.kind == "U" else np.nan)
-    return np.concatenate([values, blank])

@@ -262,7 +262,9 @@ def metadata_only(paths: Sequence[Path], names: Sequence[str]) -> tuple[int, int
     It has the truths of all other cases, and names that of the case whose
     columns are most like these in mean, spread and range.
     """
-    features = _standardised(np.array([_summary(read_table(path)) for path in paths]))
+    features = np.array([_summary(read_table(path)) for path in paths])
+    spread = features.std(axis=0)
+    features = (features - features.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
     apart = np.linalg.norm(features[:, None, :] - features[None, :, :], axis=2)
     np.fill_diagonal(apart, np.inf)
     nearest = np.argmin(apart, axis=1)
@@ -281,8 +283,3 @@ def _summary(table: Table) -> list[float]:
         else:
             summary += [float(f(value)) for f in (np.mean, np.std, np.min, np.max)]
     return summary
-
-
-def _standardised(features: Array) -> Array:
-    spread = features.std(axis=0)
-    return (features - features.mean(axis=0)) / np.where(spread > 0, spread, 1.0)

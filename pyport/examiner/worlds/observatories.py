@@ -149,16 +149,13 @@ def rt32(seed: int, rows: int = RT32_ALTITUDE_ROWS + RT32_AZIMUTH_ROWS) -> Case:
     """Make the campaigns that the RT32's published model was fitted to, its p8 to p12 hidden."""
     streams = Streams.of(seed)
     world = World(rt32_plan(streams.plan, rows), mount=rt32_mount())
-    hidden = hide(world, _rt32_faults(world), None, _rt32_noise())
-    return finish(hidden, streams, {"kind": "rt32", "seed": seed}, azimuth_zero="south")
-
-
-def _rt32_noise() -> Noise:
-    """Return 12.8 arcsec, some of it slow, and the tenth of the rows that was bad."""
+    # some of the noise is slow, and a tenth of the rows was bad
     sigma = 12.8 * ARCSEC
-    return Noise(
+    noise = Noise(
         sigma, sigma, drift_share=0.2, memory_s=5400.0, outlier_share=0.08, step=3.6 * ARCSEC
     )
+    hidden = hide(world, _rt32_faults(world), None, noise)
+    return finish(hidden, streams, {"kind": "rt32", "seed": seed}, azimuth_zero="south")
 
 
 def ablation(

@@ -177,17 +177,13 @@ def read_data_set(
     fine = shrunk(second, MOST_PLACES)
     points = shrunk(fine, MOST_NUMBERS, _numbers)
     recordings = interpret(as_raw(points, root, keys))
-    recordings = recordings.take(np.argsort(_times(points)[recordings.line - 1], kind="stable"))
+    time, rows = (points.totals[:, SUMMED.index(name)] for name in ("time", "rows"))
+    order = np.argsort((time / rows)[recordings.line - 1], kind="stable")
+    recordings = recordings.take(order)
     at = replace(recordings.at, fine=_fine(points, fine, recordings.line - 1, root, keys))
     listed = tuple(SetAside(line, f"{file}: {why}") for file, line, why in first.aside.listed)
     told = _reduction(points, fine, first.aside, first.rows)
     return replace(recordings, at=at, set_aside=listed, reduction=told)
-
-
-def _times(points: Cells) -> Array:
-    """Return the mean time of each cell [s]."""
-    time, rows = (points.totals[:, SUMMED.index(name)] for name in ("time", "rows"))
-    return np.asarray(time / rows)
 
 
 def _fine(
