@@ -29,12 +29,8 @@ def tilted(az_south: Array, altitude: Array, xi: float, zeta: float) -> tuple[Ar
     tilt. The change of azimuth is the angle between the direction's shadows
     before and after it, so that nothing is lost by subtracting large angles.
 
-    Parameters
-    ----------
-    az_south, altitude
-        True position [rad]; altitudes beyond 90 deg point in plunge.
-    xi, zeta
-        Tilt of the azimuth axis toward south and toward west [rad].
+    `az_south`, `altitude`: true position [rad]; altitudes beyond 90 deg point in plunge.
+    `xi`, `zeta`: tilt of the azimuth axis toward south and toward west [rad].
 
     Notes
     -----
@@ -65,14 +61,9 @@ def skewed(altitude: Array, sigma: float, beta: float) -> tuple[Array, Array]:
     Eqs. 15 and 16. Within |sigma + beta| of the zenith no setting of the axes
     reaches the source: the azimuth stops a quarter turn away, as in Model.
 
-    Parameters
-    ----------
-    altitude
-        Altitude that the tilted mount reads [rad].
-    sigma
-        Skew of the elevation axis, positive when its west end (at azimuth 0) is high [rad].
-    beta
-        Offset of the beam, positive toward east (at azimuth 0) [rad].
+    `altitude`: altitude that the tilted mount reads [rad].
+    `sigma`: skew of the elevation axis, positive when its west end (at azimuth 0) is high [rad].
+    `beta`: offset of the beam, positive toward east (at azimuth 0) [rad].
     """
     sin_h, cos_h = np.sin(altitude), np.cos(altitude)
     sin_turn = (np.sin(sigma) * sin_h + np.sin(beta)) / (cos_h * np.cos(sigma))

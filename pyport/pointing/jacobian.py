@@ -85,17 +85,9 @@ def skew_slopes(sine: Array, cosine: Array, sigma: float, beta: float) -> tuple[
 def exact_slopes(az: Axis, alt: Axis, p: Array) -> dict[int, Slopes]:
     """Return d(d_az, d_alt)/dp for the parameters that the exact form is not linear in.
 
-    Parameters
-    ----------
-    az, alt
-        True positions, azimuth from south, shape (n,).
-    p
-        The twelve parameters [rad].
-
-    Returns
-    -------
-    dict
-        Index of the parameter (2 skew, 3 box, 4 and 5 tilt) to its two slopes, shape (n,) each.
+    `az`, `alt`: true positions, azimuth from south, shape (n,).
+    `p`: the twelve parameters [rad].
+    Returns by the index of the parameter (2 skew, 3 box, 4 and 5 tilt) its two slopes, (n,) each.
     """
     *by_tilt, read = tilt_slopes(az, alt, p[4], p[5])
     by_skew, by_box, by_altitude = skew_slopes(*read, p[2], p[3])

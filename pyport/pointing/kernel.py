@@ -48,14 +48,9 @@ def look_up(
 ) -> bool:
     """Write what a table's offsets are between its nodes; tell whether that could be done.
 
-    Parameters
-    ----------
-    nodes
-        The table's two axes, of equal steps, shapes (n,) and (m,).
-    of
-        Both offsets at the nodes, side by side, shape (n, m, 2).
-    at, out
-        Two places and the room for two offsets, shape (k,) each.
+    `nodes`: the table's two axes, of equal steps, shapes (n,) and (m,).
+    `of`: both offsets at the nodes, side by side, shape (n, m, 2).
+    `at`, `out`: two places and the room for two offsets, shape (k,) each.
 
     Notes
     -----
@@ -72,14 +67,10 @@ def table_offsets(
 ) -> tuple[Array, Array] | None:
     """Return both offsets of :mod:`pyport.steering.as_written` [deg], None without the kernel.
 
-    Parameters
-    ----------
-    p_deg
-        p1..p12 [deg].
-    az_deg, zd_deg
-        The axes of a grid, (n, 1) and (1, m), or points, of shapes that broadcast [deg].
-    lift_deg
-        The refraction at each zenith distance [deg], of its shape.
+    `p_deg`: p1..p12 [deg].
+    `az_deg`, `zd_deg`: the axes of a grid, (n, 1) and (1, m), or points, of shapes that broadcast
+      [deg].
+    `lift_deg`: the refraction at each zenith distance [deg], of its shape.
     """
     if KERNEL is None:
         return None
@@ -97,15 +88,8 @@ def table_offsets(
 def gram(columns: Array, weight: Array, target: Array) -> tuple[Array, Array]:
     """Return the products of weighted columns with each other, and of columns with a target.
 
-    Parameters
-    ----------
-    columns, weight, target
-        Shapes (k, n), contiguous, (n,) and (n,).
-
-    Returns
-    -------
-    normal, right
-        Shapes (k, k) and (k,).
+    `columns`, `weight`, `target`: shapes (k, n), contiguous, (n,) and (n,).
+    Returns `normal`, `right`: shapes (k, k) and (k,).
     """
     if KERNEL is None:
         return columns * weight @ columns.T, columns @ target
@@ -148,15 +132,10 @@ def whiten(
 class Columns:
     """Columns (n, q + p): of the first q the numbers that are not zero, of the others all.
 
-    Attributes
-    ----------
-    starts, places, numbers
-        Where each row starts among the numbers, and the end, (n + 1,); the column of each number,
-        and the number, (N,).
-    full
-        The other columns, shape (n, p).
-    q
-        How many columns there are of the first kind.
+    `starts`, `places`, `numbers`: where each row starts among the numbers, and the end, (n + 1,);
+      the column of each number, and the number, (N,).
+    `full`: the other columns, shape (n, p).
+    `q`: how many columns there are of the first kind.
     """
 
     starts: Codes

@@ -21,17 +21,12 @@ PRINTED_ROUNDING = 0.5e-6 * DEG
 class Rt32Parameter:
     """One of p1..p12.
 
-    Attributes
-    ----------
-    name
-        What it is, in the words of the published table.
-    printed_deg, printed_sigma_deg
-        Value and standard error in degrees, digit for digit as printed.
-    effect, column
-        The effect that it is the coefficient of, and which of its columns.
-    sign
-        What the coefficient must be multiplied with when azimuth is counted from
-        north through east: -1 for what points south or west.
+    `name`: what it is, in the words of the published table.
+    `printed_deg`, `printed_sigma_deg`: value and standard error in degrees, digit for digit as
+      printed.
+    `effect`, `column`: the effect that it is the coefficient of, and which of its columns.
+    `sign`: what the coefficient must be multiplied with when azimuth is counted from north through
+      east: -1 for what points south or west.
     """
 
     name: str

@@ -44,13 +44,9 @@ def wrapped_deg(az_deg: float) -> float:
 def exact4(az4: ArrayLike, alt4: ArrayLike, p: Sequence[np.float32]) -> tuple[Array4, Array4]:
     """Return (dAz, dAlt) [deg] of the exact form; short of the zenith Model's, bit for bit.
 
-    Parameters
-    ----------
-    az4, alt4
-        Azimuth and altitude [rad], REAL*4, of shapes that broadcast: what depends on one of
-        them alone is computed as often as that one has elements.
-    p
-        p1..p12 [deg], REAL*4.
+    `az4`, `alt4`: azimuth and altitude [rad], REAL*4, of shapes that broadcast: what depends on one
+      of them alone is computed as often as that one has elements.
+    `p`: p1..p12 [deg], REAL*4.
     """
     az4, alt4 = np.asarray(az4, real4), np.asarray(alt4, real4)
     az, alt = az4.astype(float), alt4.astype(float)

@@ -89,14 +89,9 @@ class Bounds:
 class Candidate:
     """A formula of refraction, and how far it stays from what the digits tell.
 
-    Attributes
-    ----------
-    name, iterations
-        As for :func:`pyport.effects.sky.atmosphere.refraction`.
-    outside_deg
-        Distance from the bounds [deg] at their zenith distances, shape (n,).
-    agree, total
-        How many printed zenith-distance offsets it reproduces, of how many.
+    `name`, `iterations`: as for :func:`pyport.effects.sky.atmosphere.refraction`.
+    `outside_deg`: distance from the bounds [deg] at their zenith distances, shape (n,).
+    `agree`, `total`: how many printed zenith-distance offsets it reproduces, of how many.
     """
 
     name: str

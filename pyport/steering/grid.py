@@ -62,10 +62,7 @@ def _step(values: Array) -> float:
 def span(text: str) -> Array:
     """Return the values that FIRST:LAST:STEP stands for [deg], both ends included.
 
-    Raises
-    ------
-    BadInput
-        The text is not three numbers, or the steps do not lead from first to last.
+    Raises `BadInput`: the text is not three numbers, or the steps do not lead from first to last.
     """
     try:
         first, last, step = (float(word) for word in text.split(":"))

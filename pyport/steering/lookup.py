@@ -159,12 +159,8 @@ class BandError:
 def interpolation_errors(table: Table, truth: OffsetsDeg) -> list[BandError]:
     """Compare interpolated offsets with the model's in the middle of every cell of the table.
 
-    Parameters
-    ----------
-    table
-        The table.
-    truth
-        The model behind it.
+    `table`: the table.
+    `truth`: the model behind it.
     """
     az_nodes, zd_nodes = table.grid.az_deg, table.grid.zd_deg
     az_deg, zd_deg = np.meshgrid(

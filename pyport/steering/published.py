@@ -29,18 +29,11 @@ _HEADINGS = {
 class Block:
     """Printed numbers of one kind: n cells.
 
-    Attributes
-    ----------
-    name
-        What the block is called in a report.
-    quantity
-        "d_az", "d_zd", "d_az_difference" or "d_zd_difference".
-    unit_deg
-        The unit of the last printed digit [deg].
-    az_deg, zd_deg
-        Where, azimuth from south through west, shape (n,).
-    printed
-        The numbers as whole multiples of the unit, shape (n,).
+    `name`: what the block is called in a report.
+    `quantity`: "d_az", "d_zd", "d_az_difference" or "d_zd_difference".
+    `unit_deg`: the unit of the last printed digit [deg].
+    `az_deg`, `zd_deg`: where, azimuth from south through west, shape (n,).
+    `printed`: the numbers as whole multiples of the unit, shape (n,).
     """
 
     name: str

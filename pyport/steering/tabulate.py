@@ -41,12 +41,8 @@ BLIND_DEG = 0.1
 class Conditions:
     """What a table holds for: `north` or `south`, where azimuth starts, and conditions.
 
-    Attributes
-    ----------
-    azimuth_zero
-        None for the model's own: south for the RT32's.
-    columns
-        Conditions under the names of columns inside the program: `temperature_c`, ...
+    `azimuth_zero`: None for the model's own: south for the RT32's.
+    `columns`: conditions under the names of columns inside the program: `temperature_c`, ...
     """
 
     azimuth_zero: str | None = None
@@ -149,17 +145,11 @@ def rt32_offsets(
     The zenith-distance offset is -dAlt - R(z): altitude turned over, and
     refraction, of which the pointing model knows nothing.
 
-    Parameters
-    ----------
-    az_deg, zd_deg
-        Azimuth from south through west and zenith distance [deg], of shapes that broadcast:
-        a grid is computed quickest from its two axes.
-    p
-        p1..p12 [rad].
-    refraction_name, reading
-        As for :func:`tabulate`.
-    exact
-        The exact form, or the approximate one.
+    `az_deg`, `zd_deg`: azimuth from south through west and zenith distance [deg], of shapes that
+      broadcast: a grid is computed quickest from its two axes.
+    `p`: p1..p12 [rad].
+    `refraction_name`, `reading`: as for :func:`tabulate`.
+    `exact`: the exact form, or the approximate one.
     """
     if reading == "float64":
         form = exact_offsets if exact else swift.approximate
