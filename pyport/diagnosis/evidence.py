@@ -166,6 +166,8 @@ class Evidence:
         _, antenna = np.unique(self.blocks.antenna, return_inverse=True)
         scale = np.array([np.sqrt(k / rng.chisquare(k, draws)) for k in np.minimum(self.dof, 1e6)])
         out = np.zeros((len(self.blocks), size, draws))
+        if not draws:
+            return out
         for one in range(len(self.blocks)):
             own = without([slab for slab in cut if slab.block == one], last=size)
             rows = np.sort(np.concatenate([np.zeros(0, np.intp), *(slab.rows for slab in own)]))

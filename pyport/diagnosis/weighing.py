@@ -68,10 +68,12 @@ class WhitenedData:
 def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> WhitenedData:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it.
 
-    See `noise` for `searching`.
+    See `noise` for `searching`. Beside what stands in the end nobody asks what noise alone would
+    do: none is drawn.
     """
     covariance = noise(setup, chosen, searching=searching)
-    return _weighed(setup, chosen, covariance, covariance.whiten(setup.whole))
+    draws = DRAWS if searching or not chosen else 0
+    return _weighed(setup, chosen, covariance, covariance.whiten(setup.whole), draws)
 
 
 @stage("whitening")
@@ -90,7 +92,7 @@ def weigh_model(
     # Column by column in memory: no page of those that stay zero is touched.
     white = np.zeros((len(own), setup.size + 1), order="F")
     white[:, np.concatenate([*(one.candidate.columns for one in choices), [setup.size]])] = own
-    return _weighed(setup, chosen, covariance, white)
+    return _weighed(setup, chosen, covariance, white, DRAWS)
 
 
 def whitened(
@@ -108,7 +110,7 @@ def whitened(
 
 
 def _weighed(
-    setup: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array
+    setup: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array, draws: int
 ) -> WhitenedData:
     evidence = Evidence(
         white,
@@ -117,7 +119,7 @@ def _weighed(
         setup.blocks,
         common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
         pointings=len(np.unique(measurements(setup))),
-        draws=DRAWS,
+        draws=draws,
         dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
         rng=np.random.default_rng(setup.seed),
     )
