@@ -51,13 +51,19 @@ def slabs(whole: Array, blocks: Codes, kinds: Codes) -> list[Slab]:
     for rows in np.split(order, np.flatnonzero(changes) + 1):
         if len(rows) == 0:
             continue
-        first, last = int(rows[0]), int(rows[-1])
-        values = whole[first : last + 1] if last - first == len(rows) - 1 else whole[rows]
+        values = whole[in_place(rows)]
         columns = np.flatnonzero(values.any(axis=0))
         if len(columns) < values.shape[1]:
             values = values.take(columns, axis=1)
         found.append(Slab(int(blocks[rows[0]]), rows, columns, values))
     return found
+
+
+def in_place(rows: Codes) -> Codes | slice:
+    """Return ascending rows as a slice where they follow each other: it copies nothing."""
+    if len(rows) == 0 or rows[-1] - rows[0] >= len(rows):
+        return rows
+    return slice(int(rows[0]), int(rows[-1]) + 1)
 
 
 def without(some: Sequence[Slab], last: int) -> list[Slab]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
-from pyport.least_squares.gram import AT_A_TIME
+from pyport.least_squares.gram import AT_A_TIME, in_place
 from pyport.noise.series import Departures, Noise, Possible, Series
 from pyport.noise.whitening import (
     centring,
@@ -187,13 +187,13 @@ class Covariance:
     def _without_departures(self, out: Array) -> Array:
         """Take what departures do out of whitened columns (M, K), in place."""
         for rows, unit, inner, _ in self._departing:
-            along = inner @ (unit.T @ out[rows])
-            if isinstance(rows, slice):
-                for low in range(0, len(out), AT_A_TIME):
-                    some = slice(low, low + AT_A_TIME)
-                    out[some] += unit[some] @ along
-            else:
-                out[rows] += unit @ along
+            own = out[rows]
+            along = inner @ (unit.T @ own)
+            for low in range(0, len(own), AT_A_TIME):
+                some = slice(low, low + AT_A_TIME)
+                own[some] += unit[some] @ along
+            if not isinstance(rows, slice):
+                out[rows] = own
         return out
 
     def _within_axes(self, columns: Array) -> Array:
@@ -245,8 +245,7 @@ class Covariance:
                     axis=1,
                 )
             )
-            there = unit.any(axis=1)
-            rows = slice(None) if there.all() else np.flatnonzero(there)
+            rows = in_place(np.flatnonzero(unit.any(axis=1)))
             unit = unit[rows]
             power, vectors = np.linalg.eigh(unit.T @ unit)
             kept = power > NEGLIGIBLE
