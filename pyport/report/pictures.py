@@ -41,8 +41,6 @@ def write(figure: Figure, path: Path, dpi: float = DPI) -> Path:
 def _save(figure: Figure, file: IO[bytes], kind: str, dpi: float) -> None:
     """Lay a figure out and draw it once; `savefig` does each twice."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     layout = figure.get_layout_engine()
     if layout is not None:
@@ -50,8 +48,12 @@ def _save(figure: Figure, file: IO[bytes], kind: str, dpi: float) -> None:
         figure.set_layout_engine("none")
     figure.set_dpi(dpi)
     if kind == "png":
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
         FigureCanvasAgg(figure).print_png(file, metadata=FORMATS[kind])
     elif kind == "svg":
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+
         FigureCanvasSVG(figure).print_svg(file, metadata=FORMATS[kind])
     else:
         from matplotlib.backends.backend_pdf import FigureCanvasPdf

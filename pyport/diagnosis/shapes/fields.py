@@ -100,10 +100,10 @@ class Ground:
 
         On the first of P parts first, then on the next: shapes (P K, P K), (P K, P K) and (P K,).
         """
-        from scipy.linalg import block_diag
-
-        of_part = [white[part.rows] for part in parts]
-        own = block_diag(*(one.T @ one for one in of_part))
+        of_part, k = [white[part.rows] for part in parts], white.shape[1]
+        own = np.zeros((len(parts) * k, len(parts) * k))
+        for start, one in zip(range(0, len(own), k), of_part, strict=True):
+            own[start : start + k, start : start + k] = one.T @ one
         shared = [part.basis.T @ one for part, one in zip(parts, of_part, strict=True)]
         seen = [part.left @ one for part, one in zip(parts, of_part, strict=True)]
         modelled = np.concatenate(shared, axis=1)
