@@ -8,7 +8,9 @@ unless they are the effect.
 
 from __future__ import annotations
 
+import bisect
 import functools
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -203,24 +205,27 @@ def _around(at: Circumstances) -> tuple[Array, NDArray[np.intp], Array]:
     Raises `MissingColumn`: no times, or times that the series does not cover.
     """
     time, row = np.unique(days(at) + _UNIX_EPOCH_MJD, return_inverse=True)
-    series = _series()
-    if time[0] < series[0, 0] or time[-1] >= series[-1, 0]:
+    every = _days_of_series()
+    if time[0] < _mjd(every[0]) or time[-1] >= _mjd(every[-1]):
         raise MissingColumn("Earth orientation at these dates")
-    first, last = np.searchsorted(series[:, 0], time[[0, -1]])
-    return time, row, series[max(first - 1, 0) : last + 2]
+    first, last = (bisect.bisect_left(every, one, key=_mjd) for one in time[[0, -1]].tolist())
+    return time, row, np.loadtxt(every[max(first - 1, 0) : last + 2], usecols=(4, 5, 6, 7))
 
 
 @functools.cache
-def _series() -> Array:
-    """Read the C04 series that comes with astropy: MJD, x_p, y_p [arcsec], UT1-UTC [s].
+def _days_of_series() -> list[str]:
+    """Read the C04 series that comes with astropy, MJD, x_p, y_p [arcsec], UT1-UTC [s], as lines.
 
     It is read once: the file does not change while the program runs.
     """
     from astropy_iers_data import IERS_B_FILE
 
-    series = np.loadtxt(IERS_B_FILE, usecols=(4, 5, 6, 7))
-    series.flags.writeable = False
-    return series
+    lines = Path(IERS_B_FILE).read_text(encoding="ascii").splitlines()
+    return [line for line in lines if line[0] != "#"]
+
+
+def _mjd(day: str) -> float:
+    return float(day.split(maxsplit=5)[4])
 
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
