@@ -101,7 +101,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Libraries make cycles that stay, pictures some that do not: of so many objects the collector
     # goes through a few pictures' at a time, not through the libraries while they are imported.
-    gc.set_threshold(100_000)
+    gc.set_threshold(300_000)
     # At the end the system takes all of it at once.
     atexit.register(gc.freeze)
     try:
