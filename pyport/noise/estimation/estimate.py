@@ -28,7 +28,7 @@ from pyport.noise.estimation.drift import (
     likeliest,
     within_reach,
 )
-from pyport.noise.estimation.first import LEAST, first
+from pyport.noise.estimation.first import LEAST, fitted, taken_out
 from pyport.noise.estimation.frame import Frame, floors_of
 from pyport.noise.estimation.likelihood import Departing
 from pyport.noise.estimation.pooling import moderated
@@ -79,10 +79,12 @@ def estimate(
     """
     parts = given.parts
     floors = floors_of(value, given)
-    looked = first(value, design, given, shapes)
-    residual, columns = looked.residual, looked.columns
+    columns, residual = taken_out(design, given, shapes), np.zeros(len(value))
+    # Beside known weights residuals tell how repeats scatter, and nothing where there are none.
+    if like is None or not all(part.alone for part in parts):
+        weights, residual = fitted(value, columns, given)
     if like is None:
-        covariance = _white(parts, looked.weights, residual, floors)
+        covariance = _white(parts, weights, residual, floors)
         if given.recorded is not None:
             covariance = _by_recorded(covariance, residual, given.recorded)
     else:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,19 +34,8 @@ SLOW = 0.9
 MOST_SLOW = 8
 
 
-@dataclass(frozen=True)
-class First:
-    """A first look: robust weights and residuals of the readings (m,), columns of each series."""
-
-    weights: Array
-    residual: Array
-    columns: list[Array]
-
-
-def first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | None) -> First:
-    """Fit each series robustly beside what could be found in it: see `estimate.estimate`."""
-    floors = floors_of(value, given)
-    weights, residual = np.ones(len(value)), np.zeros(len(value))
+def taken_out(design: Array, given: Frame, shapes: Sequence[Array] | None) -> list[Array]:
+    """Return for each series the columns that its noise must not contain: see `estimate`."""
     columns = []
     for n, part in enumerate(given.parts):
         # What never changes is no drift, whether the model has a constant or lacks one.
@@ -57,10 +45,18 @@ def first(value: Array, design: Array, given: Frame, shapes: Sequence[Array] | N
         else:
             own = _rich(own, shapes[n], int(part.pointing.max()) + 1)
         columns.append(own)
+    return columns
+
+
+def fitted(value: Array, columns: Sequence[Array], given: Frame) -> tuple[Array, Array]:
+    """Fit columns robustly to each series and return weights and residuals, shape (m,) each."""
+    floors = floors_of(value, given)
+    weights, residual = np.ones(len(value)), np.zeros(len(value))
+    for own, part in zip(columns, given.parts, strict=True):
         weights[part.rows], residual[part.rows], _ = robust.weights(
             own, value[part.rows], FIRST_REACH, floors[part.is_y]
         )
-    return First(np.maximum(weights, LEAST), residual, columns)
+    return np.maximum(weights, LEAST), residual
 
 
 def _rich(base: Array, shapes: Array, pointings: int) -> Array:
