@@ -107,8 +107,11 @@ def _inverse(triangle: Array) -> Array:
     """Return the inverse of L L' from its lower triangle L."""
     if not len(triangle):
         return triangle
+    # The upper half of the inverse, and below it the triangle's zeros.
     upper = dpotri(triangle.T)[0]
-    return np.asarray(np.triu(upper) + np.triu(upper, 1).T)
+    inverse = np.asarray(upper + upper.T)
+    np.fill_diagonal(inverse, np.diag(upper))
+    return inverse
 
 
 def _solved(triangle: Array, right: Array) -> Array:
