@@ -30,8 +30,8 @@ The proof: causes are drawn at random and put into recordings by an examiner tha
 the program. Its telescope is made of rotations, its sky is ERFA's, with catalogue sources, real
 dates and the Earth's real orientation. Where a law fixes the form of a cause, as it does for
 refraction, aberration or an axis that leans, examiner and program hold the same law. Forms that no
-law fixes, such as bumps, waves and steps, are drawn by formulae of the examiner; that these are
-unlike every shape which the program tries is not claimed.
+law fixes, such as bumps, waves and steps, are drawn by the examiner's own formulae; it is not
+claimed that they are unlike every shape that the program tries.
 
 ## What an outsider can check
 
@@ -47,12 +47,12 @@ A set stands in the repository's history in three commits.
 pyport dev prove --verify NAME --again all
 ```
 
-reads the history and nothing beside it. It checks the order of the commits, that the first two
+reads the history and nothing else. It checks the order of the commits, that the first two
 hold nothing else, that no file was changed later, that program and examiner are those which stood
 in the sealing commit, and every truth; it makes the recordings again from the opened seeds with
 the code that was sealed, compares their hashes, judges every answer again and compares the score.
-Who rewrote a history from its seal on could still deceive somebody who first saw it later: who
-wants to be sure keeps the hash of `sealed.json` from the day of the sealing.
+A history that was rewritten from its seal on would still deceive whoever first sees it later: to be
+sure, keep the hash of `sealed.json` from the day of the sealing.
 
 "The program" is the code that turns a file of recordings into report.json, all that `pyport
 diagnose` imports but for its page and its pictures. Its hash is that of the syntax: a comment, a
