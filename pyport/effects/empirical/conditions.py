@@ -21,7 +21,7 @@ from pyport.effects.telescope.rotation import (
 from pyport.effects.telescope.thermal import ACTS, AIR, BETWEEN, acting_c, sun, ways
 
 #: So many conditions are tried: those of the contract, the hour, the Sun, and four columns of any
-#: name. With each the price of a choice grows, and with every four the time of a search by a tenth.
+#: name. With each the price of a choice and the time of a search grow.
 MOST_DRIVERS = 10
 #: A condition must have taken more values than this: a cubic, or a step, passes through fewer.
 FEW_VALUES = 4

@@ -186,10 +186,11 @@ def _half_sigmas(recordings: Recordings, rng: np.random.Generator) -> dict[str, 
     z: list[float] = []
     independent: list[float] = []
     for pair in halves(recordings, rng, SPLITS):
-        fits = [program.fitted(one.table, one.header, one.model) for one in pair]
-        if not any(isinstance(one, program.Refused) for one in fits):
-            z += differences(*(one for one in fits if isinstance(one, dict)))
-            independent += [independent_of(one) for one in fits if isinstance(one, dict)]
+        both = [program.fitted(one.table, one.header, one.model) for one in pair]
+        fits = [one for one in both if isinstance(one, dict)]
+        if len(fits) == len(both):
+            z += differences(*fits)
+            independent += map(independent_of, fits)
     if not z:
         return {}
     return {

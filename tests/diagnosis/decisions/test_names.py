@@ -55,7 +55,7 @@ def test_what_explains_nothing_joins_no_class(evidence, inside):
 def test_of_driven_terms_another_term_and_another_condition_count(
     term, condition, told, evidence, other
 ):
-    """Within odds of fifty to one the winner is not the one; a tilt that comes late is the same."""
+    """Within odds of fifty to one; the same term of the same condition is no other."""
 
     def follows(what, which):
         effect = driven.driven(what, conditions.told(which, 0.0))
