@@ -37,9 +37,11 @@ OUT_OF_REACH = 60.0
 
 # Chances and shares.
 
-#: [probability] The p-value of the whole search up to which it goes on. Below the 5 % that are
-#: promised, because no noise is quite as it was fitted. Smaller: causes of half a sigma go
-#: unfound in a hundred rows. Larger: claims in noise that no draw is like; `make calibrate`.
+#: [probability] How often noise alone may have a field without a name, as its odds bound it, and
+#: the p-value of the whole search up to which what is left is said not to look like the noise.
+#: Below the 5 % that are usual, because no noise is quite as it was fitted; `make calibrate`.
+#: Smaller: what has no form in the catalogue passes for an all-clear. Larger: fields in noise,
+#: and clean recordings that are said to hide something.
 FAMILY_ERROR = 0.01
 #: [share of the gain] What of its gain in the fit an effect must gain on data left out. Unseen
 #: data gain less than seen ones, but not that much less. Smaller: what one session alone shows

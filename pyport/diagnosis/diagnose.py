@@ -18,9 +18,10 @@ from pyport.diagnosis.naming import findings as reading
 from pyport.diagnosis.naming import guards
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming.finding import Finding, HeldOut
+from pyport.diagnosis.searching.confirming import among
 from pyport.diagnosis.searching.search import search
 from pyport.diagnosis.searching.settling import Dropped, settled
-from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed, threshold
+from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
@@ -31,7 +32,7 @@ from pyport.models.model import Model
 from pyport.recordings.schema import Recordings
 from pyport.runs.stages import stage
 from pyport.runs.workers import one_thread
-from pyport.thresholds import FAMILY_ERROR
+from pyport.thresholds import CONVINCING
 
 TINY = 1e-200
 
@@ -206,7 +207,6 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
 
 def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
-    needed = threshold(outcome.last, FAMILY_ERROR)
     powers = np.einsum("mk,mk->k", setup.whole, setup.whole)[:-1] / len(setup.whole)
     limits: dict[str, float] = {}
     for trial in outcome.last:
@@ -214,9 +214,9 @@ def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
         # What is seen by rounding alone has no size at which it would have been seen.
         if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
-        gain = gain_needed(trial, needed)
-        power = float(powers[trial.candidate.columns].sum())
+        own = trial.candidate
+        gain = gain_needed(trial, CONVINCING + own.price + among(setup, own.effect))
+        power = float(powers[own.columns].sum())
         size = float(np.sqrt(gain * power / known))
-        effect = trial.candidate.effect.id
-        limits[effect] = min(size, limits.get(effect, np.inf))
+        limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))
     return limits

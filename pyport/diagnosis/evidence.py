@@ -62,6 +62,15 @@ class CandidateFit:
     information: Array
     drawn: Array
 
+    @property
+    def owed_to_scale(self) -> float:
+        """Return what of its gain a scale of the noise that is known from few deviations owes.
+
+        With n of them a gain g is worth n log(1 + g / n): Student's likelihood, not the normal one.
+        """
+        known = min(self.noise_dof, 1e6)
+        return self.gain - float(known * np.log1p(self.gain / known))
+
 
 def at_best(power: Array, along: Array) -> tuple[float, float]:
     """Return twice the log of the evidence at the best prior variance, and that variance.

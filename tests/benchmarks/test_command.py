@@ -25,6 +25,9 @@ ROWS = {
     "test_one_cause_before": "command-before",
     "test_four_causes_before": "command-four-before",
     "test_drawn_case_before": "command-1200-before",
+    "test_one_cause_alone": "diagnosis-before",
+    "test_four_causes_alone": "diagnosis-four-before",
+    "test_drawn_case_alone": "diagnosis-1200-before",
 }
 ROOT = Path(__file__).parents[2]
 #: The last commit before there was a kernel.
@@ -42,6 +45,17 @@ for place in (1, 2, 3):
 figure.savefig("empty.png", dpi=110)
 """
 COUNTED = "Python, its libraries, and an empty picture of that kind"
+
+#: The same work of either program without start and page.
+ALONE = """
+import pathlib, sys, time
+from pyport.diagnosis.diagnose import diagnose
+from pyport.formats.models import load
+from pyport.recordings import read
+begin = time.process_time()
+diagnose(read(pathlib.Path(sys.argv[1])), load("altaz"))
+print(time.process_time() - begin)
+"""
 
 
 @pytest.fixture(scope="module")
@@ -82,16 +96,20 @@ def process(folder, *words, program=ROOT):
 
     def run():
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(
-            [sys.executable, *words],
-            env={**os.environ, "PYTHONPATH": str(program)},
-            cwd=folder,
-            check=True,
-        )
+        python(folder, *words, program=program)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     return run
+
+
+def python(folder, *words, program=ROOT, **more):
+    """Run Python with a program in its path and return what it printed."""
+    environment = {**os.environ, "PYTHONPATH": str(program), **more}
+    command_line = [sys.executable, *words]
+    return subprocess.run(
+        command_line, env=environment, cwd=folder, check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
 
 
 def in_seconds(benchmark, request, folder, *words):
@@ -106,18 +124,33 @@ def in_seconds(benchmark, request, folder, *words):
 
 def beside_the_old(benchmark, request, folder, path, old, rounds):
     """Measure the least processor's time of the old program and the present one, in turn."""
-    benchmark.group = ROWS[request.function.__name__]
-    theirs, ours = [], []
     before = command(folder, "diagnose", str(path), program=old)
     now = command(folder, "diagnose", str(path))
+    in_turn(benchmark, request, before, now, rounds)
+    benchmark.extra_info.update(limit=COUNTED, limit_s=process(folder, "-c", EMPTY)())
+
+
+def alone_beside_the_old(benchmark, request, folder, path, old, rounds):
+    """Measure the same of reading and diagnosing alone."""
+
+    def of(program):
+        """Return what does so in a process of one program."""
+        words = "-c", ALONE, str(path)
+        return lambda: float(python(folder, *words, program=program, OPENBLAS_NUM_THREADS="1"))
+
+    in_turn(benchmark, request, of(old), of(ROOT), rounds)
+
+
+def in_turn(benchmark, request, before, now, rounds):
+    """Measure the least that two programs' processes say they took [s], in turn."""
+    benchmark.group = ROWS[request.function.__name__]
+    theirs, ours = [], []
     benchmark.pedantic(
         lambda: ours.append(now()), setup=lambda: theirs.append(before()), rounds=rounds
     )
     benchmark.extra_info.update(
         seconds=min(ours),
         peers={f"processor's time of {BEFORE}": min(theirs)},
-        limit=COUNTED,
-        limit_s=process(folder, "-c", EMPTY)(),
     )
 
 
@@ -164,3 +197,19 @@ def test_four_causes_before(benchmark, request, folder, old):
 def test_drawn_case_before(benchmark, request, folder, old):
     """As many rows as a trial."""
     beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old, rounds=3)
+
+
+def test_one_cause_alone(benchmark, request, folder, old):
+    """As many rows as the RT32's campaign, one cause."""
+    path = made(folder, "one", 21, rows=5600, **ONE)
+    alone_beside_the_old(benchmark, request, folder, path, old, rounds=2)
+
+
+def test_four_causes_alone(benchmark, request, folder, old):
+    """Recordings like the RT32's."""
+    alone_beside_the_old(benchmark, request, folder, made(folder, "rt32", 91), old, rounds=1)
+
+
+def test_drawn_case_alone(benchmark, request, folder, old):
+    """As many rows as a trial."""
+    alone_beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old, rounds=3)

@@ -221,9 +221,7 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
             one.candidate.effect.id, 0.0
         ),
     )
-    wins = winner.winner_of(
-        setup, weighed, (), trials, 0.0, beside=beside, banned=(), mismatch=False
-    )
+    wins = winner.winner_of(setup, weighed, (), trials, 0.0, beside=beside, banned=())
     (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
     own = setup.stack.columns(rival.candidate.effect, setup.recordings.at)
 

@@ -7,11 +7,11 @@ from pyport.examiner.nulls import nulls
 
 
 def test_a_case_without_a_cause_has_its_three_statistics():
-    """A p-value, the evidence of the best change or none, and what coefficients miss by."""
+    """A p-value, the most evidence of an effect or none, and what coefficients miss by."""
     found = calibrate.examine(nulls.Case("white", 0, nulls.NULL, 3))
 
     assert 0 < found["p_value"] <= 1
-    assert found["change"] is None or found["change"] < 20
+    assert found["evidence"] is None or found["evidence"] < 20
     assert len(found["z"]) == 7
     assert max(map(abs, found["z"].values())) < 5
 
@@ -27,8 +27,8 @@ def test_a_case_without_a_cause_has_its_three_statistics():
 def test_shares_are_counted_against_levels(name, shares):
     """P-values up to a level, evidence above it, coefficients within it."""
     some = [
-        {"kind": "white", "p_value": 0.008, "change": 7.0, "z": {"a": 0.5, "b": -1.5}},
-        {"kind": "white", "p_value": 0.08, "change": None, "z": {"a": 2.5, "b": -2.9}},
+        {"kind": "white", "p_value": 0.008, "evidence": 7.0, "z": {"a": 0.5, "b": -1.5}},
+        {"kind": "white", "p_value": 0.08, "evidence": None, "z": {"a": 2.5, "b": -2.9}},
     ]
     head, levels, white, every = calibrate.text(name, some).splitlines()
 

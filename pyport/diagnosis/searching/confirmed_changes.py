@@ -52,7 +52,8 @@ def confirmed_changes(
         sure = evidence_anew(one, chosen)
         if sure <= CONVINCING:
             one, sure = _beside_it(one, sure, still, chosen, trials)
-        return replace(one, trial=replace(one.trial, evidence=sure, gain=sure), beside=beside)
+        trial = replace(one.trial, evidence=sure, gain=sure)
+        return replace(one, trial=trial, beside=beside, sure=sure)
 
     least = max(CONVINCING, above)
     worth = [one for one in moved if one.trial.evidence > least]

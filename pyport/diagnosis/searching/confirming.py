@@ -11,6 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import at_best, shown
 from pyport.diagnosis.weighing import in_order, key_of, noise
+from pyport.effects import Effect
 from pyport.least_squares.gram import spanned
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate
@@ -67,7 +68,7 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     found = [_lack(covariance, model, own, value) for covariance in noises]
     without = min(lack for lack, _ in found)
     with_it = min(lack - gained for lack, gained in found)
-    return without - with_it - price - _among(setup, one)
+    return without - with_it - price - among(setup, one.candidate.effect)
 
 
 def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
@@ -86,13 +87,12 @@ def worth_beside_own(setup: Problem, others: Sequence[Chosen], one: Chosen) -> f
     return gained - lack - one.candidate.price
 
 
-def _among(setup: Problem, one: Chosen) -> float:
+def among(setup: Problem, own: Effect) -> float:
     """Return what it costs that an effect is one of many.
 
     Changes with time are among each other, a source's place is among them too, and all else is
     among all else.
     """
-    own = one.candidate.effect
     ids = {
         effect.id
         for effect in (each.effect for each in setup.candidates)

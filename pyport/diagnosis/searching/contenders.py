@@ -9,12 +9,12 @@ import numpy as np
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.searching.changes import refine
-from pyport.diagnosis.searching.confirming import confirmed
+from pyport.diagnosis.searching.confirming import among, confirmed
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects.base import Effect
 from pyport.noise.covariance import Covariance
-from pyport.thresholds import CONVINCING
+from pyport.thresholds import CONVINCING, ENOUGH_ANTENNAS
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Contender:
     `price` is what its choice among its family costs, a refined moment or edge included.
     `beside` is what it was tried in where that is not the turn's: a wave's columns joined the case.
     `rivals` are the other changes, each with the evidence that the noise leaves it.
+    `sure` is its evidence beside noise estimated anew, where that is known.
     """
 
     trial: CandidateFit
@@ -32,6 +33,7 @@ class Contender:
     price: float
     beside: Projection | None = None
     rivals: tuple[CandidateFit, ...] = ()
+    sure: float = -np.inf
 
     @property
     def effect(self) -> Effect:
@@ -67,16 +69,29 @@ def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> 
     trials = beside.trials([(one.candidate, one.scope)])
     return [
         Contender(
-            replace(each, evidence=sure, gain=sure, delta_bic=sure), wider, one, price, beside
+            replace(each, evidence=sure, gain=sure, delta_bic=sure),
+            wider,
+            one,
+            price,
+            beside,
+            sure=sure,
         )
         for each in trials
     ]
 
 
 def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
-    """Return the evidence of a contender beside noise estimated anew, its price paid."""
-    others = joined(one.setup, chosen, one.chosen)[:-1]
-    return confirmed(one.setup, others, one.chosen, one.price)
+    """Return the evidence of a contender beside noise estimated anew, its price paid.
+
+    In an array it is no more than beside the noise of the turn, which knows what antennas share,
+    and from how few scans.
+    """
+    setup, others = one.setup, joined(one.setup, chosen, one.chosen)[:-1]
+    sure = confirmed(setup, others, one.chosen, one.price)
+    if setup.blocks.antennas >= ENOUGH_ANTENNAS:
+        trial = one.trial
+        sure = min(sure, trial.evidence - trial.owed_to_scale - among(setup, one.effect))
+    return sure
 
 
 def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:

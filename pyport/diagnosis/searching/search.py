@@ -19,7 +19,6 @@ from pyport.diagnosis.weighing import projection, weigh
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import (
     CONVINCING,
-    FAMILY_ERROR,
     IMPERFECTION,
     MOST_FINDINGS,
 )
@@ -116,7 +115,6 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
         if len(now.steps) < MOST_FINDINGS:
             strongest = max((step.winner.gain for step in now.steps), default=0.0)
             least = IMPERFECTION * strongest
-            mismatch = p_value <= FAMILY_ERROR
             winner = winner_of(
                 setup,
                 weighed,
@@ -125,14 +123,12 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
                 least,
                 beside=beside,
                 banned=banned,
-                mismatch=mismatch,
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
         trial, setup, new = winner.trial, winner.setup, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
-        if winner.beside is not None or confounded(setup, trial.candidate.effect):
-            p_value = min(p_value, float(np.exp(-trial.evidence / 2)))
+        p_value = min(p_value, float(np.exp(-winner.sure / 2)))
         if not now.steps:
             first = min(first, p_value)
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")

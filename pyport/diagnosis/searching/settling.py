@@ -65,23 +65,21 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
     The noise in which it was found had grown to hold what it explains, and told it from its
     rivals less well than the noise that is left.
     """
-    setup, weighed, steps = outcome.setup, outcome.weighed, []
-    for step in outcome.steps:
-        one = step.chosen
-        refined = one.candidate is not step.winner.candidate
-        effect = one.candidate.effect
-        if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
-            steps.append(step)
-            continue
-        beside = projection(setup, weighed, outcome.others(one))
-        own = beside.trials([(one.candidate, one.scope)])
-        if own:
-            step = replace(  # noqa: PLW2901 - the same turn beside the final noise
-                step, winner=own[0], trials=tuple(trials_of(setup, beside)), beside=beside
-            )
-            step = _with_driven_rivals(outcome, step)  # noqa: PLW2901 - the same turn, once more
-        steps.append(step)
-    return replace(outcome, steps=tuple(steps))
+    return replace(outcome, steps=tuple(_in_final_noise(outcome, step) for step in outcome.steps))
+
+
+def _in_final_noise(outcome: Outcome, step: Step) -> Step:
+    """Return a turn beside the final noise, as it was where something changes or was refined."""
+    setup, one = outcome.setup, step.chosen
+    refined, effect = one.candidate is not step.winner.candidate, one.candidate.effect
+    if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
+        return step
+    beside = projection(setup, outcome.weighed, outcome.others(one))
+    own = beside.trials([(one.candidate, one.scope)])
+    if not own:
+        return step
+    trials = tuple(trials_of(setup, beside))
+    return _with_driven_rivals(outcome, replace(step, winner=own[0], trials=trials, beside=beside))
 
 
 def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:

@@ -72,22 +72,17 @@ def _log_chance(trials: Sequence[CandidateFit], gains: Array) -> Array:
     return np.asarray(log.min(axis=0))
 
 
-@stage("significance")
-def threshold(trials: Sequence[CandidateFit], chance: float) -> float:
-    """Return the log-chance that the best of a search falls below in `chance` of all noise."""
-    if not trials:
-        return float("-inf")
-    drawn = _log_chance(trials, np.stack([trial.drawn for trial in trials]))
-    return float(np.quantile(drawn, chance))
+def gain_needed(trial: CandidateFit, evidence: float) -> float:
+    """Return the gain at which a trial's coefficients, all equally well known, have some evidence.
 
+    At its best prior variance a gain t of k coefficients has t - k - k log(t / k). Of noise whose
+    scale is known from n deviations a gain of n (exp(t / n) - 1) is worth no more than that.
+    """
+    from scipy.special import lambertw
 
-def gain_needed(trial: CandidateFit, log_chance: float) -> float:
-    """Return the gain whose chance under noise is `exp(log_chance)`."""
-    from scipy.special import betaincinv
-
-    rest = min(trial.noise_dof, 1e6) / 2
-    x = float(betaincinv(rest, trial.dof / 2, np.exp(log_chance)))
-    return 2 * rest * (1 - x) / max(x, 1e-300)
+    known = -trial.dof * float(lambertw(-np.exp(-1 - evidence / trial.dof), -1).real)
+    rest = min(trial.noise_dof, 1e6)
+    return float(rest * np.expm1(known / rest))
 
 
 @dataclass(frozen=True)

@@ -64,25 +64,21 @@ def winner_of(
     *,
     beside: Projection,
     banned: Collection[str],
-    mismatch: bool = True,
     changes: bool = True,
 ) -> Contender | None:
     """Return the effect most worth its coefficients that also predicts unseen data better.
 
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
-    changes with time is looked for unless no `changes` are, and without a `mismatch` beside the
-    present noise only short waves of drives are, whose periods no trial has: the noise may have
-    swallowed a change, and no other effect. A change that promises less than a lasting effect gains
-    waits until that effect has failed.
+    changes with time is looked for unless no `changes` are. One that promises less than a lasting
+    effect gains waits until that effect has failed.
     """
     turn = (setup, weighed, chosen, trials, banned)
-    drives = _of_drives(setup, weighed, chosen, least, banned) if changes else []
-    lasting = [*(_lasting(*turn, least, beside) if mismatch else []), *drives]
+    lasting = lasting_effects(*turn, least, beside)
+    if changes:
+        lasting += _of_drives(setup, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     moved = _changes(*turn, lead) if changes else []
-    if moved and not mismatch:
-        lasting = [*_lasting(*turn, least, beside), *drives]
     found = _first(weighed, chosen, moved, lasting)
     if found is None and changes and lead > -np.inf:
         moved = _changes(*turn, -np.inf)
@@ -100,11 +96,11 @@ def _first(
     if moved:
         # What was there all along may pass for a change, and a change for it: both compete by
         # what the noise cannot do.
-        sure = side_by_side(lambda one: evidence_anew(one, chosen), lasting)
+        found = side_by_side(lambda one: evidence_anew(one, chosen), lasting)
         lasting = [
-            replace(one, trial=replace(one.trial, evidence=max(one.trial.evidence, odds)))
-            for odds, one in zip(sure, lasting, strict=True)
-            if odds > CONVINCING
+            _at_least(one, sure)
+            for sure, one in zip(found, lasting, strict=True)
+            if sure > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
         if confounded(one.setup, one.effect):
@@ -112,9 +108,17 @@ def _first(
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        if moved or evidence_anew(one, chosen) > CONVINCING:
+        if not moved:
+            one = replace(one, sure=evidence_anew(one, chosen))  # noqa: PLW2901 - it, looked at
+        if one.sure > CONVINCING:
             return one
     return None
+
+
+def _at_least(one: Contender, sure: float) -> Contender:
+    """Return a lasting effect with no less evidence than beside noise estimated anew."""
+    evidence = max(one.trial.evidence, sure)
+    return replace(one, trial=replace(one.trial, evidence=evidence), sure=sure)
 
 
 def _rank(one: Contender) -> float:
@@ -150,7 +154,7 @@ def _of_drives(
     ]
 
 
-def _lasting(
+def lasting_effects(
     setup: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],

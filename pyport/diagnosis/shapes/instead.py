@@ -34,12 +34,11 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     where what the antennas share in a scan is too little known to bear that bound.
     """
     before, names = outcome.steps[:turn], outcome.steps[turn:]
-    unnamed = not names and family_p_value(outcome.last) > FAMILY_ERROR
-    if unnamed and outcome.setup.blocks.antennas >= ENOUGH_ANTENNAS:
+    if not names and outcome.setup.blocks.antennas >= ENOUGH_ANTENNAS:
         return None
     changes = tuple(one for one in names if one.chosen.candidate.effect.changes_with)
     if not changes:
-        ways = [(before, names, (False,) if unnamed else (False, True))]
+        ways = [(before, names, (False, True) if names else (False,))]
     else:
         lasting = tuple(one for one in names if not one.chosen.candidate.effect.changes_with)
         ways = [(before, names, (True,))]
@@ -70,7 +69,7 @@ def _best_in_place(
     least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
         least += _together(ground, setup, names)
-    elif True not in of_time:
+    else:
         least = max(least, -2 * float(np.log(FAMILY_ERROR)))
     best = max(worths, key=lambda one: one.evidence, default=None)
     return None if best is None else (best.evidence - least, best)

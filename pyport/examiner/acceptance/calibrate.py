@@ -1,8 +1,8 @@
 """Calibration: what statistics come to where nothing is hidden, in every kind of noise.
 
-One case gives three of them: the p-value of the first turn of the search, the evidence for the
-best change with time, and how many sigmas fitted coefficients are from the truth. The noise is
-estimated from each case alone, as it is from recordings.
+One case gives three of them: the p-value of the first turn of the search, the most evidence that an
+effect has beside noise estimated anew, and how many sigmas fitted coefficients are from the truth.
+The noise is estimated from each case alone, as it is from recordings.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import Any
 
 from pyport.diagnosis.case import prepare
 from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
+from pyport.diagnosis.searching.contenders import evidence_anew
 from pyport.diagnosis.searching.turns import family_p_value
-from pyport.diagnosis.searching.winner import trials_of
+from pyport.diagnosis.searching.winner import lasting_effects, trials_of
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.examiner import program
 from pyport.examiner.nulls import nulls
@@ -29,7 +30,7 @@ LEVELS: dict[str, tuple[float, ...]] = {
 }
 _SAYS = {
     "FAMILY_ERROR": "share of cases with a p-value of the first turn up to",
-    "CONVINCING": "share of cases in which a change has more evidence than",
+    "CONVINCING": "share of cases in which an effect has more evidence than",
     "coverage": "share of coefficients within so many sigma of the truth",
 }
 
@@ -43,10 +44,12 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     beside = projection(setup, weighed, ())
     trials = trials_of(setup, beside)
     changes = confirmed_changes(setup, weighed.covariance, (), trials)
+    lasting = lasting_effects(setup, weighed, (), trials, (), 0.0, beside)
+    sure = [one.sure for one in changes] + [evidence_anew(one, ()) for one in lasting]
     return vars(case) | {
         "program": program.version(),
         "p_value": family_p_value(trials),
-        "change": max((one.trial.evidence for one in changes), default=None),
+        "evidence": max(sure, default=None),
         "z": nulls.of_fit(world),
     }
 
@@ -71,7 +74,7 @@ def _row(*cells: str) -> str:
 _SHARES: dict[str, Callable[[list[dict[str, Any]], float], Share]] = {
     "FAMILY_ERROR": lambda some, level: counted([one["p_value"] <= level for one in some]),
     "CONVINCING": lambda some, level: counted(
-        [one["change"] is not None and one["change"] > level for one in some]
+        [one["evidence"] is not None and one["evidence"] > level for one in some]
     ),
     "coverage": lambda some, level: clustered(
         [[abs(z) <= level for z in one["z"].values()] for one in some]

@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.searching import (
     changes,
@@ -22,7 +23,7 @@ from pyport.diagnosis.searching import (
     winner,
 )
 from pyport.diagnosis.searching.contenders import Contender
-from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed, threshold
+from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed
 from pyport.diagnosis.shapes import instead
 from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
@@ -69,14 +70,13 @@ def walked(monkeypatch, start, p_value, answers):
     return asked, search._walk(start, frozenset(), QUIET)
 
 
-@pytest.mark.parametrize(
-    ("p_value", "goes_on"), [(0.006, True), (0.0095, True), (0.0105, False), (0.019, False)]
-)
-def test_the_search_goes_on_up_to_a_p_value_of_one_in_a_hundred(monkeypatch, p_value, goes_on):
-    """Beyond it only changes with time are looked for."""
-    asked, _ = walked(monkeypatch, outcome(), p_value, [])
+@pytest.mark.parametrize(("p_value", "sure", "told"), [(0.4, 10.0, np.exp(-5)), (1e-9, 10.0, 1e-9)])
+def test_odds_bound_the_chance_of_noise(monkeypatch, p_value, sure, told):
+    """Noise alone reaches a Bayes factor in no more than one over it of all cases."""
+    _, end = walked(monkeypatch, outcome(), p_value, [replace(won(), sure=sure)])
 
-    assert [one.mismatch for one in asked] == [goes_on]
+    assert end.steps[0].p_value == pytest.approx(told)
+    assert end.p_value == pytest.approx(told)
 
 
 @pytest.mark.parametrize(("gain", "least"), [(1000.0, 20.0), (5000.0, 100.0)])
@@ -301,7 +301,7 @@ def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda 
         "_changes",
         lambda *given: [one for one in moved if one.trial.gain > given[-1]],
     )
-    monkeypatch.setattr(winner, "_lasting", lambda *_: list(lasting))
+    monkeypatch.setattr(winner, "lasting_effects", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(
         winner, "evidence_anew", lambda one, _: sure(one) if callable(sure) else sure
@@ -356,7 +356,7 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
         share=lambda *some: float({one.candidate.effect.id for one in some} <= alike)
     )
     trials = [one.trial for one in RANKED]
-    found = winner._lasting(setup(), WEIGHED, (), trials, (), 0.0, same)
+    found = winner.lasting_effects(setup(), WEIGHED, (), trials, (), 0.0, same)
 
     assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 2, 3, 4)]
 
@@ -396,12 +396,16 @@ def test_a_change_that_promises_less_waits(monkeypatch, promise, unseen, wins):
     assert found == wins
 
 
-def test_without_a_mismatch_only_changes_are_looked_for(monkeypatch):
-    """The noise may have swallowed a change, and nothing else."""
-    assert turn(monkeypatch, RANKED, mismatch=False) is None
-    assert turn(monkeypatch, (), [won("epoch_tilt")], mismatch=False) == "epoch_tilt"
-    # Where there is one, what was there all along may pass for it.
-    assert turn(monkeypatch, RANKED, [won("epoch_tilt")], mismatch=False) == "refraction"
+def test_what_the_noise_does_as_well_does_not_crowd_out_a_change(monkeypatch):
+    """Four at most are tried."""
+    moved = [won("epoch_tilt", 20.0, gain=90.0)]
+
+    assert turn(monkeypatch, RANKED, moved, sure=5.0) == "epoch_tilt"
+
+
+def test_changes_are_looked_for_where_they_are_asked_for(monkeypatch):
+    """What takes the place of a lasting effect lasts."""
+    assert turn(monkeypatch, (), [won("epoch_tilt")]) == "epoch_tilt"
     assert turn(monkeypatch, (), [won("epoch_tilt")], changes=False) is None
 
 
@@ -414,13 +418,13 @@ def test_without_a_mismatch_only_changes_are_looked_for(monkeypatch):
         (20.0, 0.0, ("azimuth_harmonics",), False),
     ],
 )
-def test_a_short_wave_is_looked_for_without_a_mismatch(monkeypatch, sure, least, banned, wins):
+def test_a_short_wave_is_looked_for_by_itself(monkeypatch, sure, least, banned, wins):
     """No trial has its period; it must beat what the noise can do, and the least."""
     wave = won("azimuth_harmonics", 20.0)
     monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
     monkeypatch.setattr(winner, "waves_of", lambda *_: [wave])
     drives = winner._of_drives(setup(), WEIGHED, (), least, banned)
-    found = turn(monkeypatch, drives=drives, sure=sure, mismatch=False)
+    found = turn(monkeypatch, drives=drives, sure=sure)
 
     assert (found is not None) == wins
 
@@ -639,16 +643,33 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
     assert asked == [5.5]
 
 
+@pytest.mark.parametrize(
+    ("antennas", "noise_dof", "sure"),
+    [
+        (3, 8, 50.0),
+        (4, np.inf, 20 - 2 * np.log(6)),
+        (4, 8, 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
+    ],
+)
+def test_what_antennas_share_bounds_the_evidence(monkeypatch, antennas, noise_dof, sure):
+    """Only the noise of the turn includes it; its scale is known from so many deviations."""
+    monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
+    monkeypatch.setattr(contenders, "confirmed", lambda *_: 50.0)
+    blocks, some = SimpleNamespace(antennas=antennas), [candidate(name) for name in NAMES]
+    one = won("refraction", 20.0, gain=24.0, noise_dof=noise_dof)
+    one = replace(one, setup=setup(blocks=blocks, candidates=some))
+
+    assert contenders.evidence_anew(one, ()) == pytest.approx(sure, abs=1e-3)
+
+
 def test_an_effect_pays_for_being_one_of_many():
     """A change for the kinds of change, a source for itself too, any other for all lasting."""
     some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
     problem = setup(candidates=some)
 
-    assert confirming._among(problem, Chosen(some[0], "all")) == pytest.approx(2 * np.log(2))
-    assert confirming._among(problem, Chosen(some[2], "all")) == pytest.approx(2 * np.log(3))
-    assert confirming._among(problem, Chosen(some[3], "all")) == pytest.approx(
-        2 * np.log(len(NAMES))
-    )
+    assert confirming.among(problem, some[0].effect) == pytest.approx(2 * np.log(2))
+    assert confirming.among(problem, some[2].effect) == pytest.approx(2 * np.log(3))
+    assert confirming.among(problem, some[3].effect) == pytest.approx(2 * np.log(len(NAMES)))
 
 
 def test_departures_as_wide_as_the_scatter_are_half_as_probable():
@@ -689,7 +710,7 @@ def field(evidence, directions=1, *, of_time=False):
     )
 
 
-def left(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
+def left(monkeypatch, worths, now, turn=0, together=0.0):
     """Return which names a field leaves that takes the place of others; None where none does."""
 
     def every(of_time):
@@ -699,7 +720,6 @@ def left(monkeypatch, worths, now, turn=0, p_value=1e-6, together=0.0):
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
     monkeypatch.setattr(instead, "boxes", lambda *_: [])
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
-    monkeypatch.setattr(instead, "family_p_value", lambda _: p_value)
     monkeypatch.setattr(instead, "_together", lambda *_: together)
     monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
     kept = instead.field_instead(now, turn)
@@ -746,32 +766,29 @@ def test_a_field_must_exceed_what_a_strong_effect_leaves(monkeypatch, evidence, 
     assert taken(monkeypatch, [field(evidence)], now, turn=1) == wins
 
 
-@pytest.mark.parametrize(
-    ("p_value", "evidence", "wins"),
-    [(0.0095, 7.0, True), (0.0105, 7.0, False), (0.5, 9.0, False), (0.5, 9.4, True)],
-)
-def test_a_field_that_no_name_points_at_shows_by_itself(monkeypatch, p_value, evidence, wins):
-    """At odds of a hundred to one, where the p-value of the names is above one in a hundred."""
-    assert taken(monkeypatch, [field(evidence)], outcome(), p_value=p_value) == wins
+@pytest.mark.parametrize(("evidence", "wins"), [(7.0, False), (9.0, False), (9.4, True)])
+def test_a_field_that_no_name_points_at_shows_by_itself(monkeypatch, evidence, wins):
+    """At odds of a hundred to one."""
+    assert taken(monkeypatch, [field(evidence)], outcome()) == wins
 
 
-@pytest.mark.parametrize(("p_value", "wins"), [(0.0095, True), (0.0105, False)])
-def test_a_field_in_time_needs_a_mismatch(monkeypatch, p_value, wins):
+@pytest.mark.parametrize("names", [0, 1])
+def test_a_field_in_time_needs_a_name(monkeypatch, names):
     """What is smooth in time is what a drift is like."""
     worths = [field(90.0, of_time=True), field(-3.0)]
+    now = outcome(*[step(trial())] * names)
 
-    assert taken(monkeypatch, worths, outcome(), p_value=p_value) == wins
+    assert taken(monkeypatch, worths, now, together=50.0) == bool(names)
 
 
 @pytest.mark.parametrize(
-    ("antennas", "p_value", "wins"),
-    [(3, 0.0105, True), (4, 0.0105, False), (30, 0.5, False), (30, 0.0095, True)],
+    ("antennas", "names", "wins"), [(3, 0, True), (4, 0, False), (30, 0, False), (30, 1, True)]
 )
-def test_a_field_in_an_array_needs_a_mismatch(monkeypatch, antennas, p_value, wins):
+def test_a_field_in_an_array_needs_a_name(monkeypatch, antennas, names, wins):
     """What antennas share in a scan is too little known."""
-    now = outcome(blocks=SimpleNamespace(antennas=antennas))
+    now = outcome(*[step(trial())] * names, blocks=SimpleNamespace(antennas=antennas))
 
-    assert taken(monkeypatch, [field(90.0)], now, p_value=p_value) == wins
+    assert taken(monkeypatch, [field(90.0)], now, together=50.0) == wins
 
 
 def test_a_field_that_nothing_determines_is_none(monkeypatch):
@@ -811,41 +828,32 @@ def test_independent_candidates_multiply_the_chance():
     assert every / one == pytest.approx(20, rel=0.4)
 
 
-def test_the_gain_that_is_needed_has_the_chance_that_is_asked():
-    """Of one coefficient and known noise, one in a hundred is 6.63."""
-    assert gain_needed(trial(noise_dof=10**7), np.log(0.01)) == pytest.approx(6.635, abs=0.01)
-    assert gain_needed(trial(noise_dof=10), np.log(0.01)) == pytest.approx(10.04, abs=0.01)
+@pytest.mark.parametrize("dof", [1, 2, 6])
+def test_the_gain_that_is_needed_has_the_evidence_that_is_asked(dof):
+    """As `at_best` gives it for coefficients that are equally well known."""
+    gain = gain_needed(trial(dof=dof, noise_dof=10**7), 12.0)
+    evidence, _ = at_best(np.ones(dof), np.full(dof, np.sqrt(gain / dof)))
 
-
-def test_the_threshold_of_a_search_is_that_of_its_best_draw():
-    """Of draws from a chi-square with one degree, the chance that one in a hundred falls below."""
-    drawn = np.random.default_rng(0).chisquare(1, 30000)
-
-    assert np.exp(threshold([trial(drawn=drawn, noise_dof=10**6)], 0.01)) == pytest.approx(
-        0.01, rel=0.15
-    )
-    assert threshold([], 0.01) == float("-inf")
+    assert evidence == pytest.approx(12.0, abs=0.1)
+    assert gain_needed(trial(dof=dof, noise_dof=10), 12.0) > 1.5 * gain
 
 
 @pytest.mark.parametrize("scale", [1.0, 3.0])
-def test_a_limit_is_the_size_at_which_half_would_be_seen(scale):
-    """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain that is needed is 6.6."""
-    drawn = np.random.default_rng(0).chisquare(1, 30000)
-    one = trial(sigma=scale / np.sqrt(10), drawn=drawn, noise_dof=10**6)
-    problem = setup(whole=np.full((10, 2), 2.0))
+@pytest.mark.parametrize(("names", "gain"), [(1, 9.22), (6, 13.16)])
+def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
+    """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain of what convinces."""
+    one = trial(sigma=scale / np.sqrt(10), noise_dof=10**6)
+    problem = setup(whole=np.full((10, 2), 2.0), candidates=[candidate(n) for n in NAMES[:names]])
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
-    assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(6.635 / 10), rel=0.06)
+    assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(gain / 10), rel=0.01)
 
 
 def test_what_rounding_alone_sees_has_no_limit():
     """Nor has the part of a single antenna."""
-    drawn = np.ones(300)
-    blind = trial("skew", sigma=1e101, drawn=drawn)
-    own = trial("tilt", drawn=drawn, scope="antenna")
-    found = diagnose._limits(
-        setup(whole=np.ones((10, 2))), SimpleNamespace(last=(trial(drawn=drawn), blind, own))
-    )
+    blind, own = trial("skew", sigma=1e101), trial("tilt", scope="antenna")
+    problem = setup(whole=np.ones((10, 2)), candidates=())
+    found = diagnose._limits(problem, SimpleNamespace(last=(trial(), blind, own)))
 
     assert list(found) == ["refraction"]
 
