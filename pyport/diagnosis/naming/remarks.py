@@ -274,7 +274,7 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     """Return what is said where no finding is: what was looked for, and how little was to be seen.
 
     No finding is no all-clear: few recordings show large effects only, and what is left may not
-    look like noise though nothing that was tried predicts unseen data better.
+    look like noise though no effect that was tried is more than noise can do.
     """
     seen = smallest_seen(diagnosis.detection_limits)
     more = "" if seen is None else f"; {seen}"
@@ -285,8 +285,8 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
             f"Nothing is missing that these recordings could show{more}{_hides(diagnosis, noise)}"
         )
     return (
-        "What is left does not look like the noise that was assumed, but nothing that was tried "
-        "predicts unseen data better"
+        "What is left does not look like the noise that was assumed, but no effect that was tried "
+        "has odds of twenty to one and predicts unseen data better"
     )
 
 

@@ -644,19 +644,20 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("antennas", "noise_dof", "sure"),
+    ("antennas", "scope", "noise_dof", "sure"),
     [
-        (3, 8, 50.0),
-        (4, np.inf, 20 - 2 * np.log(6)),
-        (4, 8, 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
+        (3, "all", 8, 50.0),
+        (4, "all", np.inf, 20 - 2 * np.log(6)),
+        (4, "all", 8, 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
+        (4, "antenna", 8, 20 - 2 * np.log(6)),
     ],
 )
-def test_what_antennas_share_bounds_the_evidence(monkeypatch, antennas, noise_dof, sure):
+def test_what_antennas_share_bounds_the_evidence(monkeypatch, antennas, scope, noise_dof, sure):
     """Only the noise of the turn includes it; its scale is known from so many deviations."""
     monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
     monkeypatch.setattr(contenders, "confirmed", lambda *_: 50.0)
     blocks, some = SimpleNamespace(antennas=antennas), [candidate(name) for name in NAMES]
-    one = won("refraction", 20.0, gain=24.0, noise_dof=noise_dof)
+    one = won("refraction", 20.0, gain=24.0, noise_dof=noise_dof, scope=scope)
     one = replace(one, setup=setup(blocks=blocks, candidates=some))
 
     assert contenders.evidence_anew(one, ()) == pytest.approx(sure, abs=1e-3)
