@@ -162,8 +162,8 @@ def _arrows(
 
 def against(picture: Picture, column: Column) -> Figure:
     """Draw residuals of both axes against a column, medians in bins beside them."""
-    figure, rows = _stack(picture)
     labels = column.values.dtype.kind == "U"
+    figure, rows = _stack(picture, style.figure if labels else style.framed)
     if labels:
         names, codes = np.unique(column.values, return_inverse=True)
         spread = (np.arange(len(codes)) * 0.618034 % 1 - 0.5) * 0.7
@@ -185,7 +185,7 @@ def against(picture: Picture, column: Column) -> Figure:
 
 def against_time(picture: Picture) -> Figure:
     """Draw residuals against time, the gaps between campaigns cut out."""
-    figure, rows = _stack(picture)
+    figure, rows = _stack(picture, style.figure)
     time = picture.time if picture.time is not None else np.zeros(0)
     parts = stretches(time)
     total = sum(b - a for a, b in parts) or 1.0
@@ -219,10 +219,12 @@ def against_time(picture: Picture) -> Figure:
     return figure
 
 
-def _stack(picture: Picture) -> tuple[Figure, list[tuple[Axes, tuple[str, Side]]]]:
+def _stack(
+    picture: Picture, empty: Callable[[float, float], Figure]
+) -> tuple[Figure, list[tuple[Axes, tuple[str, Side]]]]:
     """Return a figure with a row for each measured axis."""
     measured = picture.sides()
-    figure = style.figure(7.0, 0.7 + 1.9 * len(measured))
+    figure = empty(7.0, 0.7 + 1.9 * len(measured))
     rows = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     return figure, list(zip(rows, measured, strict=True))
 
