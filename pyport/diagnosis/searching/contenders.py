@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
@@ -83,15 +83,18 @@ def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> 
 def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
     """Return the evidence of a contender beside noise estimated anew, its price paid.
 
-    In an array it is no more than beside the noise of the turn, which knows what antennas share,
-    and from how few scans.
+    Of a lasting effect it is no more than beside the noise of the turn: few readings, estimated
+    anew, may have very different tails with it and without it. In an array it is that alone, less
+    what it costs to be one of many: only the noise of the turn includes what antennas share.
     """
-    setup, others = one.setup, joined(one.setup, chosen, one.chosen)[:-1]
-    sure = confirmed(setup, others, one.chosen, one.price)
+    if np.isfinite(one.sure):
+        return one.sure
+    setup, trial = one.setup, one.trial
+    in_turn = np.inf if confounded(setup, one.effect) else trial.evidence - trial.owed_to_scale
     if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        trial = one.trial
-        sure = min(sure, trial.evidence - trial.owed_to_scale - among(setup, one.effect))
-    return sure
+        return in_turn - among(setup, one.effect)
+    others = joined(setup, chosen, one.chosen)[:-1]
+    return min(in_turn, confirmed(setup, others, one.chosen, one.price))
 
 
 def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:

@@ -98,7 +98,7 @@ def _first(
         # what the noise cannot do.
         found = side_by_side(lambda one: evidence_anew(one, chosen), lasting)
         lasting = [
-            _at_least(one, sure)
+            replace(one, sure=sure)
             for sure, one in zip(found, lasting, strict=True)
             if sure > CONVINCING
         ]
@@ -108,17 +108,10 @@ def _first(
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        if not moved:
-            one = replace(one, sure=evidence_anew(one, chosen))  # noqa: PLW2901 - it, looked at
-        if one.sure > CONVINCING:
-            return one
+        sure = evidence_anew(one, chosen)
+        if sure > CONVINCING:
+            return replace(one, sure=sure)
     return None
-
-
-def _at_least(one: Contender, sure: float) -> Contender:
-    """Return a lasting effect with no less evidence than beside noise estimated anew."""
-    evidence = max(one.trial.evidence, sure)
-    return replace(one, trial=replace(one.trial, evidence=evidence), sure=sure)
 
 
 def _rank(one: Contender) -> float:
