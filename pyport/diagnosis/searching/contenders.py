@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import CandidateFit, Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
@@ -24,7 +24,7 @@ class Contender:
     `price` is what its choice among its family costs, a refined moment or edge included.
     `beside` is what it was tried in where that is not the turn's: a wave's columns joined the case.
     `rivals` are the other changes, each with the evidence that the noise leaves it.
-    `sure` is its evidence beside noise estimated anew, where that is known.
+    `sure` is its evidence beside noise estimated anew, where it lasts no more than in its turn.
     """
 
     trial: CandidateFit
@@ -39,6 +39,15 @@ class Contender:
     def effect(self) -> Effect:
         """Return its effect, with the moment or edge that it has."""
         return self.chosen.candidate.effect
+
+    @property
+    def in_turn(self) -> float:
+        """Return its evidence beside the noise of the turn, whose scale has an error.
+
+        A lasting effect needs that, too: few readings, estimated anew, may have very different
+        tails with it and without it.
+        """
+        return self.trial.evidence - self.trial.owed_to_scale
 
 
 def refined(
@@ -83,18 +92,13 @@ def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> 
 def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
     """Return the evidence of a contender beside noise estimated anew, its price paid.
 
-    Of a lasting effect it is no more than beside the noise of the turn: few readings, estimated
-    anew, may have very different tails with it and without it. In an array it is that alone, less
-    what it costs to be one of many: only the noise of the turn includes what antennas share.
+    In an array it is that of the turn, whose noise alone includes what antennas share.
     """
-    if np.isfinite(one.sure):
-        return one.sure
-    setup, trial = one.setup, one.trial
-    in_turn = np.inf if confounded(setup, one.effect) else trial.evidence - trial.owed_to_scale
+    setup = one.setup
     if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return in_turn - among(setup, one.effect)
+        return one.in_turn - among(setup, one.effect)
     others = joined(setup, chosen, one.chosen)[:-1]
-    return min(in_turn, confirmed(setup, others, one.chosen, one.price))
+    return confirmed(setup, others, one.chosen, one.price)
 
 
 def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:

@@ -98,9 +98,9 @@ def _first(
         # what the noise cannot do.
         found = side_by_side(lambda one: evidence_anew(one, chosen), lasting)
         lasting = [
-            replace(one, sure=sure)
-            for sure, one in zip(found, lasting, strict=True)
-            if sure > CONVINCING
+            _at_least(one, anew)
+            for anew, one in zip(found, lasting, strict=True)
+            if anew > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
         if confounded(one.setup, one.effect):
@@ -108,10 +108,18 @@ def _first(
         after = joined(one.setup, chosen, one.chosen)
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
-        sure = evidence_anew(one, chosen)
-        if sure > CONVINCING:
-            return replace(one, sure=sure)
+        if not moved:
+            anew = evidence_anew(one, chosen)
+            one = replace(one, sure=min(anew, one.in_turn))  # noqa: PLW2901 - it, looked at
+        if one.sure > CONVINCING:
+            return one
     return None
+
+
+def _at_least(one: Contender, anew: float) -> Contender:
+    """Return a lasting effect that competes by the better of both kinds of evidence."""
+    trial = replace(one.trial, evidence=max(one.trial.evidence, anew))
+    return replace(one, trial=trial, sure=min(anew, one.in_turn))
 
 
 def _rank(one: Contender) -> float:

@@ -45,7 +45,9 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     trials = trials_of(setup, beside)
     changes = confirmed_changes(setup, weighed.covariance, (), trials)
     lasting = lasting_effects(setup, weighed, (), trials, (), 0.0, beside)
-    sure = [one.sure for one in changes] + [evidence_anew(one, ()) for one in lasting]
+    sure = [one.sure for one in changes] + [
+        min(evidence_anew(one, ()), one.in_turn) for one in lasting
+    ]
     return vars(case) | {
         "program": program.version(),
         "p_value": family_p_value(trials),

@@ -377,6 +377,22 @@ def test_beside_a_change_only_confirmed_effects_compete(monkeypatch, odds, wins)
     assert found == ("refraction" if wins else "epoch_tilt")
 
 
+def test_the_confirmed_evidence_counts_beside_a_change(monkeypatch):
+    """Of a lasting effect the better of both kinds of evidence."""
+    found = turn(monkeypatch, [won("refraction", 7.0)], [won("epoch_tilt", 10.0)], sure=12.0)
+
+    assert found == "refraction"
+
+
+@pytest.mark.parametrize(("evidence", "wins"), [(5.5, False), (6.5, True)])
+@pytest.mark.parametrize("moved", [[], [won("epoch_tilt", -9.0)]])
+def test_what_lasts_needs_odds_of_twenty_to_one_in_its_turn_too(monkeypatch, moved, evidence, wins):
+    """However much likelier noise estimated anew makes it."""
+    found = turn(monkeypatch, [won("refraction", evidence)], moved, sure=50.0)
+
+    assert (found == "refraction") == wins
+
+
 @pytest.mark.parametrize(
     ("promise", "unseen", "wins"),
     [(30.0, True, "epoch_tilt"), (15.0, True, "refraction"), (15.0, False, "epoch_tilt")],
@@ -637,34 +653,26 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("effect", "antennas", "noise_dof", "scope", "odds", "sure"),
+    ("antennas", "noise_dof", "scope", "in_turn", "anew"),
     [
-        ("epoch_tilt", 1, 8, "all", 50.0, 50.0),
-        ("refraction", 1, np.inf, "all", 50.0, 20.0),
-        ("refraction", 1, np.inf, "all", 10.0, 10.0),
-        ("refraction", 3, 8, "all", 50.0, 20 - 24 + 8 * np.log(4)),
-        ("refraction", 4, 8, "all", 10.0, 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
-        ("refraction", 4, 8, "antenna", 10.0, 20 - 2 * np.log(6)),
+        (1, np.inf, "all", 20.0, 50.0),
+        (3, 8, "all", 20 - 24 + 8 * np.log(4), 50.0),
+        (4, 8, "all", 20 - 24 + 8 * np.log(4), 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
+        (4, 8, "antenna", 20.0, 20 - 2 * np.log(6)),
     ],
 )
-def test_what_lasts_has_no_more_evidence_than_in_its_turn(
-    monkeypatch, effect, antennas, noise_dof, scope, odds, sure
+def test_the_noise_of_the_turn_has_a_scale_and_what_antennas_share(
+    monkeypatch, antennas, noise_dof, scope, in_turn, anew
 ):
-    """The scale of its noise is known from so many deviations; only it has what antennas share."""
+    """The scale is known from so many deviations; noise estimated anew shares nothing."""
     monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
-    monkeypatch.setattr(contenders, "confirmed", lambda *_: odds)
+    monkeypatch.setattr(contenders, "confirmed", lambda *_: 50.0)
     blocks, some = SimpleNamespace(antennas=antennas), [candidate(name) for name in NAMES]
-    one = won(effect, 20.0, gain=24.0, noise_dof=noise_dof, scope=scope)
+    one = won("refraction", 20.0, gain=24.0, noise_dof=noise_dof, scope=scope)
     one = replace(one, setup=setup(blocks=blocks, candidates=some))
 
-    assert contenders.evidence_anew(one, ()) == pytest.approx(sure, abs=1e-3)
-
-
-def test_evidence_that_is_known_is_not_asked_for_again(monkeypatch):
-    """A short wave of a drive has paid for being one of many."""
-    monkeypatch.setattr(contenders, "confirmed", lambda *_: pytest.fail("asked again"))
-
-    assert contenders.evidence_anew(replace(won(), sure=7.0), ()) == 7.0
+    assert one.in_turn == pytest.approx(in_turn, abs=1e-3)
+    assert contenders.evidence_anew(one, ()) == pytest.approx(anew, abs=1e-3)
 
 
 def test_an_effect_pays_for_being_one_of_many():
