@@ -208,6 +208,8 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
 def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     powers = np.einsum("mk,mk->k", setup.whole, setup.whole)[:-1] / len(setup.whole)
+    effects = {one.candidate.effect.id: one.candidate.effect for one in outcome.last}
+    choices = {name: among(setup, effect) for name, effect in effects.items() if effect.physical}
     limits: dict[str, float] = {}
     for trial in outcome.last:
         known = float(np.trace(trial.information))
@@ -215,7 +217,7 @@ def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
         if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
         own = trial.candidate
-        gain = gain_needed(trial, CONVINCING + own.price + among(setup, own.effect))
+        gain = gain_needed(trial, CONVINCING + own.price + choices[own.effect.id])
         power = float(powers[own.columns].sum())
         size = float(np.sqrt(gain * power / known))
         limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))

@@ -25,9 +25,6 @@ ROWS = {
     "test_one_cause_before": "command-before",
     "test_four_causes_before": "command-four-before",
     "test_drawn_case_before": "command-1200-before",
-    "test_one_cause_alone": "diagnosis-before",
-    "test_four_causes_alone": "diagnosis-four-before",
-    "test_drawn_case_alone": "diagnosis-1200-before",
 }
 ROOT = Path(__file__).parents[2]
 #: The last commit before there was a kernel.
@@ -122,28 +119,10 @@ def in_seconds(benchmark, request, folder, *words):
     benchmark.pedantic(command(folder, *words), rounds=1)
 
 
-def beside_the_old(benchmark, request, folder, path, old, rounds):
+def beside_the_old(benchmark, request, folder, path, old, rounds, work):
     """Measure the least processor's time of the old program and the present one, in turn."""
-    before = command(folder, "diagnose", str(path), program=old)
-    now = command(folder, "diagnose", str(path))
-    in_turn(benchmark, request, before, now, rounds)
-    benchmark.extra_info.update(limit=COUNTED, limit_s=process(folder, "-c", EMPTY)())
-
-
-def alone_beside_the_old(benchmark, request, folder, path, old, rounds):
-    """Measure the same of reading and diagnosing alone."""
-
-    def of(program):
-        """Return what does so in a process of one program."""
-        words = "-c", ALONE, str(path)
-        return lambda: float(python(folder, *words, program=program, OPENBLAS_NUM_THREADS="1"))
-
-    in_turn(benchmark, request, of(old), of(ROOT), rounds)
-
-
-def in_turn(benchmark, request, before, now, rounds):
-    """Measure the least that two programs' processes say they took [s], in turn."""
-    benchmark.group = ROWS[request.function.__name__]
+    benchmark.group = ROWS[request.function.__name__].replace("command", work)
+    before, now = (WORK[work](folder, path, program) for program in (old, ROOT))
     theirs, ours = [], []
     benchmark.pedantic(
         lambda: ours.append(now()), setup=lambda: theirs.append(before()), rounds=rounds
@@ -152,6 +131,23 @@ def in_turn(benchmark, request, before, now, rounds):
         seconds=min(ours),
         peers={f"processor's time of {BEFORE}": min(theirs)},
     )
+    if work == "command":
+        benchmark.extra_info.update(limit=COUNTED, limit_s=process(folder, "-c", EMPTY)())
+
+
+def whole(folder, path, program):
+    """Return what diagnoses a file by a program's command and returns the time that it took."""
+    return command(folder, "diagnose", str(path), program=program)
+
+
+def alone(folder, path, program):
+    """Return what does so without start and page, and returns the time that it took."""
+    words = "-c", ALONE, str(path)
+    return lambda: float(python(folder, *words, program=program, OPENBLAS_NUM_THREADS="1"))
+
+
+#: What is measured beside the old program.
+WORK = {"command": whole, "diagnosis": alone}
 
 
 def test_one_cause(benchmark, request, folder):
@@ -183,33 +179,20 @@ def test_plot(benchmark, request, folder):
     in_seconds(benchmark, request, folder, "plot", str(path))
 
 
-def test_one_cause_before(benchmark, request, folder, old):
+@pytest.mark.parametrize("work", WORK)
+def test_one_cause_before(benchmark, request, folder, old, work):
     """As many rows as the RT32's campaign, one cause."""
     path = made(folder, "one", 21, rows=5600, **ONE)
-    beside_the_old(benchmark, request, folder, path, old, rounds=2)
+    beside_the_old(benchmark, request, folder, path, old, 2, work)
 
 
-def test_four_causes_before(benchmark, request, folder, old):
+@pytest.mark.parametrize("work", WORK)
+def test_four_causes_before(benchmark, request, folder, old, work):
     """Recordings like the RT32's."""
-    beside_the_old(benchmark, request, folder, made(folder, "rt32", 91), old, rounds=1)
+    beside_the_old(benchmark, request, folder, made(folder, "rt32", 91), old, 1, work)
 
 
-def test_drawn_case_before(benchmark, request, folder, old):
+@pytest.mark.parametrize("work", WORK)
+def test_drawn_case_before(benchmark, request, folder, old, work):
     """As many rows as a trial."""
-    beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old, rounds=3)
-
-
-def test_one_cause_alone(benchmark, request, folder, old):
-    """As many rows as the RT32's campaign, one cause."""
-    path = made(folder, "one", 21, rows=5600, **ONE)
-    alone_beside_the_old(benchmark, request, folder, path, old, rounds=2)
-
-
-def test_four_causes_alone(benchmark, request, folder, old):
-    """Recordings like the RT32's."""
-    alone_beside_the_old(benchmark, request, folder, made(folder, "rt32", 91), old, rounds=1)
-
-
-def test_drawn_case_alone(benchmark, request, folder, old):
-    """As many rows as a trial."""
-    alone_beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old, rounds=3)
+    beside_the_old(benchmark, request, folder, made(folder, "one", 21, **ONE), old, 3, work)

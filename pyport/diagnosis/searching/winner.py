@@ -78,6 +78,8 @@ def winner_of(
     if changes:
         lasting += _of_drives(setup, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
+    # Noise is estimated anew, which takes long, only for what can stand.
+    lasting = [one for one in lasting if one.in_turn > CONVINCING]
     moved = _changes(*turn, lead) if changes else []
     found = _first(weighed, chosen, moved, lasting)
     if found is None and changes and lead > -np.inf:

@@ -294,8 +294,10 @@ def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, 
     assert winner.predicts(None, None, "before", "after", gain) == good
 
 
-def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda _: True, **options):
-    """Return who wins a turn among lasting effects and changes."""
+def winning(
+    monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda _: True, **options
+):
+    """Return what wins a turn among lasting effects and changes."""
     monkeypatch.setattr(
         winner,
         "_changes",
@@ -310,7 +312,12 @@ def turn(monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda 
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
-    found = winner.winner_of(setup(), None, (), (), 0.0, beside=None, banned=(), **options)
+    return winner.winner_of(setup(), None, (), (), 0.0, beside=None, banned=(), **options)
+
+
+def turn(*args, **options):
+    """Return who wins a turn, None where nobody does."""
+    found = winning(*args, **options)
     return found and found.trial.candidate.effect.id
 
 
@@ -385,12 +392,29 @@ def test_the_confirmed_evidence_counts_beside_a_change(monkeypatch):
 
 
 @pytest.mark.parametrize(("evidence", "wins"), [(5.5, False), (6.5, True)])
-@pytest.mark.parametrize("moved", [[], [won("epoch_tilt", -9.0)]])
+@pytest.mark.parametrize("moved", [[], [won("epoch_tilt", -9.0, gain=90.0)]])
 def test_what_lasts_needs_odds_of_twenty_to_one_in_its_turn_too(monkeypatch, moved, evidence, wins):
     """However much likelier noise estimated anew makes it."""
     found = turn(monkeypatch, [won("refraction", evidence)], moved, sure=50.0)
 
     assert (found == "refraction") == wins
+
+
+@pytest.mark.parametrize("moved", [[], [won("epoch_tilt", -9.0, gain=90.0)]])
+@pytest.mark.parametrize(("evidence", "anew", "sure"), [(9.0, 50.0, 9.0), (50.0, 9.0, 9.0)])
+def test_what_lasts_stands_by_the_worse_of_its_odds(monkeypatch, moved, evidence, anew, sure):
+    """They bound the chance of noise that is told."""
+    found = winning(monkeypatch, [won("refraction", evidence, noise_dof=np.inf)], moved, sure=anew)
+
+    assert found.sure == pytest.approx(sure, abs=1e-3)
+
+
+def test_what_cannot_stand_is_not_asked_for_again(monkeypatch):
+    """Noise estimated anew takes long."""
+    asked = []
+    turn(monkeypatch, [won("refraction", 5.5)], sure=lambda one: asked.append(one) or 50.0)
+
+    assert not asked
 
 
 @pytest.mark.parametrize(
