@@ -181,6 +181,11 @@ class Problem:
         return self.with_columns(columns), other
 
     @cached_property
+    def named(self) -> tuple[Effect, ...]:
+        """Return an effect of each name that may be told."""
+        return tuple({one.effect.id: one.effect for one in self.candidates}.values())
+
+    @cached_property
     def possible(self) -> tuple[Array, ...]:
         """Return for each series the columns of all lasting candidates that are not empty in it.
 

@@ -93,13 +93,13 @@ def among(setup: Problem, own: Effect) -> float:
     Changes with time are among each other, a source's place is among them too, and all else is
     among all else.
     """
-    ids = {
-        effect.id
-        for effect in (each.effect for each in setup.candidates)
+    alike = [
+        effect
+        for effect in setup.named
         if confounded(setup, effect) == confounded(setup, own)
         and (own.belongs_to or not effect.belongs_to)
-    }
-    return 2 * float(np.log(max(len(ids), 1)))
+    ]
+    return 2 * float(np.log(max(len(alike), 1)))
 
 
 def _improbable(covariance: Covariance) -> float:

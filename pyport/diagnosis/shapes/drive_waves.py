@@ -74,7 +74,7 @@ def ways_of(setup: Problem) -> Iterator[Way]:
     """Yield the families whose short waves could be seen."""
     if setup.blocks.antennas > 1:
         return
-    families = {one.effect.id for one in setup.candidates}
+    families = {one.id for one in setup.named}
     at, row = setup.recordings.at, setup.stack.row
     for effect in catalogue(at.mount).values():
         if effect.id not in families or effect.on_altaz not in FAMILIES:

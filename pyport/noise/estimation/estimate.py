@@ -92,10 +92,13 @@ def estimate(
     # Noise beside everything that could be found is noise beside the model and those columns.
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
-    beyond = BEYOND if averaged else within_reach(grid)
+    # What is improbable counts in an average alone, and only the last turn's is given.
+    reach = [within_reach(grid)] * TURNS
+    if averaged:
+        reach[-1] = BEYOND
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
 
-    def drafted(covariance: Covariance, which: tuple[int, int | None]) -> Draft:
+    def drafted(covariance: Covariance, beyond: float, which: tuple[int, int | None]) -> Draft:
         n, start = which
         part = parts[n]
         rows = part.rows
@@ -113,10 +116,10 @@ def estimate(
             beyond,
         )
 
-    for _ in range(TURNS):
+    for beyond in reach:
         found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found, possible=given.possible)
-        drafts = side_by_side(partial(drafted, covariance), enumerate(starts))
+        drafts = side_by_side(partial(drafted, covariance, beyond), enumerate(starts))
         starts = [one.best for one in drafts]
         chances = [beside(drafts, parts, n) for n in range(len(parts))]
         if not averaged:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg.lapack import dtrtrs
+from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from pyport.angles import Array
 from pyport.noise.series import Noise, Series
@@ -68,7 +68,7 @@ class Likelihood:
         solved = _forward(triangle, right)
         taken, logs = _without(solved[:, 0], solved[:, 1:])
         misfit = max(float(gram[-1, -1]) - taken, 1e-300)
-        logs += float(np.log(d).sum() + 2 * np.log(np.diag(triangle)).sum())
+        logs += float(np.log(d).sum()) + _log_determinant(triangle)
         return logs + self.dof * np.log(misfit), float(np.sqrt(misfit / self.dof))
 
     @cached_property
@@ -106,25 +106,31 @@ def _without(seen: Array, faint: Array) -> tuple[float, float]:
     square = float(seen @ seen)
     if not faint.shape[1]:
         return square, 0.0
-    triangle = np.asarray(np.linalg.cholesky(faint.T @ faint))
+    triangle = _triangle(faint.T @ faint)
     along = _forward(triangle, faint.T @ seen)
-    return square - float(along @ along), 2 * float(np.log(np.diag(triangle)).sum())
+    return square - float(along @ along), _log_determinant(triangle)
 
 
 #: What products of columns that hardly differ lose to rounding, over their squared lengths.
 ROUNDING = 1e-11
 
 
+# LAPACK alone: thousands of times, where what checks its input costs as much.
 def _forward(triangle: Array, right: Array) -> Array:
-    """Return L^-1 R: LAPACK alone, thousands of times where what checks its input costs as much."""
-    # A triangle by rows is its transpose by columns, which LAPACK wants.
-    return np.asarray(dtrtrs(triangle.T, right, trans=1)[0])
+    """Return L^-1 R."""
+    return np.asarray(dtrtrs(triangle, right, lower=1)[0])
 
 
 def _triangle(products: Array) -> Array:
     """Return the Cholesky triangle of products, held against rounding where that spoils them."""
-    try:
-        return np.asarray(np.linalg.cholesky(products))
-    except np.linalg.LinAlgError:
+    # Rows of what is symmetric are its columns, which LAPACK wants.
+    triangle, fault = dpotrf(products.T, lower=1)
+    if fault:
         lost = ROUNDING * (1 + np.diag(products))
         return np.asarray(np.linalg.cholesky(products + np.diag(lost)))
+    return np.asarray(triangle)
+
+
+def _log_determinant(triangle: Array) -> float:
+    """Return the log-determinant of L L'."""
+    return 2 * float(np.log(triangle.diagonal()).sum())

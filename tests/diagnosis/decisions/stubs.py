@@ -72,4 +72,6 @@ class Columns:
 
 def setup(**known):
     """Return as much of a problem as a rule looks at."""
-    return SimpleNamespace(**({"blocks": ONE_ANTENNA, "base": (), "seed": 0} | known))
+    named = {one.effect.id: one.effect for one in known.get("candidates", ())}
+    usual = {"blocks": ONE_ANTENNA, "base": (), "seed": 0, "named": tuple(named.values())}
+    return SimpleNamespace(**(usual | known))
