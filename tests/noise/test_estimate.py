@@ -97,6 +97,25 @@ def test_scatter_within_and_between_pointings_is_found():
     assert noise.how == "replicates"
 
 
+@pytest.mark.parametrize("averaged", [True, False])
+def test_what_is_improbable_is_weighed_where_an_average_is_asked_for(monkeypatch, averaged):
+    """In the last turn: the first says no more than where the next one starts."""
+    reached = []
+
+    def drafted(*given):
+        reached.append(given[-1])
+        return drift.draft(*given)
+
+    monkeypatch.setattr("pyport.noise.estimation.estimate.draft", drafted)
+    y = 1e-4 * np.random.default_rng(3).normal(size=100)
+    given = recordings(100, 1, y)
+    here = frame(given, stack(given))
+    estimate(y, np.ones((100, 1)), here, averaged=averaged)
+
+    near = drift.within_reach(drift.grid_of(here.parts))
+    assert reached == [near, drift.BEYOND if averaged else near]
+
+
 def test_a_drift_is_found_with_its_time():
     """An Ornstein-Uhlenbeck drift is told from white noise, white noise is left white."""
     rng = np.random.default_rng(2)
