@@ -164,7 +164,7 @@ def test_a_browser_draws_the_night_as_it_goes_on(tmp_path, browser):
         faults = []
         tab.on("pageerror", lambda error: faults.append(str(error)))
         tab.goto(served.address)
-        tab.wait_for_function("document.getElementById('state').textContent.startsWith('14 p')")
+        tab.wait_for_selector("#state:text-matches('^14 p')")
         assert tab.locator("#alarms li").count() == 0
         with log.open("a") as file:
             file.writelines(rows[14:45])
