@@ -1,8 +1,8 @@
-"""A case: recordings, model and candidates, brought into the form that the search works on."""
+"""A case: what was given and is to be diagnosed, and which of its columns are fitted."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,20 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array, Codes
-from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Blocks, Candidate, Untestable
 from pyport.effects.base import Effect
-from pyport.fitting.fit import expanded
 from pyport.least_squares.gram import Part
-from pyport.models.model import Model, Term
+from pyport.models.model import Model
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimation.frame import Frame, frame
-from pyport.noise.pointings import pointings
+from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Series
-from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.recordings.sky import with_nights
-from pyport.runs.stages import stage
-from pyport.thresholds import FEWEST
+from pyport.recordings.schema import Recordings, Stack
 
 
 @dataclass(frozen=True)
@@ -232,61 +226,6 @@ class Problem:
         return np.concatenate(out, axis=1)
 
 
-@stage("preparing columns")
-def prepare(
-    recordings: Recordings, model: Model, refit: Collection[str] | None = None, seed: int = 0
-) -> Problem:
-    """Bring recordings and a model into the form that the search works on.
-
-    Parameters
-    ----------
-    recordings, model
-        The measurements, and the model whose gaps are looked for.
-    refit
-        Ids of the model's effects that are fitted together with every
-        candidate; None for all of them.
-    seed
-        Of the draws of noise.
-    """
-    recordings = with_nights(recordings)
-    data = stack(recordings)
-    residual = data.value - data.spread(*model.offsets(recordings.at))
-    terms = model.fitted(refit)
-    base_columns, base = _base(recordings, data, terms)
-    found, candidates, untestable = listing.design(recordings, data)
-    given = frame(recordings, data)
-    departing = any(one.of == "session" for one in given.departures)
-    if departing:
-        candidates = listing.but_of_every_session(candidates)
-    generic, others = listing.shapes_of(recordings, data)
-    first = base_columns.shape[1]
-    own = any("session" in term.per for term in terms)
-    block_of_row, names = group(recordings, ("antenna", "session"))
-    # Among sessions that depart at random what each has of its own is no effect but their scatter,
-    # and sessions of a few readings have nothing to themselves.
-    if (departing or FEWEST * len(names) > len(data)) and not own:
-        block_of_row, names = group(recordings, ("antenna",))
-    return Problem(
-        recordings=recordings,
-        model=model,
-        stack=data,
-        base=tuple(base),
-        candidates=_shifted(candidates, first),
-        shapes=_shifted(others, first + found.shape[1]),
-        untestable=tuple(untestable),
-        data=np.concatenate([base_columns, found, generic, residual[:, None]], axis=1),
-        blocks=Blocks(
-            np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])
-        ),
-        block=block_of_row[data.row],
-        session=group(recordings, ("session",))[0][data.row],
-        pointing=pointings(recordings)[data.row],
-        scan=_scans(recordings, data),
-        frame=given,
-        seed=seed,
-    )
-
-
 def confounded(setup: Problem, effect: Effect) -> bool:
     """Tell whether the noise may do what an effect does: it changes with time, or is a source's.
 
@@ -298,35 +237,3 @@ def confounded(setup: Problem, effect: Effect) -> bool:
 def measurements(setup: Problem) -> Codes:
     """Return the number of the pointing and axis of each reading, (m,): repeats have the same."""
     return 2 * setup.pointing + setup.stack.is_y
-
-
-def _scans(recordings: Recordings, data: Stack) -> Codes:
-    """Give each scan a number; where no time is known every pointing is one of its own."""
-    if "time" not in recordings.at:
-        return np.arange(len(data))
-    time = np.nan_to_num(np.asarray(recordings.at.column("time"), float), nan=-1.0)
-    session, _ = group(recordings, ("session",))
-    keys = np.stack([session[data.row], time[data.row], data.is_y])
-    return np.unique(keys, axis=1, return_inverse=True)[1].ravel()
-
-
-def _shifted(candidates: list[Candidate], by: int) -> tuple[Candidate, ...]:
-    return tuple(replace(one, columns=one.columns + by) for one in candidates)
-
-
-def _base(recordings: Recordings, data: Stack, terms: Sequence[Term]) -> tuple[Array, list[Chosen]]:
-    """Return the columns of the refitted terms; labels beyond the blocks split the columns."""
-    arrays: list[Array] = [np.zeros((len(data), 0))]
-    found: list[Chosen] = []
-    start = 0
-    for term in terms:
-        other = tuple(label for label in term.per if label not in ("antenna", "session"))
-        columns, owners = expanded(recordings, data, [replace(term, per=other)])
-        arrays.append(columns)
-        scope = " and ".join(label for label in ("antenna", "session") if label in term.per)
-        width = columns.shape[1]
-        coefficients = tuple(range(len(term.effect.coefficients))) * len(owners)
-        candidate = Candidate(term.effect, np.arange(start, start + width), coefficients)
-        found.append(Chosen(candidate, scope or "all"))
-        start += width
-    return np.concatenate(arrays, axis=1), found

@@ -10,20 +10,21 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Problem, prepare
-from pyport.diagnosis.evidence import CandidateFit
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.disagreements import Disagreement, disagreements
 from pyport.diagnosis.holdout import Unseen, unseen
-from pyport.diagnosis.joint import Disagreement, disagreements
 from pyport.diagnosis.naming import findings as reading
 from pyport.diagnosis.naming import guards
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming.finding import Finding, HeldOut
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import among
 from pyport.diagnosis.searching.search import search
 from pyport.diagnosis.searching.settling import Dropped, settled
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
@@ -208,8 +209,6 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
 def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
     powers = np.einsum("mk,mk->k", setup.whole, setup.whole)[:-1] / len(setup.whole)
-    effects = {one.candidate.effect.id: one.candidate.effect for one in outcome.last}
-    choices = {name: among(setup, effect) for name, effect in effects.items() if effect.physical}
     limits: dict[str, float] = {}
     for trial in outcome.last:
         known = float(np.trace(trial.information))
@@ -217,7 +216,7 @@ def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
         if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
         own = trial.candidate
-        gain = gain_needed(trial, CONVINCING + own.price + choices[own.effect.id])
+        gain = gain_needed(trial, CONVINCING + own.price + among(setup, own.effect))
         power = float(powers[own.columns].sum())
         size = float(np.sqrt(gain * power / known))
         limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, measurements
-from pyport.diagnosis.evidence import Evidence, Projection, at_best, shown
+from pyport.diagnosis.evidence import Evidence, Projection
+from pyport.diagnosis.trial import at_best, shown
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode

@@ -9,7 +9,8 @@ import numpy as np
 from pyport.angles import ARCSEC
 from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
-from pyport.diagnosis.joint import Disagreement, Joint, rms
+from pyport.diagnosis.disagreements import Disagreement
+from pyport.diagnosis.joint import Joint, rms
 from pyport.diagnosis.naming import remarks, words
 from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput

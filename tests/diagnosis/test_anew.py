@@ -8,7 +8,7 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import holdout
-from pyport.diagnosis.case import prepare
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.changes import columns_anew
 from pyport.diagnosis.searching.search import search
 from pyport.formats.models import load

@@ -8,9 +8,9 @@ import pytest
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.shapes import drive_waves, oscillations
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.telescope.encoders import (

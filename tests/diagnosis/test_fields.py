@@ -10,14 +10,14 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis import evidence
 from pyport.diagnosis.candidates import numbers, shapes_of
-from pyport.diagnosis.case import prepare
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.evidence import at_best
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes import fields
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.instead import _same_bumps, _together_with
+from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import from_sun, last_slew

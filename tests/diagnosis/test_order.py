@@ -3,7 +3,8 @@
 import pytest
 from diagnosis.made import recordings
 
-from pyport.diagnosis.case import Chosen, prepare
+from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import _noise_alike
 from pyport.diagnosis.weighing import noise
 from pyport.formats.models import load

@@ -10,11 +10,12 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis import holdout
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Chosen, prepare
+from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching import contenders, winner
-from pyport.diagnosis.shapes import oscillations, periods
+from pyport.diagnosis.shapes import oscillations, scans, wave_fits
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
 from pyport.effects.empirical.oscillations import OSCILLATION, oscillation
@@ -180,7 +181,7 @@ def test_where_no_period_could_be_seen(columns):
     """Nothing is looked for."""
     setup = prepare(recordings(480, 5, **{"time": TIME, **columns}), load("altaz"), seed=1)
 
-    assert periods.scan_of(setup, reversing=False) is None
+    assert scans.scan_of(setup, reversing=False) is None
 
 
 def test_a_single_session_holds_two_periods():
@@ -189,7 +190,7 @@ def test_a_single_session_holds_two_periods():
     time = 1.2e9 + np.linspace(0, 10 * HOUR, 480)
     setup = prepare(recordings(480, 5, time=time, session=night), load("altaz"), seed=1)
 
-    assert periods.scan_of(setup, reversing=False).longest == pytest.approx(5 * HOUR)
+    assert scans.scan_of(setup, reversing=False).longest == pytest.approx(5 * HOUR)
 
 
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False)])
@@ -202,7 +203,7 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     found = contenders.waves_of(setup, (), proposal)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
-    independent = 2 * np.log(periods.scan_of(setup, reversing=False).coherent)
+    independent = 2 * np.log(scans.scan_of(setup, reversing=False).coherent)
     assert len(asked) == 1
     assert independent + 2 < asked[0] < independent + 6
 
@@ -246,10 +247,10 @@ def test_waves_of_other_periods_explain_little_of_an_oscillation(monkeypatch, ha
     """Else it is noise over a range of periods; where the phase holds nothing is asked."""
     evidence = {30.0: half, 60.0: 100.0, 120.0: double}
     fits = SimpleNamespace(fit=lambda period: (evidence[period],))
-    monkeypatch.setattr(oscillations, "_waves", lambda *_: fits)
+    monkeypatch.setattr(wave_fits, "_waves", lambda *_: fits)
 
-    assert oscillations.is_line(None, None, (), oscillation(60.0, 0.0, [(0.0, 180.0)])) == line
-    assert oscillations.is_line(None, None, (), oscillation(60.0, 0.0))
+    assert wave_fits.is_line(None, None, (), oscillation(60.0, 0.0, [(0.0, 180.0)])) == line
+    assert wave_fits.is_line(None, None, (), oscillation(60.0, 0.0))
 
 
 def test_nights_at_equal_intervals_leave_the_period_open():
@@ -260,7 +261,7 @@ def test_nights_at_equal_intervals_leave_the_period_open():
         swing = lambda _, time=time: 5 * np.sin(2 * np.pi * (time % 1800.0) / 1800.0)  # noqa: E731
         setup = prepare(recordings(480, 5, y=swing, time=time), load("altaz"), seed=1)
         effect = oscillation(1800.0)
-        sigma[name] = oscillations.likeliest_period(setup, weigh(setup).covariance, (), effect)[1]
+        sigma[name] = wave_fits.likeliest_period(setup, weigh(setup).covariance, (), effect)[1]
 
     assert sigma["unequal"] < 0.001 * 1800 < 0.01 * 1800 < sigma["equal"]
 
@@ -310,7 +311,7 @@ def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(monkeypa
 
     assert one.candidate.effect.member["period_s"] == pytest.approx(PERIOD_S, rel=0.01)
     assert ("reversing" in one.candidate.effect.member) == reversing
-    assert one.candidate.choices >= 2 * round(periods.scan_of(setup, reversing=False).coherent)
+    assert one.candidate.choices >= 2 * round(scans.scan_of(setup, reversing=False).coherent)
     of_y = setup.stack.is_y
     both = np.stack([x[of_y], y[of_y]], axis=1)
     left = wave - both @ np.linalg.lstsq(both, wave, rcond=None)[0]

@@ -29,8 +29,8 @@ def test_named_by_the_search_the_cause_settles_it():
 
 def test_a_wave_in_one_axis_alone_is_reported_with_its_place_and_its_cause():
     """Beside the bare model the tilt differs, across elevation, and an eccentricity settles it."""
-    from pyport.diagnosis.case import prepare
-    from pyport.diagnosis.joint import disagreements
+    from pyport.diagnosis.disagreements import disagreements
+    from pyport.diagnosis.preparing import prepare
     from pyport.diagnosis.weighing import weigh
 
     setup = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.fit import command
-from pyport.diagnosis.case import prepare
+from pyport.diagnosis.preparing import prepare
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.errors import BadInput
 from pyport.fitting import soundness

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.disagreements import cuts
 from pyport.diagnosis.holdout import unseen
-from pyport.diagnosis.joint import Joint, combined, contribution, cuts, rms, sigmas
+from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.searching.turns import Outcome, Step, agrees
 from pyport.diagnosis.weighing import WhitenedData

@@ -9,14 +9,14 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.evidence import VISIBLE, at_best
 from pyport.diagnosis.joint import excess_of
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.scene import Check, Scene
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import levels_of
 from pyport.diagnosis.shapes.fields import Ground
-from pyport.diagnosis.shapes.oscillations import likeliest_direction, likeliest_period
+from pyport.diagnosis.shapes.wave_fits import likeliest_direction, likeliest_period
+from pyport.diagnosis.trial import VISIBLE, at_best
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
 from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED

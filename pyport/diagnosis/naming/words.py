@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, handy
-from pyport.diagnosis.joint import Disagreement, Split
+from pyport.diagnosis.disagreements import Disagreement, Split
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning

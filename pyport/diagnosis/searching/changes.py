@@ -18,9 +18,9 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
-from pyport.diagnosis.evidence import CandidateFit, at_best
-from pyport.diagnosis.shapes import drive_waves, oscillations
+from pyport.diagnosis.shapes import drive_waves, oscillations, wave_fits
 from pyport.diagnosis.shapes.edges import edges_of
+from pyport.diagnosis.trial import CandidateFit, at_best
 from pyport.diagnosis.weighing import (
     View,
     WhitenedData,
@@ -251,7 +251,7 @@ def _anew(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one:
         fresh = oscillations.again(setup, covariance, others, effect)
         if fresh.changes_with == "stretch":
             # Amplitudes that rest on few readings would be fitted to their noise.
-            curve = oscillations.predicted(setup, covariance, others, fresh)
+            curve = wave_fits.predicted(setup, covariance, others, fresh)
             return Anew(np.zeros((len(curve), 0)), curve)
         columns = setup.stack.columns(fresh, setup.recordings.at)
         return Anew(columns[:, columns.any(axis=0)])

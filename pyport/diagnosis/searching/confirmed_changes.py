@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.searching.changes import proposed
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.contenders import (
@@ -19,6 +18,7 @@ from pyport.diagnosis.searching.contenders import (
     waves_of,
 )
 from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import best_shown
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.evidence import at_best, shown
+from pyport.diagnosis.trial import at_best, shown
 from pyport.diagnosis.weighing import in_order, key_of, noise
 from pyport.effects import Effect
 from pyport.least_squares.gram import spanned

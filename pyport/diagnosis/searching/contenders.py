@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
 from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects.base import Effect
 from pyport.noise.covariance import Covariance

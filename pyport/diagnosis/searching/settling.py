@@ -20,7 +20,7 @@ from pyport.diagnosis.searching.confirming import likeliest, worth_beside_own
 from pyport.diagnosis.searching.turns import TIE, Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
-from pyport.diagnosis.shapes.oscillations import is_line
+from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.runs.stages import stage

@@ -11,7 +11,8 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.evidence import Projection
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects import degeneracies
 from pyport.least_squares.gram import inverted

@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.evidence import CandidateFit, Projection
+from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
@@ -21,6 +21,7 @@ from pyport.diagnosis.searching.contenders import (
     waves_of,
 )
 from pyport.diagnosis.shapes import drive_waves
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE

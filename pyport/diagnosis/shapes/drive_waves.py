@@ -12,17 +12,12 @@ import numpy as np
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.searching.confirming import beside_model
-from pyport.diagnosis.shapes.oscillations import NEAR, of_period, top
-from pyport.diagnosis.shapes.periods import (
-    OVERSAMPLED,
-    Peak,
-    Scan,
-    View,
-    highest,
-    view_of,
-)
+from pyport.diagnosis.shapes.oscillations import of_period
+from pyport.diagnosis.shapes.periods import OVERSAMPLED, highest
+from pyport.diagnosis.shapes.scans import Peak, Scan, View, view_of
+from pyport.diagnosis.shapes.wave_fits import NEAR, top
+from pyport.diagnosis.trial import at_best
 from pyport.effects import catalogue
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import HARMONICS, SHORTEST_DEG

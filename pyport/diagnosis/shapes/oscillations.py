@@ -8,40 +8,30 @@ loses hundreds by that; where there is an oscillation, it gains them back.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.evidence import at_best
-from pyport.diagnosis.searching.confirming import beside_model
-from pyport.diagnosis.shapes.periods import (
-    OVERSAMPLED,
-    Peak,
-    Scan,
-    near_best,
-    peaks_of,
-    scan_of,
-    stretches_of,
-    view_of,
+from pyport.diagnosis.shapes.periods import peaks_of
+from pyport.diagnosis.shapes.scans import Peak, Scan, scan_of, view_of
+from pyport.diagnosis.shapes.wave_fits import (
+    effect_of,
+    likeliest_direction,
+    likeliest_period,
+    scan_again,
+    wanders,
 )
 from pyport.effects.base import Effect
-from pyport.effects.empirical.oscillations import OSCILLATION, Stretch, oscillation
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
-from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, FEWEST, MOSTLY, PERIODS_FREE
+from pyport.thresholds import CONVINCING
 
 #: Shares of the drift's amplitude beside which a period is looked for.
 SHARES_OF_DRIFT = (1.0, 0.7, 0.3)
-#: Periods at which the evidence is looked at to find its top, and how far off a wandering one is
-#: looked for.
-NEAR, WIDE = 11, 0.1
-#: Quality factors of a phase that wanders, and the periods in which it is one when it is predicted.
-QUALITIES, PERIODS_ONE = (7.0, 20.0), 2.0
 
 
 @stage("looking for periods")
@@ -71,8 +61,8 @@ def proposed(
     if worth - price <= max(CONVINCING, above) or not scan.shows(best):
         return None
     refined = []
-    for wanders in {peak.wanders for _, peak, *_ in found}:
-        own = [one for one in found if one[1].wanders == wanders]
+    for free in {peak.wanders for _, peak, *_ in found}:
+        own = [one for one in found if one[1].wanders == free]
         was, peak, scan, noise = max(own, key=lambda one: one[0])
         if scan.shows(peak):
             one, evidence = _refined(setup, scan, noise, chosen, peak, len(scans))
@@ -88,13 +78,13 @@ def _ways(setup: Problem) -> tuple[bool, ...]:
 
 def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
     """Return an oscillation of the same kind with the period that readings of weight prefer."""
-    scan = _scan_of(setup, one)
+    scan = scan_again(setup, one)
     view = view_of(setup, scan, covariance, others)
-    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == _wanders(one))
-    first = _effect(setup, scan, peak.period, peak.direction_deg)
+    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders(one))
+    first = effect_of(setup, scan, peak.period, peak.direction_deg)
     if peak.wanders:
         return first
-    return _effect(setup, scan, likeliest_period(setup, covariance, others, first)[0])
+    return effect_of(setup, scan, likeliest_period(setup, covariance, others, first)[0])
 
 
 def _with_drift(present: Covariance, share: float, longest: float) -> Covariance:
@@ -115,33 +105,6 @@ def _with_drift(present: Covariance, share: float, longest: float) -> Covariance
     return replace(present, noises=noises)
 
 
-def _effect(
-    setup: Problem,
-    scan: Scan,
-    period_s: float,
-    direction_deg: float | None = None,
-    periods: float | None = None,
-) -> Effect:
-    """Return the oscillation of a period, its sine counted from the middle of the recordings.
-
-    Its phase wanders where it has a line: it is free in so many periods, or `PERIODS_FREE`.
-    """
-    time = clock(setup.recordings.at)[setup.stack.row]
-    since = float(np.round((time.min() + time.max()) / 2))
-    reversing = bool((scan.sign < 0).any())
-    if direction_deg is None:
-        return oscillation(period_s, since, reversing=reversing)
-    stretch, count = stretches_of(scan, period_s, periods or PERIODS_FREE)
-    begin, end = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(begin, stretch, time)
-    np.maximum.at(end, stretch, time)
-    enough = np.bincount(stretch, minlength=count) >= (1 if periods else FEWEST)
-    found: list[Stretch] = [
-        (float(one), float(other)) for one, other in zip(begin[enough], end[enough], strict=True)
-    ]
-    return oscillation(period_s, since, found, direction_deg=direction_deg, reversing=reversing)
-
-
 def _refined(
     setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak, ways: int
 ) -> tuple[Chosen, float]:
@@ -149,168 +112,14 @@ def _refined(
 
     And its evidence.
     """
-    first = _effect(setup, scan, peak.period, peak.direction_deg)
+    first = effect_of(setup, scan, peak.period, peak.direction_deg)
     period, _, evidence = likeliest_period(setup, noise, chosen, first)
-    effect = _effect(setup, scan, period, peak.direction_deg)
+    effect = effect_of(setup, scan, period, peak.direction_deg)
     if peak.wanders:
         direction, _, evidence = likeliest_direction(setup, noise, chosen, effect)
-        effect = _effect(setup, scan, period, direction)
+        effect = effect_of(setup, scan, period, direction)
     one = of_period(setup, effect, peak.choices * ways)
     return replace(one, candidate=replace(one.candidate, of_time=True)), evidence
-
-
-def likeliest_period(
-    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
-) -> tuple[float, float, float]:
-    """Return the likeliest period [s] near that of an oscillation, its sigma, and its evidence.
-
-    Where a phase holds, nights at equal intervals leave open how many periods went by between
-    them: other periods that are as likely are part of the sigma.
-    """
-    waves = _waves(setup, noise, chosen, effect)
-    width, periods = WIDE, [effect.member["period_s"]]
-    if not _wanders(effect):
-        width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
-        periods += near_best(waves.scan, view_of(setup, waves.scan, noise, chosen))
-    grid = np.exp(width * np.linspace(-1, 1, NEAR))
-    found = [top(lambda period: waves.fit(period)[0], one * grid) for one in periods]
-    period, sigma, evidence = max(found, key=lambda one: one[2])
-    chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
-    apart = np.array([one[0] - period for one in found])
-    return period, float(np.hypot(sigma, np.sqrt(np.mean(chance * apart**2)))), evidence
-
-
-def likeliest_direction(
-    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
-) -> tuple[float, float, float]:
-    """Return the likeliest line [deg] of a wandering oscillation, its sigma, and its evidence."""
-    waves, period = _waves(setup, noise, chosen, effect), effect.member["period_s"]
-    line, several = effect.member["direction_deg"], waves.scan.lines_deg
-    if len(several) == 1:
-        return line, 0.0, waves.fit(period)[0]
-    near = line + np.ptp(several[:2]) * np.linspace(-1, 1, NEAR)
-    direction, sigma, evidence = top(lambda one: waves.along(one).fit(period)[0], near)
-    return direction % 180, sigma, evidence
-
-
-def is_line(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> bool:
-    """Tell whether an oscillation has a period: others explain less than most of it.
-
-    What scatters in more ways than drifts do has power over a range of periods, and waves whose
-    phase is free draw it at any of them: at half and at twice the period nearly as well. One
-    whose phase holds has a period.
-    """
-    if not _wanders(effect):
-        return True
-    waves, period = _waves(setup, noise, others, effect), effect.member["period_s"]
-    half, own, double = (waves.fit(period * times)[0] for times in (0.5, 1.0, 2.0))
-    return max(half, double) <= MOSTLY * own
-
-
-def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> Array:
-    """Return what readings of weight predict of a wandering oscillation, drawn toward zero [rad].
-
-    The best linear prediction, shape (m,), as that of departures.
-    """
-    waves = _waves(setup, noise, others, effect)
-    period = effect.member["period_s"]
-    _, covariance, variance = waves.fit(period)
-    columns, rest = waves.columns(period)
-    prior = variance * covariance
-    # With V = rest prior rest' + 1 the prediction is prior rest' V^-1 of the data.
-    inner = np.eye(len(prior)) + rest.T @ rest @ prior
-    return np.asarray(columns @ (prior @ np.linalg.solve(inner, rest.T @ waves.left)))
-
-
-def _scan_of(setup: Problem, effect: Effect) -> Scan:
-    """Return the readings as the search met them that found an oscillation."""
-    scan = scan_of(setup, reversing="reversing" in effect.member)
-    assert scan is not None  # noqa: S101 - it was found in it
-    return scan
-
-
-def _wanders(effect: Effect) -> bool:
-    return "stretches_s" in effect.member
-
-
-@dataclass(frozen=True)
-class _Waves:
-    """Waves beside a model and a noise, amplitudes of one size: whose phase holds or wanders.
-
-    `left` are the whitened data without the model's directions `basis`; `mixes` roots of how
-    amplitudes may hang together.
-    """
-
-    setup: Problem
-    scan: Scan
-    noise: Covariance
-    basis: Array
-    left: Array
-    free: Effect
-    mixes: Sequence[Array]
-
-    def along(self, direction_deg: float) -> _Waves:
-        """Return the same along another line."""
-        return replace(
-            self, free=oscillation(**{**self.free.member, "direction_deg": direction_deg})
-        )
-
-    def columns(self, period_s: float) -> tuple[Array, Array]:
-        """Return waves of unit size (m, k), and whitened and without the model (M, k)."""
-        near = oscillation(**{**self.free.member, "period_s": period_s})
-        columns = self.setup.stack.columns(near, self.setup.recordings.at)
-        white = self.noise.whiten(columns)
-        size = float(np.sqrt(np.sum(white**2) / np.count_nonzero(white.any(axis=0))))
-        white = white - self.basis @ (self.basis.T @ white)
-        return columns / size, white / size
-
-    def fit(self, period_s: float) -> tuple[float, Array, float]:
-        """Return the evidence of a period, the covariance of its amplitudes, and its variance."""
-        rest = self.columns(period_s)[1]
-        products, seen = rest.T @ rest, rest.T @ self.left
-        tried = []
-        for mix in self.mixes:
-            power, vectors = np.linalg.eigh(mix.T @ products @ mix)
-            along = vectors.T @ (mix.T @ seen)
-            tried.append((*at_best(np.maximum(power, 0.0), along), mix))
-        evidence, variance, mix = max(tried, key=lambda one: one[0])
-        return evidence, mix @ mix.T, variance
-
-
-def _waves(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect) -> _Waves:
-    scan = _scan_of(setup, effect)
-    model = noise.whiten(setup.expanded((*setup.base, *chosen)))
-    white = noise.whiten(setup.residual[:, None])[:, 0]
-    _, basis, left = beside_model(noise, model, white)
-    free, mixes = _wandered(setup, scan, effect) if _wanders(effect) else (effect, [np.eye(4)])
-    return _Waves(setup, scan, noise, basis, left, free, mixes)
-
-
-def _wandered(setup: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[Array]]:
-    """Return an oscillation free in every few periods, and how its amplitudes hang together.
-
-    For some quality factors Q a phase is forgotten, by e, in Q / pi periods: for each of them the
-    root of the amplitudes' covariance, sine and cosine of each stretch in turn.
-    """
-    period = effect.member["period_s"]
-    free = _effect(setup, scan, period, effect.member["direction_deg"], PERIODS_ONE)
-    middle = np.mean(free.member["stretches_s"], axis=1)
-    apart = np.abs(middle[:, None] - middle) / period
-    roots = [np.linalg.cholesky(np.exp(-np.pi * apart / quality)) for quality in QUALITIES]
-    return free, [np.asarray(np.kron(one, np.eye(2)), float) for one in roots]
-
-
-def top(evidence: Callable[[float], float], tried: Array) -> tuple[float, float, float]:
-    """Return the top of a parabola through the best of what is tried, its sigma, its evidence."""
-    worth = np.array([evidence(float(one)) for one in tried])
-    best = int(np.argmax(worth))
-    some = slice(max(best - 3, 0), best + 4)
-    middle = float(tried[best])
-    bend, slope, _ = np.polyfit(tried[some] - middle, worth[some], 2)
-    if bend >= 0:
-        return middle, float(np.ptp(tried)), float(worth[best])
-    highest = np.clip(middle - slope / (2 * bend), tried[some].min(), tried[some].max())
-    return float(highest), float(np.sqrt(-1 / bend)), float(worth[best])
 
 
 def of_period(setup: Problem, effect: Effect, choices: float) -> Chosen:

@@ -9,193 +9,29 @@ frequency.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from pyport.angles import DEG, Array, Codes
-from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.searching.confirming import beside_model
-from pyport.noise.covariance import Covariance
-from pyport.recordings.sky import clock
+from pyport.diagnosis.shapes.scans import Peak, Scan, View, stretches_of
 from pyport.thresholds import (
     ANOTHER_PERIOD,
     CONVINCING,
-    ENOUGH_SQUARES,
-    PERIODS_ALONE,
     PERIODS_FREE,
-    SHORTEST_PERIOD_S,
-    SHORTEST_STEPS,
 )
 
 #: A wandering period is tried at steps of this share.
 STEP = 0.04
-#: Lines [deg] along which the beam may swing, from across toward along elevation.
-DIRECTIONS_DEG = np.arange(0.0, 180.0, 22.5)
 #: Frequencies tried in one over the length of a session, and in one over that of the campaign.
 OVERSAMPLED = 4
 #: Longest stretch [s] that is searched as one: a day, as most sessions are shorter.
 LONGEST_PIECE_S = 86400.0
 #: Frequencies times sessions at which coherence through a campaign is given up: it is too long.
 MOST_PHASES = 50_000_000
-#: Periods at which the noise's spectrum is looked at.
-SPECTRUM = 16
 #: Periods of a wave whose phase holds that are looked at closely.
 MOST_PERIODS = 6
 #: Sizes of a wandering wave that are tried, over what a stretch determines it to.
 _SIZES = np.geomspace(0.02, 1e3, 16)[:, None, None]
-
-
-@dataclass(frozen=True)
-class Peak:
-    """The best period of a kind, in the unit of its scan.
-
-    `evidence` is twice the log of how much likelier the data are with it, its choice among
-    `choices` periods not yet paid. `direction_deg` is the line of one whose phase wanders.
-    """
-
-    period: float
-    evidence: float
-    choices: float
-    direction_deg: float | None = None
-
-    @property
-    def wanders(self) -> bool:
-        """Tell whether its phase is free in every few periods."""
-        return self.direction_deg is not None
-
-    @property
-    def worth(self) -> float:
-        """Return the evidence less the price of the choice."""
-        return self.evidence - 2 * float(np.log(self.choices))
-
-
-@dataclass(frozen=True)
-class Scan:
-    """The readings of one antenna as a search for periods meets them.
-
-    Periods of time are in seconds; of a drive, whose waves follow an angle, in degrees.
-
-    Attributes
-    ----------
-    time, session, is_y
-        Of each reading: time since the first, number of its session, axis; shape (m,).
-    sign
-        What a wave is multiplied by: -1 where it changes with the side of a pier, shape (m,).
-    begin, length
-        Of each session, shape (S,).
-    shortest, longest
-        Periods between which one is looked for.
-    """
-
-    time: Array
-    session: Codes
-    is_y: Codes
-    sign: Array
-    begin: Array
-    length: Array
-    shortest: float
-    longest: float
-
-    @property
-    def alone(self) -> float:
-        """Return the longest period that each session shows by itself."""
-        return float(np.median(self.length)) / PERIODS_ALONE
-
-    @property
-    def lines_deg(self) -> Array:
-        """Return the lines along which a swing may be seen: an axis alone is one."""
-        measured = np.unique(self.is_y)
-        return DIRECTIONS_DEG if len(measured) > 1 else np.asarray(90.0 * measured, float)
-
-    def shows(self, peak: Peak) -> bool:
-        """Tell whether sessions are long enough for a period."""
-        return peak.period <= (self.alone if peak.wanders else self.longest)
-
-    @property
-    def coherent(self) -> float:
-        """Return how many periods the campaign can distinguish."""
-        return max(1.0, float(np.ptp(self.time)) * (1 / self.shortest - 1 / self.longest))
-
-    @cached_property
-    def waves(self) -> tuple[Array, Array]:
-        """Return ascending periods (F,), and the cosine and the sine of each, shape (m, 2 F)."""
-        periods = np.geomspace(self.shortest, self.longest, SPECTRUM)
-        phase = 2 * np.pi * self.time[:, None] / periods
-        waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
-        return periods, self.sign[:, None] * waves
-
-
-def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
-    """Return the readings for a search; None where no period could be seen.
-
-    `reversing`: for waves that change their sign where the mount has turned over.
-    """
-    at = setup.recordings.at
-    if setup.blocks.antennas > 1 or "time" not in at:
-        return None
-    time = clock(at)[setup.stack.row]
-    if len(time) < ENOUGH_SQUARES or not np.isfinite(time).all():
-        return None
-    time = time - time.min()
-    session = np.unique(setup.session, return_inverse=True)[1]
-    begin, end = np.full(session.max() + 1, np.inf), np.zeros(session.max() + 1)
-    np.minimum.at(begin, session, time)
-    np.maximum.at(end, session, time)
-    length = end - begin
-    moments = np.diff(np.unique(time))
-    step = float(np.median(moments)) if len(moments) else 0.0
-    shortest = max(SHORTEST_PERIOD_S, SHORTEST_STEPS * step)
-    longest = float(np.median(length)) / (1.0 if len(length) > 1 else PERIODS_ALONE)
-    if longest < 2 * shortest:
-        return None
-    is_y = setup.stack.is_y.astype(np.intp)
-    side = np.broadcast_to(at.side if reversing else 1.0, len(at))
-    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest)
-
-
-@dataclass(frozen=True)
-class View:
-    """The readings beside a model and a noise.
-
-    Attributes
-    ----------
-    lack
-        Minus twice the restricted log-likelihood of the noise alone.
-    pull
-        A column's product with this is its whitened one's with what the model leaves, shape (m,).
-    log_period, information
-        Logs of ascending periods, and what each session and axis knows of a wave of each: shapes
-        (F,) and (2 S, F).
-    """
-
-    lack: float
-    pull: Array
-    log_period: Array
-    information: Array
-
-    def at(self, period_s: Array) -> Array:
-        """Return the information at some periods (F,), shape (2 S, F)."""
-        log = np.log(period_s)
-        return np.array([np.interp(log, self.log_period, one) for one in self.information])
-
-
-def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
-    """Return the readings beside a model and what is chosen, and beside a noise."""
-    model = setup.expanded((*setup.base, *chosen))
-    periods, waves = scan.waves
-    data = np.concatenate([model, setup.residual[:, None], waves], axis=1)
-    white = noise.whiten(data)
-    p = model.shape[1]
-    lack, _, left = beside_model(noise, white[:, :p], white[:, p])
-    # Half the squares of both waves: the information on either.
-    power = (white[:, p + 1 :] ** 2).reshape(len(white), 2, SPECTRUM).mean(axis=1)
-    series = np.resize(2 * scan.session + scan.is_y, len(white))
-    information = np.zeros((2 * len(scan.length), SPECTRUM))
-    np.add.at(information, series, power)
-    pull = scan.sign * noise.unwhiten(left[:, None])[:, 0]
-    return View(lack, pull, np.log(periods), information)
 
 
 def peaks_of(scan: Scan, views: Sequence[View]) -> list[list[Peak]]:
@@ -308,15 +144,6 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
         Peak(float(periods[period]), worth, choices, float(lines[direction]))
         for (period, direction), worth in found
     ]
-
-
-def stretches_of(scan: Scan, period_s: float, periods: float) -> tuple[Codes, int]:
-    """Return the stretch of each reading, of so many periods, and the number of stretches."""
-    parts = np.maximum(1, np.round(scan.length / (periods * period_s))).astype(np.intp)
-    first = np.cumsum([0, *parts])
-    within = (scan.time - scan.begin[scan.session]) / np.maximum(scan.length, 1.0)[scan.session]
-    part = np.minimum((within * parts[scan.session]).astype(np.intp), parts[scan.session] - 1)
-    return first[scan.session] + part, int(first[-1])
 
 
 def near_best(scan: Scan, view: View) -> list[float]:

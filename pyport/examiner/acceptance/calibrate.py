@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from pyport.diagnosis.case import prepare
+from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
 from pyport.diagnosis.searching.contenders import evidence_anew
 from pyport.diagnosis.searching.turns import family_p_value

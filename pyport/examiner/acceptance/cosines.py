@@ -15,7 +15,8 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.case import Problem, prepare
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.preparing import prepare
 from pyport.examiner import program
 from pyport.examiner.sealed.record.files import write_recordings
 from pyport.examiner.worlds.case import Case as Made

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from pyport.angles import ARCMIN, DEG, HOUR, wrap
-from pyport.diagnosis.case import prepare
 from pyport.diagnosis.joint import Joint
+from pyport.diagnosis.preparing import prepare
 from pyport.effects import Circumstances, Site
 from pyport.formats.models import load
 from pyport.recordings import sky

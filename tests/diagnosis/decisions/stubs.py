@@ -6,8 +6,8 @@ import numpy as np
 
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.evidence import CandidateFit
 from pyport.diagnosis.searching.turns import Step
+from pyport.diagnosis.trial import CandidateFit
 from pyport.effects import CATALOGUE
 
 ONE_ANTENNA = SimpleNamespace(antennas=1, groups=lambda _: np.zeros(1, int))

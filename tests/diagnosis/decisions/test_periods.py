@@ -9,7 +9,7 @@ from diagnosis.decisions.stubs import ONE_ANTENNA, Columns
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.naming import waves
-from pyport.diagnosis.shapes import oscillations, periods
+from pyport.diagnosis.shapes import oscillations, periods, scans, wave_fits
 from pyport.effects.empirical.oscillations import oscillation
 from pyport.thresholds import PERIODS_FREE
 
@@ -31,7 +31,7 @@ def observed(hours, step_s=60.0, sessions=1):
 
 def scanned(*args, **options):
     """Return what a search for periods meets of such sessions."""
-    return periods.scan_of(observed(*args, **options), reversing=False)
+    return scans.scan_of(observed(*args, **options), reversing=False)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,7 @@ def test_a_session_that_stands_alone_holds_two_periods(sessions, direction_deg, 
     """As each does where the phase wanders."""
     scan = scanned(8, sessions=sessions)
     shown = [
-        scan.shows(periods.Peak(times * longest_h * HOUR, 0.0, 1.0, direction_deg))
+        scan.shows(scans.Peak(times * longest_h * HOUR, 0.0, 1.0, direction_deg))
         for times in (0.99, 1.01)
     ]
 
@@ -85,7 +85,7 @@ def test_a_wandering_wave_has_one_line(direction_deg):
     both = replace(scan, time=time, session=np.tile(scan.session, 2), is_y=is_y)
     along = np.array([np.cos(direction_deg * DEG), np.sin(direction_deg * DEG)])[is_y]
     wave = along * np.sin(2 * np.pi * time / HOUR + both.session**2)
-    flat = periods.View(0.0, wave, np.log([both.shortest, both.longest]), np.ones((8, 2)) * 240)
+    flat = scans.View(0.0, wave, np.log([both.shortest, both.longest]), np.ones((8, 2)) * 240)
     (found,) = periods.peaks_of(both, [flat])
     best = next(one for one in found if one.wanders)
 
@@ -102,7 +102,7 @@ def test_a_wandering_wave_has_one_line(direction_deg):
 def test_a_wandering_phase_is_free_in_three_periods(period_h, stretches):
     """Sessions of twelve hours are cut into stretches as long, as nearly as they go into one."""
     scan = scanned(12)
-    stretch, count = periods.stretches_of(scan, period_h * HOUR, PERIODS_FREE)
+    stretch, count = scans.stretches_of(scan, period_h * HOUR, PERIODS_FREE)
 
     assert count == stretches
     assert np.ptp(np.bincount(stretch)) <= 1
@@ -112,7 +112,7 @@ def test_a_wandering_phase_is_free_in_three_periods(period_h, stretches):
 def test_a_wandering_period_is_another_from_a_tenth_on(hours):
     """A choice among the logarithm of the longest over the shortest, in tenths."""
     scan = scanned(hours)
-    flat = periods.View(
+    flat = scans.View(
         0.0, np.zeros(len(scan.time)), np.log([scan.shortest, scan.longest]), np.ones((2, 2))
     )
     (found,) = periods.peaks_of(scan, [flat])
@@ -130,7 +130,7 @@ def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_
 
     Nor is what is worth less than is asked.
     """
-    best = periods.Peak(5 * HOUR, 100.0, 1.0)
+    best = scans.Peak(5 * HOUR, 100.0, 1.0)
     shares = []
     scan = replace(scanned(8), longest=longest_h * HOUR)
     monkeypatch.setattr(oscillations, "_ways", lambda _: (False,))
@@ -158,7 +158,7 @@ def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(monkeypatch, ga
 
 def test_the_best_period_is_the_top_of_a_parabola():
     """Its sigma is where twice the log of the likelihood has fallen by one."""
-    top, sigma, _ = oscillations.top(
+    top, sigma, _ = wave_fits.top(
         lambda period: 50 - ((period - 1000.3) / 4) ** 2, np.linspace(950, 1050, 11)
     )
 
@@ -170,10 +170,10 @@ def test_a_phase_is_forgotten_in_its_quality_over_pi_periods():
     setup = observed(12)
     period = 2 * HOUR
     effect = oscillation(period, 1.2e9, [(1.2e9, 1.3e9)], direction_deg=30.0)
-    free, mixes = oscillations._wandered(setup, periods.scan_of(setup, reversing=False), effect)
+    free, mixes = wave_fits._wandered(setup, scans.scan_of(setup, reversing=False), effect)
     middle = np.mean(free.member["stretches_s"], axis=1)
     apart = np.abs(middle[:, None] - middle) / period
-    for mix, quality in zip(mixes, oscillations.QUALITIES, strict=True):
+    for mix, quality in zip(mixes, wave_fits.QUALITIES, strict=True):
         wanted = np.kron(np.exp(-np.pi / quality * apart), np.eye(2))
         rest = np.random.default_rng(0).normal(size=(90, len(mix)))
         waves = SimpleNamespace(
@@ -181,7 +181,7 @@ def test_a_phase_is_forgotten_in_its_quality_over_pi_periods():
         )
 
         assert mix @ mix.T == pytest.approx(wanted)
-        assert oscillations._Waves.fit(waves, period)[1] == pytest.approx(wanted)
+        assert wave_fits._Waves.fit(waves, period)[1] == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize(

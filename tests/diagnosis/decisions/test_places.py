@@ -8,14 +8,14 @@ from diagnosis.decisions.stubs import setup
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
-from pyport.diagnosis import candidates, joint
+from pyport.diagnosis import candidates, disagreements
 from pyport.diagnosis.arrays import findings, lasting, places, repeat
-from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.finding import Evidence, Finding, Where
 from pyport.diagnosis.searching import changes
 from pyport.diagnosis.shapes import boxes, edges, fields
 from pyport.diagnosis.shapes.boxes import Field
+from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import View
 from pyport.effects import CATALOGUE
 from pyport.fitting.two_axes import Difference
@@ -323,8 +323,8 @@ def apart(sigmas):
 )
 def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
     """In an axis and a half."""
-    half = joint.Half("below", apart(1.0))
-    split = joint.Split((half, half), apart(sigmas), apart(0.5))
+    half = disagreements.Half("below", apart(1.0))
+    split = disagreements.Split((half, half), apart(sigmas), apart(0.5))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert said.startswith("It lies in x") == placed
@@ -333,8 +333,8 @@ def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
 @pytest.mark.parametrize(("sigmas", "same"), [(1.8, True), (2.2, False), (1.2, True), (3.5, False)])
 def test_halves_two_sigma_apart_agree(sigmas, same):
     """Then the other axis has one tilt in both."""
-    half = joint.Half("below", apart(1.0))
-    split = joint.Split((half, half), apart(8.0), apart(sigmas))
+    half = disagreements.Half("below", apart(1.0))
+    split = disagreements.Split((half, half), apart(8.0), apart(sigmas))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert ("y has one in both" in said) == same
@@ -362,7 +362,7 @@ def causes(gain, left, count=1):
     )
     one = SimpleNamespace(candidate="the effect")
     found = Difference(**{**vars(difference), "chi2": 100.0})
-    return [name for name, _ in joint._Ground._causes(ground, one, found)]
+    return [name for name, _ in disagreements._Ground._causes(ground, one, found)]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from scipy.stats import chi2
 
 from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.evidence import at_best
 from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.searching import (
     changes,
@@ -25,6 +24,7 @@ from pyport.diagnosis.searching import (
 from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed
 from pyport.diagnosis.shapes import instead
+from pyport.diagnosis.trial import at_best
 from pyport.noise.covariance import Covariance
 from pyport.noise.series import Departures, Noise
 
