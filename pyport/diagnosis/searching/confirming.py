@@ -17,6 +17,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate
 from pyport.runs.stages import stage
 from pyport.runs.workers import side_by_side
+from pyport.thresholds import CONVINCING
 
 
 def _noise_alike(
@@ -42,8 +43,10 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     """Return twice the log of how much likelier the data are with an effect than without.
 
     The coefficients of the effect come from one normal of the best width, those of everything
-    else from a flat prior; scatter, drift and departures are estimated in either world, outliers
-    and tails are those of the world with the effect.
+    else from a flat prior; scatter, drift and departures are estimated in either world. Outliers
+    and tails are those of the world with the effect. One that lasts has to stand beside those of
+    the world without it, too: few readings may have very different ones. Of a change with time they
+    are what it looks like.
 
     Parameters
     ----------
@@ -54,21 +57,32 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     price
         What its choice among its family costs.
     """
+    paid = price + among(setup, one.candidate.effect)
+    found = _gained(setup, others, one, like=(*others, one)) - paid
+    if found > CONVINCING and not confounded(setup, one.candidate.effect):
+        found = min(found, _gained(setup, others, one, like=others) - paid)
+    return found
+
+
+def _gained(
+    setup: Problem, others: Sequence[Chosen], one: Chosen, *, like: Sequence[Chosen]
+) -> float:
+    """Return twice the log of how much likelier the data are, outliers and tails as beside some."""
     model = setup.expanded((*setup.base, *others))
     own = setup.expanded([one])
     value, after = setup.residual, (*others, one)
     noises = [
-        noise(setup, after, searching=False),
-        *side_by_side(lambda chosen: _noise_alike(setup, chosen, after), (after, tuple(others))),
+        noise(setup, like, searching=False),
+        *side_by_side(lambda chosen: _noise_alike(setup, chosen, like), (after, others)),
     ]
     if noises[-1].departures:
         # What walks on from night to night may have been taken for nights that depart.
-        noises.append(_noise_alike(setup, others, after, departing=False))
+        noises.append(_noise_alike(setup, others, like, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
     found = [_lack(covariance, model, own, value) for covariance in noises]
     without = min(lack for lack, _ in found)
     with_it = min(lack - gained for lack, gained in found)
-    return without - with_it - price - among(setup, one.candidate.effect)
+    return without - with_it
 
 
 def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:

@@ -25,7 +25,7 @@ class Contender:
     `price` is what its choice among its family costs, a refined moment or edge included.
     `beside` is what it was tried in where that is not the turn's: a wave's columns joined the case.
     `rivals` are the other changes, each with the evidence that the noise leaves it.
-    `sure` is its evidence beside noise estimated anew, where it lasts no more than in its turn.
+    `sure` is its evidence beside noise estimated anew.
     """
 
     trial: CandidateFit
@@ -40,15 +40,6 @@ class Contender:
     def effect(self) -> Effect:
         """Return its effect, with the moment or edge that it has."""
         return self.chosen.candidate.effect
-
-    @property
-    def in_turn(self) -> float:
-        """Return its evidence beside the noise of the turn, whose scale has an error.
-
-        A lasting effect needs that, too: few readings, estimated anew, may have very different
-        tails with it and without it.
-        """
-        return self.trial.evidence - self.trial.owed_to_scale
 
 
 def refined(
@@ -97,7 +88,7 @@ def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
     """
     setup = one.setup
     if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return one.in_turn - among(setup, one.effect)
+        return one.trial.evidence - one.trial.owed_to_scale - among(setup, one.effect)
     others = joined(setup, chosen, one.chosen)[:-1]
     return confirmed(setup, others, one.chosen, one.price)
 

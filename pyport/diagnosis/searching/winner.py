@@ -80,7 +80,7 @@ def winner_of(
         lasting += _of_drives(setup, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     # Noise is estimated anew, which takes long, only for what can stand.
-    lasting = [one for one in lasting if one.in_turn > CONVINCING]
+    lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
     moved = _changes(*turn, lead) if changes else []
     found = _first(weighed, chosen, moved, lasting)
     if found is None and changes and lead > -np.inf:
@@ -112,8 +112,7 @@ def _first(
         if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
             continue
         if not moved:
-            anew = evidence_anew(one, chosen)
-            one = replace(one, sure=min(anew, one.in_turn))  # noqa: PLW2901 - it, looked at
+            one = replace(one, sure=evidence_anew(one, chosen))  # noqa: PLW2901 - it, looked at
         if one.sure > CONVINCING:
             return one
     return None
@@ -122,7 +121,7 @@ def _first(
 def _at_least(one: Contender, anew: float) -> Contender:
     """Return a lasting effect that competes by the better of both kinds of evidence."""
     trial = replace(one.trial, evidence=max(one.trial.evidence, anew))
-    return replace(one, trial=trial, sure=min(anew, one.in_turn))
+    return replace(one, trial=trial, sure=anew)
 
 
 def _rank(one: Contender) -> float:

@@ -46,7 +46,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     changes = confirmed_changes(setup, weighed.covariance, (), trials)
     lasting = lasting_effects(setup, weighed, (), trials, (), 0.0, beside)
     sure = [one.sure for one in changes] + [
-        min(evidence_anew(one, ()), one.in_turn) for one in lasting
+        min(evidence_anew(one, ()), one.trial.evidence) for one in lasting
     ]
     return vars(case) | {
         "program": program.version(),

@@ -400,13 +400,32 @@ def test_what_lasts_needs_odds_of_twenty_to_one_in_its_turn_too(monkeypatch, mov
     assert (found == "refraction") == wins
 
 
-@pytest.mark.parametrize("moved", [[], [won("epoch_tilt", -9.0, gain=90.0)]])
-@pytest.mark.parametrize(("evidence", "anew", "sure"), [(9.0, 50.0, 9.0), (50.0, 9.0, 9.0)])
-def test_what_lasts_stands_by_the_worse_of_its_odds(monkeypatch, moved, evidence, anew, sure):
-    """They bound the chance of noise that is told."""
-    found = winning(monkeypatch, [won("refraction", evidence, noise_dof=np.inf)], moved, sure=anew)
+@pytest.mark.parametrize(
+    ("name", "like_both", "like_others", "found"),
+    [
+        ("refraction", 17.0, 15.0, 5.0),
+        ("refraction", 17.0, 19.0, 7.0),
+        ("refraction", 15.0, 19.0, 5.0),
+        ("epoch_tilt", 17.0, 15.0, 7.0),
+    ],
+)
+def test_what_lasts_stands_beside_the_tails_of_either_world(
+    monkeypatch, name, like_both, like_others, found
+):
+    """The worse counts; of a change they are what it looks like, and what fails is asked once."""
+    asked = []
 
-    assert found.sure == pytest.approx(sure, abs=1e-3)
+    def gained(_, others, __, *, like):
+        asked.append(like)
+        return like_others if like == others else like_both
+
+    monkeypatch.setattr(confirming, "_gained", gained)
+    monkeypatch.setattr(confirming, "among", lambda *_: 7.0)
+    others = (Chosen(candidate("skew"), "all"),)
+    one = Chosen(candidate(name), "all")
+
+    assert confirming.confirmed(setup(), others, one, 3.0) == pytest.approx(found)
+    assert len(asked) == (2 if like_both - 10 > 6 and name == "refraction" else 1)
 
 
 def test_what_cannot_stand_is_not_asked_for_again(monkeypatch):
@@ -677,25 +696,22 @@ def test_a_choice_pays_as_much_at_the_end(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("antennas", "noise_dof", "scope", "in_turn", "anew"),
+    ("antennas", "scope", "anew"),
     [
-        (1, np.inf, "all", 20.0, 50.0),
-        (3, 8, "all", 20 - 24 + 8 * np.log(4), 50.0),
-        (4, 8, "all", 20 - 24 + 8 * np.log(4), 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
-        (4, 8, "antenna", 20.0, 20 - 2 * np.log(6)),
+        (1, "all", 50.0),
+        (3, "all", 50.0),
+        (4, "all", 20 - 24 + 8 * np.log(4) - 2 * np.log(6)),
+        (4, "antenna", 20 - 2 * np.log(6)),
     ],
 )
-def test_the_noise_of_the_turn_has_a_scale_and_what_antennas_share(
-    monkeypatch, antennas, noise_dof, scope, in_turn, anew
-):
-    """The scale is known from so many deviations; noise estimated anew shares nothing."""
+def test_in_an_array_the_noise_of_the_turn_counts(monkeypatch, antennas, scope, anew):
+    """Its scale is known from so many deviations; noise estimated anew shares nothing."""
     monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
     monkeypatch.setattr(contenders, "confirmed", lambda *_: 50.0)
     blocks, some = SimpleNamespace(antennas=antennas), [candidate(name) for name in NAMES]
-    one = won("refraction", 20.0, gain=24.0, noise_dof=noise_dof, scope=scope)
+    one = won("refraction", 20.0, gain=24.0, noise_dof=8, scope=scope)
     one = replace(one, setup=setup(blocks=blocks, candidates=some))
 
-    assert one.in_turn == pytest.approx(in_turn, abs=1e-3)
     assert contenders.evidence_anew(one, ()) == pytest.approx(anew, abs=1e-3)
 
 
