@@ -156,13 +156,15 @@ def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -
     """Estimate the noise beside some effects, or remember it.
 
     Columns that join the design later do not touch it. While a search goes on, what its
-    candidates could explain is no noise; in a final fit (`searching` false) it is.
+    candidates could explain is no noise; in a final fit (`searching` false) it is. So the noise
+    that a search begins with is nearly that of every fit that follows, which starts from it.
     """
     key = key_of(chosen, searching=searching)
     if key not in setup.known:
         design = setup.expanded([*setup.base, *in_order(chosen)])
         shapes = setup.possible if searching else None
-        covariance = estimate(setup.residual, design, setup.frame, shapes)
+        _, first = setup.known.get(key_of((), searching=True), (None, None))
+        covariance = estimate(setup.residual, design, setup.frame, shapes, start=first)
         # The choices are kept as long as the key that their identities make.
         setup.known[key] = tuple(chosen), covariance
     return setup.known[key][1]

@@ -33,7 +33,11 @@ def _noise_alike(
         design = setup.expanded([*setup.base, *in_order(chosen)])
         frame = setup.frame if departing else replace(setup.frame, departures=())
         known = noise(setup, like, searching=False)
-        found = estimate(setup.residual, design, frame, like=known, averaged=not departing)
+        # What an effect leaves behind passes from departures to drift and back.
+        start = None if departing and len(chosen) < len(like) else known
+        found = estimate(
+            setup.residual, design, frame, like=known, averaged=not departing, start=start
+        )
         setup.known[key] = (*like, *chosen), found
     return setup.known[key][1]
 
