@@ -48,9 +48,9 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
 
     The coefficients of the effect come from one normal of the best width, those of everything
     else from a flat prior; scatter, drift and departures are estimated in either world. Outliers
-    and tails are those of the world with the effect. One that lasts has to stand beside those of
-    the world without it, too: few readings may have very different ones. Of a change with time they
-    are what it looks like.
+    and tails are those of the world with the effect, which favours it: few readings may have very
+    different ones without it. So where that convinces, what lasts has the mean of its evidence
+    beside these and beside those. Of a change with time they are what it looks like.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
     paid = price + among(setup, one.candidate.effect)
     found = _gained(setup, others, one, like=(*others, one)) - paid
     if found > CONVINCING and not confounded(setup, one.candidate.effect):
-        found = min(found, _gained(setup, others, one, like=others) - paid)
+        found = (found + _gained(setup, others, one, like=others) - paid) / 2
     return found
 
 

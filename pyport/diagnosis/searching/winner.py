@@ -172,16 +172,31 @@ def lasting_effects(
     """
     found = []
     moved: set[str] = set()
-    for trial in _worth(setup, trials, least, banned):
+    several = _worth(setup, trials, least, banned)
+    for trial in several:
         one = Contender(trial, setup, Chosen(trial.candidate, trial.scope), trial.candidate.price)
         if trial.candidate.effect.id not in moved:
             moved.add(trial.candidate.effect.id)
             one = refined(setup, weighed.covariance, chosen, trial)
         if one.trial.evidence > least:
-            found.append(one)
+            found.append(replace(one, price=one.price - together(trial, several)))
     found.sort(key=_rank)
     tried = turns.distinct(beside, (one.trial for one in found), MOST_TRIED)
     return [one for one in found if any(one.trial is each for each in tried)]
+
+
+def together(trial: CandidateFit, several: Sequence[CandidateFit]) -> float:
+    """Return by how much likelier it is that one of several effects is there than that one.
+
+    Twice the log, over those of its scope that it leads: of names that the data do not distinguish
+    each is one of many, and all of them together are not.
+    """
+    behind = [
+        each.evidence - trial.evidence
+        for each in several
+        if each.scope == trial.scope and each.evidence <= trial.evidence
+    ]
+    return 2 * float(np.log(np.exp(np.array(behind) / 2).sum()))
 
 
 def _worth(

@@ -369,6 +369,30 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
     assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 2, 3, 4)]
 
 
+@pytest.mark.parametrize(
+    ("evidence", "scope", "less"),
+    [
+        (20.0, "all", 2 * np.log(2)),
+        (18.0, "all", 2 * np.log(1 + np.exp(-1))),
+        (20.1, "all", 0.0),
+        (20.0, "session", 0.0),
+    ],
+)
+def test_one_of_several_alike_is_likelier_than_that_one(monkeypatch, evidence, scope, less):
+    """It pays the less for its choice; those that lead it, or of another scope, are no help."""
+    monkeypatch.setattr(
+        winner,
+        "refined",
+        lambda _s, _w, _c, one: Contender(one, None, Chosen(one.candidate, "all"), 3.0),
+    )
+    monkeypatch.setattr(winner.turns, "distinct", lambda _, trials, __: list(trials))
+    own, other = trial("refraction", 20.0), trial("skew", evidence, scope=scope)
+    found = winner.lasting_effects(setup(), WEIGHED, (), [own, other], (), 0.0, None)
+
+    (mine,) = (one for one in found if one.trial is own)
+    assert mine.price == pytest.approx(3.0 - less)
+
+
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True)])
 def test_what_joins_is_confirmed(monkeypatch, sure, wins):
     """By odds of twenty to one."""
@@ -404,16 +428,16 @@ def test_what_lasts_needs_odds_of_twenty_to_one_in_its_turn_too(monkeypatch, mov
 @pytest.mark.parametrize(
     ("name", "like_both", "like_others", "found"),
     [
-        ("refraction", 17.0, 15.0, 5.0),
-        ("refraction", 17.0, 19.0, 7.0),
+        ("refraction", 17.0, 14.0, 5.5),
+        ("refraction", 17.0, 19.0, 8.0),
         ("refraction", 15.0, 19.0, 5.0),
-        ("epoch_tilt", 17.0, 15.0, 7.0),
+        ("epoch_tilt", 17.0, 14.0, 7.0),
     ],
 )
 def test_what_lasts_stands_beside_the_tails_of_either_world(
     monkeypatch, name, like_both, like_others, found
 ):
-    """The worse counts; of a change they are what it looks like, and what fails is asked once."""
+    """The mean counts; of a change they are what it looks like, and what fails is asked once."""
     asked = []
 
     def gained(_, others, __, *, like):
