@@ -145,6 +145,20 @@ def test_one_turn_from_the_noise_beside_little_else_is_enough(monkeypatch):
     )
 
 
+def test_equally_strong_processes_draw_flicker_noise():
+    """Their power times the frequency is one number to a twentieth, away from either end."""
+    y = np.zeros(4000)
+    given = recordings(4000, 1, y)
+    grid = drift.grid_of(frame(given, stack(given)).parts)
+    sizes, memories = np.array(grid.shapes[-1]).T
+    frequency = 1 / np.geomspace(40 * memories.min(), memories.max() / 40, 200)[:, None]
+    power = (sizes**2 * memories / (1 + (frequency * memories) ** 2)).sum(axis=1)
+    level = power * frequency[:, 0]
+
+    assert np.sum(sizes**2) == pytest.approx(1.0)
+    assert level == pytest.approx(np.full(200, level.mean()), rel=0.07)
+
+
 def test_a_drift_is_found_with_its_time():
     """An Ornstein-Uhlenbeck drift is told from white noise, white noise is left white."""
     rng = np.random.default_rng(2)
