@@ -156,17 +156,13 @@ def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -
     """Estimate the noise beside some effects, or remember it.
 
     Columns that join the design later do not touch it. While a search goes on, what its
-    candidates could explain is no noise, so that what the search begins with is nearly that of
-    every turn that follows, which starts from it. In a final fit (`searching` false) it is, and
-    every command that makes that fit finds the same numbers.
+    candidates could explain is no noise; in a final fit (`searching` false) it is.
     """
     key = key_of(chosen, searching=searching)
     if key not in setup.known:
         design = setup.expanded([*setup.base, *in_order(chosen)])
         shapes = setup.possible if searching else None
-        known = setup.known.get(key_of((), searching=True)) if searching else None
-        start = None if known is None else known[1]
-        covariance = estimate(setup.residual, design, setup.frame, shapes, start=start)
+        covariance = estimate(setup.residual, design, setup.frame, shapes)
         # The choices are kept as long as the key that their identities make.
         setup.known[key] = tuple(chosen), covariance
     return setup.known[key][1]

@@ -116,35 +116,6 @@ def test_what_is_improbable_is_weighed_where_an_average_is_asked_for(monkeypatch
     assert reached == [near, drift.BEYOND if averaged else near]
 
 
-def test_one_turn_from_the_noise_beside_little_else_is_enough(monkeypatch):
-    """The drift that white noise leads to in two, found from where it nearly is; outliers anew."""
-    rng = np.random.default_rng(5)
-    n = 600
-    slow = np.cumsum(1e-5 * rng.normal(size=n))
-    y = slow + 1e-4 * rng.normal(size=n) + 2e-4 * np.linspace(0, 1, n) ** 2
-    y[100] += 3e-3
-    given = recordings(n, 1, y)
-    here = frame(given, stack(given))
-    design = np.stack([np.ones(n), np.linspace(0, 1, n) ** 2], axis=1)
-    first = estimate(np.roll(y, 1), design[:, :1], here)
-    began = []
-
-    def drafted(*of):
-        began.append(of[-2])
-        return drift.draft(*of)
-
-    anew = estimate(y, design, here)
-    monkeypatch.setattr("pyport.noise.estimation.estimate.draft", drafted)
-    nearby = estimate(y, design, here, start=first)
-
-    assert began == list(first.starts)
-    assert nearby.used.tolist() == anew.used.tolist() != first.used.tolist()
-    assert nearby.noises[0].between == pytest.approx(anew.noises[0].between, rel=0.03)
-    assert sum(size**2 for size, _ in nearby.noises[0].drifts) == pytest.approx(
-        sum(size**2 for size, _ in anew.noises[0].drifts), rel=0.1
-    )
-
-
 def test_equally_strong_processes_draw_flicker_noise():
     """Their power times the frequency is one number to a twentieth, away from either end."""
     y = np.zeros(4000)

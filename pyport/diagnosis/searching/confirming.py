@@ -14,7 +14,7 @@ from pyport.diagnosis.weighing import in_order, key_of, noise
 from pyport.effects import Effect
 from pyport.least_squares.gram import spanned
 from pyport.noise.covariance import Covariance
-from pyport.noise.estimation.estimate import estimate
+from pyport.noise.estimation.estimate import TURNS, estimate
 from pyport.runs.stages import stage
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING
@@ -34,9 +34,9 @@ def _noise_alike(
         frame = setup.frame if departing else replace(setup.frame, departures=())
         known = noise(setup, like, searching=False)
         # What an effect leaves behind passes from departures to drift and back.
-        start = None if departing and len(chosen) < len(like) else known
+        turns = TURNS if departing and len(chosen) < len(like) else 1
         found = estimate(
-            setup.residual, design, frame, like=known, averaged=not departing, start=start
+            setup.residual, design, frame, like=known, averaged=not departing, turns=turns
         )
         setup.known[key] = (*like, *chosen), found
     return setup.known[key][1]

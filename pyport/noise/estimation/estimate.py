@@ -56,7 +56,7 @@ def estimate(
     like: Covariance | None = None,
     *,
     averaged: bool = True,
-    start: Covariance | None = None,
+    turns: int = TURNS,
 ) -> Covariance:
     """Estimate the covariance of readings about a model.
 
@@ -77,8 +77,8 @@ def estimate(
         of scatter, drift and departures is estimated, so that likelihoods can be compared.
     averaged
         Whether drifts stand as likely as each is, or the likeliest alone.
-    start
-        A covariance that is so nearly the one that one turn from there is enough.
+    turns
+        In which departures, drift and scatter are estimated beside each other.
     """
     parts = given.parts
     floors = floors_of(value, given)
@@ -86,22 +86,20 @@ def estimate(
     # Beside known weights residuals tell how repeats scatter, and nothing where there are none.
     if like is None or not all(part.alone for part in parts):
         weights, residual = fitted(value, columns, given)
-    if like is not None:
-        covariance = like
-    elif start is not None:
-        covariance = replace(start, weights=weights)
-    else:
+    if like is None:
         covariance = _white(parts, weights, residual, floors)
         if given.recorded is not None:
             covariance = _by_recorded(covariance, residual, given.recorded)
+    else:
+        covariance = like
     # Noise beside everything that could be found is noise beside the model and those columns.
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
     # What is improbable counts in an average alone, and only the last turn's is given.
-    reach = [within_reach(grid)] * (TURNS if start is None else 1)
+    reach = [within_reach(grid)] * turns
     if averaged:
         reach[-1] = BEYOND
-    starts: Sequence[int | None] = covariance.starts or [None] * len(parts)
+    starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
 
     def drafted(covariance: Covariance, beyond: float, which: tuple[int, int | None]) -> Draft:
         n, start = which

@@ -9,7 +9,7 @@ from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
 from effects.sky import campaign, replaced
 from scipy.stats import chi2
 
-from pyport.diagnosis import case, diagnose, weighing
+from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.searching import (
@@ -751,36 +751,22 @@ def test_an_effect_pays_for_being_one_of_many():
 
 
 @pytest.mark.parametrize(
-    ("others", "like", "departing", "near"),
-    [(0, 1, True, False), (0, 1, False, True), (1, 1, True, True), (1, 0, True, True)],
+    ("others", "like", "departing", "turns"),
+    [(0, 1, True, 2), (0, 1, False, 1), (1, 1, True, 1), (1, 0, True, 1)],
 )
 def test_what_an_effect_leaves_behind_takes_more_than_one_turn(
-    monkeypatch, others, like, departing, near
+    monkeypatch, others, like, departing, turns
 ):
     """It passes from departures to drift and back; all else is nearly what it is alike to."""
-    began = []
-    monkeypatch.setattr(confirming, "noise", lambda _, chosen, **__: f"beside {len(chosen)}")
-    monkeypatch.setattr(confirming, "estimate", lambda *_, start, **__: began.append(start))
+    asked = []
+    monkeypatch.setattr(confirming, "noise", lambda *_, **__: None)
+    monkeypatch.setattr(confirming, "estimate", lambda *_, turns, **__: asked.append(turns))
     frame = Frame((), (), (), None)
     problem = setup(known={}, frame=frame, residual=None, expanded=lambda _: None)
     some = [Chosen(candidate("skew"), "all")]
     confirming._noise_alike(problem, some[:others], some[:like], departing=departing)
 
-    assert began == [f"beside {like}" if near else None]
-
-
-def test_the_noise_of_a_turn_starts_from_the_one_that_the_search_began_with(monkeypatch):
-    """Whatever came in between. That of a final fit starts from none, as in any other command."""
-    began = []
-    monkeypatch.setattr(
-        weighing, "estimate", lambda *_, start: began.append(start) or f"noise {len(began)}"
-    )
-    problem = setup(known={}, frame=None, residual=None, possible=(), expanded=lambda _: None)
-    one = Chosen(candidate("skew"), "all")
-    for chosen, searching in (((), True), ((one,), True), ((), False), ((one,), False)):
-        weighing.noise(problem, chosen, searching=searching)
-
-    assert began == [None, "noise 1", None, None]
+    assert asked == [turns]
 
 
 def test_departures_as_wide_as_the_scatter_are_half_as_probable():
