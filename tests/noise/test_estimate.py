@@ -117,7 +117,7 @@ def test_what_is_improbable_is_weighed_where_an_average_is_asked_for(monkeypatch
 
 
 def test_equally_strong_processes_draw_flicker_noise():
-    """Their power times the frequency is one number to a twentieth, away from either end."""
+    """Their power times the frequency is one number to a hundredth, away from either end."""
     y = np.zeros(4000)
     given = recordings(4000, 1, y)
     grid = drift.grid_of(frame(given, stack(given)).parts)
@@ -127,7 +127,7 @@ def test_equally_strong_processes_draw_flicker_noise():
     level = power * frequency[:, 0]
 
     assert np.sum(sizes**2) == pytest.approx(1.0)
-    assert level == pytest.approx(np.full(200, level.mean()), rel=0.07)
+    assert level == pytest.approx(np.full(200, level.mean()), rel=0.03)
 
 
 def test_a_drift_is_found_with_its_time():

@@ -178,8 +178,10 @@ def lasting_effects(
         if trial.candidate.effect.id not in moved:
             moved.add(trial.candidate.effect.id)
             one = refined(setup, weighed.covariance, chosen, trial)
+        # In an array each pays for itself: its odds are those of the turn.
+        shared = together(trial, several) if setup.blocks.antennas == 1 else 0.0
         if one.trial.evidence > least:
-            found.append(replace(one, price=one.price - together(trial, several)))
+            found.append(replace(one, price=one.price - shared))
     found.sort(key=_rank)
     tried = turns.distinct(beside, (one.trial for one in found), MOST_TRIED)
     return [one for one in found if any(one.trial is each for each in tried)]

@@ -1,7 +1,7 @@
 """Drift: how strong and how long, as far as one antenna's recordings tell.
 
 Every drift is a sum of Ornstein-Uhlenbeck processes: one of them, with a memory from minutes to
-three times the whole span (a random walk), or equally strong ones of many memories (1/f noise).
+three times the whole span (a random walk), or equally strong ones of all memories (1/f noise).
 """
 
 from __future__ import annotations
@@ -74,9 +74,7 @@ def grid_of(parts: Sequence[Series]) -> Grid:
     # What outlasts the recordings shows by what it changes within them.
     strength = [max(1.0, float(np.sqrt(one / max(span, shortest)))) for one in memories]
     single = [((amplitude, memory),) for amplitude, memory in zip(strength, memories, strict=True)]
-    # Nine times apart they draw 1/f to a twentieth of its power.
-    several = memories[::-2]
-    flicker = tuple((float(1 / np.sqrt(len(several))), memory) for memory in several)
+    flicker = tuple((float(1 / np.sqrt(count)), memory) for memory in memories)
     shapes = (*single, flicker)
     return Grid(
         np.array([0.0, *(ratio for _ in shapes for ratio in RATIOS)]),

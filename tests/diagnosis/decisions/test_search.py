@@ -370,15 +370,18 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("evidence", "scope", "less"),
+    ("evidence", "scope", "antennas", "less"),
     [
-        (20.0, "all", 2 * np.log(2)),
-        (18.0, "all", 2 * np.log(1 + np.exp(-1))),
-        (20.1, "all", 0.0),
-        (20.0, "session", 0.0),
+        (20.0, "all", 1, 2 * np.log(2)),
+        (18.0, "all", 1, 2 * np.log(1 + np.exp(-1))),
+        (20.1, "all", 1, 0.0),
+        (20.0, "session", 1, 0.0),
+        (20.0, "all", 2, 0.0),
     ],
 )
-def test_one_of_several_alike_is_likelier_than_that_one(monkeypatch, evidence, scope, less):
+def test_one_of_several_alike_is_likelier_than_that_one(
+    monkeypatch, evidence, scope, antennas, less
+):
     """It pays the less for its choice; those that lead it, or of another scope, are no help."""
     monkeypatch.setattr(
         winner,
@@ -387,7 +390,8 @@ def test_one_of_several_alike_is_likelier_than_that_one(monkeypatch, evidence, s
     )
     monkeypatch.setattr(winner.turns, "distinct", lambda _, trials, __: list(trials))
     own, other = trial("refraction", 20.0), trial("skew", evidence, scope=scope)
-    found = winner.lasting_effects(setup(), WEIGHED, (), [own, other], (), 0.0, None)
+    given = setup(blocks=SimpleNamespace(antennas=antennas))
+    found = winner.lasting_effects(given, WEIGHED, (), [own, other], (), 0.0, None)
 
     (mine,) = (one for one in found if one.trial is own)
     assert mine.price == pytest.approx(3.0 - less)
