@@ -1,4 +1,4 @@
-"""Fits of waves near a period: the likeliest one, its line, and what unseen readings are told."""
+"""Fits of waves near a period: the likeliest one, its line, and predictions of unseen readings."""
 
 from __future__ import annotations
 
