@@ -137,8 +137,8 @@ def _run_one(
     """Return the summary and the report of one file."""
     from pyport import page
     from pyport.formats.completed import write_model
-    from pyport.report.array import write_places
-    from pyport.report.figures import write_findings
+    from pyport.plots.findings import write_findings
+    from pyport.plots.places import write_places
     from pyport.report.folder import text as in_words
     from pyport.report.folder import write
     from pyport.report.made import report_of

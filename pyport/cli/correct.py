@@ -151,8 +151,8 @@ def compare(
     from pyport.correction.compared import text
     from pyport.models.conditions import columns_of
     from pyport.models.conditions import known as is_condition
+    from pyport.plots.pictures import FORMATS
     from pyport.recordings import read
-    from pyport.report.pictures import FORMATS
 
     if picture is not None and picture.suffix[1:] not in FORMATS:
         raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)

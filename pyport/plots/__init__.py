@@ -1,8 +1,8 @@
-"""Panels for print: the page's pictures as PNG, SVG or PDF."""
+"""Pictures as PNG, SVG or PDF: panels for print, and one of each finding."""
 
 from __future__ import annotations
 
 from pyport.plots.panels import panels
-from pyport.report.pictures import FORMATS, write
+from pyport.plots.pictures import FORMATS, write
 
 __all__ = ["FORMATS", "panels", "write"]

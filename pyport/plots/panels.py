@@ -15,8 +15,8 @@ from pyport.page.payload import reach, stretches
 from pyport.page.picture import Column, Picture, Side
 from pyport.page.story import Story
 from pyport.plots import style
+from pyport.plots.findings import running_median
 from pyport.plots.style import AFTER, BEFORE, GREY, REGION
-from pyport.report.figures import running_median
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,10 +16,10 @@ from pyport.diagnosis.arrays.report import SCAN, ArrayReport, report
 from pyport.diagnosis.arrays.words import comparison, held_out, predict, words
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
 from pyport.formats.models import load
+from pyport.plots.places import write_places
 from pyport.recordings import read
 from pyport.recordings.files import Survey
 from pyport.report import array as as_data
-from pyport.report.array import write_places
 
 MODEL = "gmrt-paper"
 #: All days of Cyg A, and each by itself.

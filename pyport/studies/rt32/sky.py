@@ -14,8 +14,8 @@ from pyport.files import write_whole
 from pyport.page.of_diagnosis import off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Bar, Row, Story
+from pyport.plots.findings import BLUE, GREY, ORANGE
 from pyport.pointing import PARAMETERS, jump_altitude
-from pyport.report.figures import BLUE, GREY, ORANGE
 from pyport.report.typed import as_json
 from pyport.studies.rt32.fit import Rt32Fit
 

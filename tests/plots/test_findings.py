@@ -3,7 +3,7 @@
 import pytest
 
 from pyport.diagnosis.naming.finding import Parameter
-from pyport.report.figures import comparable, distinguishing
+from pyport.plots.findings import comparable, distinguishing
 
 
 def parameters(*given):

@@ -12,7 +12,7 @@ from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
 from pyport.effects.base import THE_HOUR
-from pyport.report import pictures
+from pyport.plots import pictures
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
