@@ -209,10 +209,10 @@ ENOUGH_ANTENNAS = 4
 #: noise is read off. Three of four deviations are left. Smaller: the search takes the noise away.
 #: Larger: candidates are noise.
 PER_SHAPE = 4
-#: [pointings per source] Average below which sources have no departures. One departs only if it
-#: was pointed at again. Smaller: single pointings are taken for departures. Larger: catalogues
-#: with errors become findings.
-PER_SOURCE = 2.0
+#: [pointings per label] Average below which sources have no departures, and rows below which
+#: sessions are no sessions. One departs only if it was pointed at again. Smaller: single pointings
+#: are taken for departures. Larger: catalogues with errors become findings.
+PER_LABEL = 2.0
 #: [deviations] Weight of the array's usual variance in that of an antenna. A scale from few
 #: deviations may be small by chance. Smaller: one that is quiet by chance outvotes all. Larger:
 #: quiet antennas are not believed.

@@ -16,7 +16,7 @@ from pyport.models.model import Model, Term
 from pyport.noise.estimation.frame import frame
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.recordings.sky import with_nights
+from pyport.recordings.sky import with_sessions
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 
@@ -37,7 +37,7 @@ def prepare(
     seed
         Of the draws of noise.
     """
-    recordings = with_nights(recordings)
+    recordings = with_sessions(recordings)
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
     terms = model.fitted(refit)

@@ -13,6 +13,7 @@ from pyport.columns import DIRECTIONS, SPELLED
 from pyport.effects import Circumstances
 from pyport.effects.circumstances import NIGHT_GAP_S, mostly_known
 from pyport.recordings.schema import Recordings, group
+from pyport.thresholds import PER_LABEL
 
 
 def horizon(hour_angle: Array, dec: Array, latitude: float) -> tuple[Array, Array]:
@@ -111,8 +112,9 @@ def to_j2000(place: Place, of: Equinox) -> Place:
 #: they are a table's: a raster has nearly all, places in random order at one elevation a third,
 #: a source that is followed none.
 RASTER = 0.5
-#: Header keys under which it is said what stands for what.
+#: Header keys under which it is said what stands for what, and what is too short to be used.
 SESSIONS, ORDER, TIMES, CELLS = "sessions_from", "order_from", "times_from", "cells_from"
+SHORT = "sessions_too_short"
 
 
 def with_nights(recordings: Recordings) -> Recordings:
@@ -145,6 +147,27 @@ def with_nights(recordings: Recordings) -> Recordings:
             meta[SESSIONS] = f"gaps of more than {NIGHT_GAP_S / 3600:g} h in time"
     whole = replace(recordings, at=replace(at, columns=columns), meta=meta)
     return _with_cells(whole)
+
+
+def with_sessions(recordings: Recordings) -> Recordings:
+    """Return recordings `with_nights`, and without sessions too short to depart from each other.
+
+    Labels that have fewer than `PER_LABEL` rows on average say what was pointed at, not when
+    something was changed.
+    """
+    return _without_short(with_nights(_without_short(recordings)))
+
+
+def _without_short(recordings: Recordings) -> Recordings:
+    if "session" not in recordings.at:
+        return recordings
+    count, rows = len(group(recordings, ("session",))[1]), len(recordings)
+    if count == 1 or rows >= PER_LABEL * count:
+        return recordings
+    columns = {name: one for name, one in recordings.at.columns.items() if name != "session"}
+    meta = {**recordings.meta, SHORT: f"{count} in {rows} rows"}
+    meta.pop(SESSIONS, None)
+    return replace(recordings, at=replace(recordings.at, columns=columns), meta=meta)
 
 
 def _with_cells(recordings: Recordings) -> Recordings:

@@ -11,13 +11,14 @@ from diagnosis.made import LATITUDE, recordings
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming.remarks import by_elevation
+from pyport.diagnosis.naming.remarks import NoiseRemarks, by_elevation, sentences
 from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import rms_of
 from pyport.fitting.table import as_json, text
 from pyport.formats.models import load
 from pyport.recordings.schema import Stack
+from pyport.recordings.sky import with_sessions
 from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
 from pyport.report.typed import as_json as told
@@ -160,6 +161,29 @@ def test_scatter_that_grows_toward_the_horizon_is_said():
         assert one["low_el_deg"] < one["high_el_deg"]
     assert {one["axis"] for one in by_elevation(uneven)} == {"cross-elevation", "elevation"}
     assert not by_elevation(even)
+
+
+@pytest.mark.parametrize(
+    ("rows", "labels", "kept"),
+    [(120, 60, True), (120, 61, False), (120, 120, False), (1, 1, True), (30, 16, False)],
+)
+def test_sessions_of_fewer_than_two_rows_are_none(rows, labels, kept):
+    """Nights between gaps in time take their place, unless these are as short."""
+    time = 1e9 + 86400 * (np.arange(rows) // 40) + 60.0 * np.arange(rows)
+    session = np.char.add("scan ", (np.arange(rows) * labels // rows).astype(str))
+    made = recordings(rows, 3, time=time, session=session)
+    found = with_sessions(made)
+    said = sentences(NoiseRemarks((), (), (), ()), found.meta)
+    short = [one for one in said if "too short" in one]
+
+    assert np.array_equal(found.at.columns.get("session"), session) == kept
+    assert bool(short) == (not kept)
+    if not kept:
+        assert short[0].endswith(f"{labels} in {rows} rows")
+        assert ("session" in found.at) == (rows > 40)
+    daily = {**made.at.columns, "time": 1e9 + 86400.0 * np.arange(rows)}
+    alone = with_sessions(replace(made, at=replace(made.at, columns=daily)))
+    assert ("session" in alone.at) == kept
 
 
 @pytest.mark.slow

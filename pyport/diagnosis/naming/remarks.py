@@ -17,7 +17,7 @@ from pyport.fitting.soundness import doubts
 from pyport.least_squares import robust
 from pyport.models.conditions import undetermined
 from pyport.recordings.raw import BLANK
-from pyport.recordings.sky import CELLS, ORDER, SESSIONS, TIMES
+from pyport.recordings.sky import CELLS, ORDER, SESSIONS, SHORT, TIMES
 from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
 
 if TYPE_CHECKING:
@@ -215,8 +215,10 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
         for one in noise.growing
     ]
     said += noise.uneven
+    if SHORT in meta:
+        said.append(f"Sessions are too short to be distinguished and are not used: {meta[SHORT]}")
     if SESSIONS in meta:
-        said.append(f"Sessions are not recorded: they are taken from {meta[SESSIONS]}")
+        said.append(f"Sessions are taken from {meta[SESSIONS]}")
     if ORDER in meta:
         said.append(f"Time is taken from {meta[ORDER]}")
     if BLANK in meta:

@@ -178,9 +178,15 @@ def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chos
 
 
 def stretches_of(scan: Scan, period_s: float, periods: float) -> tuple[Codes, int]:
-    """Return the stretch of each reading, of so many periods, and the number of stretches."""
+    """Return the stretch of each reading, of so many periods, and the number of stretches.
+
+    Those without any are not counted: a session with one wrong date is years long.
+    """
     parts = np.maximum(1, np.round(scan.length / (periods * period_s))).astype(np.intp)
     first = np.cumsum([0, *parts])
     within = (scan.time - scan.begin[scan.session]) / np.maximum(scan.length, 1.0)[scan.session]
     part = np.minimum((within * parts[scan.session]).astype(np.intp), parts[scan.session] - 1)
-    return first[scan.session] + part, int(first[-1])
+    stretch = first[scan.session] + part
+    held = np.zeros(int(first[-1]), np.intp)
+    held[stretch] = 1
+    return (np.cumsum(held) - 1)[stretch], int(held.sum())

@@ -19,7 +19,7 @@ from pyport.effects.sky.astrometry import parallactic
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures
 from pyport.recordings.schema import Recordings, Stack, group
-from pyport.thresholds import ENOUGH, FEWEST, PER_SOURCE, SEVERAL
+from pyport.thresholds import ENOUGH, FEWEST, PER_LABEL, SEVERAL
 
 
 def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
@@ -100,7 +100,7 @@ def _of_sources(recordings: Recordings, data: Stack, antenna: str) -> list[Depar
     source, names = group(recordings, ("source",))
     number = pointings(recordings)
     there = len(np.unique(number))
-    if len(names) < SEVERAL or there < PER_SOURCE * len(names):
+    if len(names) < SEVERAL or there < PER_LABEL * len(names):
         return []
     pairs = np.unique(np.stack([source, number]), axis=1)[0]
     again = np.flatnonzero(np.bincount(pairs, minlength=len(names)) > 1)

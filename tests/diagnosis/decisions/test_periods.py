@@ -14,6 +14,7 @@ from pyport.effects.empirical.oscillations import oscillation
 from pyport.thresholds import PERIODS_FREE
 
 HOUR = 3600.0
+YEAR = 365.25 * 86400
 
 
 def observed(hours, step_s=60.0, sessions=1):
@@ -106,6 +107,20 @@ def test_a_wandering_phase_is_free_in_three_periods(period_h, stretches):
 
     assert count == stretches
     assert np.ptp(np.bincount(stretch)) <= 1
+
+
+def test_stretches_without_readings_are_not_counted():
+    """One reading decades before its session makes one stretch more, not millions."""
+    scan = scanned(12)
+    early = replace(scan, begin=scan.begin - 50 * YEAR, length=scan.length + 50 * YEAR)
+    early = replace(
+        early, time=np.append(scan.time, -50 * YEAR), session=np.append(scan.session, 0)
+    )
+    stretch, count = scans.stretches_of(early, HOUR, PERIODS_FREE)
+
+    assert stretch[-1] == 0
+    assert set(stretch) == set(range(count))
+    assert count <= 6
 
 
 @pytest.mark.parametrize("hours", [2, 4, 8])
