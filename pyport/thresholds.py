@@ -206,8 +206,9 @@ SEVERAL = 3
 #: arrays have none.
 ENOUGH_ANTENNAS = 4
 #: [pointings per direction] Or scans: what is left of each direction that is projected out before
-#: noise is read off. Three of four deviations are left. Smaller: the search takes the noise away.
-#: Larger: candidates are noise.
+#: noise is read off; readings for each coefficient of an effect that every antenna or session has
+#: its own of. Three of four deviations are left. Smaller: the search takes the noise away. Larger:
+#: candidates are noise.
 PER_SHAPE = 4
 #: [pointings per label] Average below which sources have no departures, and rows below which
 #: sessions are no sessions. One departs only if it was pointed at again. Smaller: single pointings

@@ -55,6 +55,11 @@ class Blocks:
             return np.arange(len(self))
         return np.unique(getattr(self, scope), return_inverse=True)[1]
 
+    def count(self, scope: str) -> int:
+        """Return the number of groups of a scope."""
+        counts = {"all": 1, "antenna": self.antennas, "session": self.sessions}
+        return counts.get(scope, len(self))
+
     def names(self, scope: str) -> list[str]:
         """Name the groups of a scope, in their order."""
         if scope == "all":

@@ -11,12 +11,11 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.fitting.fit import expanded
+from pyport.fitting.fit import expanded, in_sessions
 from pyport.models.model import Model, Term
 from pyport.noise.estimation.frame import frame
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.recordings.sky import with_sessions
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 
@@ -37,10 +36,10 @@ def prepare(
     seed
         Of the draws of noise.
     """
-    recordings = with_sessions(recordings)
+    terms = model.fitted(refit)
+    recordings = in_sessions(recordings, terms)
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
-    terms = model.fitted(refit)
     base_columns, base = _base(recordings, data, terms)
     found, candidates, untestable = listing.design(recordings, data)
     given = frame(recordings, data)

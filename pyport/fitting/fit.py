@@ -21,7 +21,7 @@ from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate
 from pyport.noise.estimation.frame import Frame, frame
 from pyport.recordings.schema import Recordings, Stack, group, stack, term_columns
-from pyport.recordings.sky import with_nights
+from pyport.recordings.sky import with_nights, with_sessions
 from pyport.runs.workers import one_thread
 
 
@@ -91,10 +91,11 @@ def fit(
 
     Raises `BadInput`: there are fewer measured offsets than coefficients.
     """
-    recordings, model = with_nights(recordings), model.on(recordings.at.mount)
+    model = model.on(recordings.at.mount)
+    terms = model.fitted(refit)
+    recordings = in_sessions(recordings, terms)
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
-    terms = model.fitted(refit)
     columns, owners = expanded(recordings, data, terms)
     if wrong := undetermined(len(value), columns.shape[1]):
         raise BadInput(wrong, recordings.file)
@@ -125,6 +126,15 @@ def fit(
         solution.condition,
         tuple(compared),
     )
+
+
+def in_sessions(recordings: Recordings, terms: Collection[Term]) -> Recordings:
+    """Return recordings with the sessions that noise departs by, nights where none are recorded.
+
+    Labels of hardly a row each are none, unless a term has coefficients for each of them.
+    """
+    own = any("session" in term.per for term in terms)
+    return (with_nights if own else with_sessions)(recordings)
 
 
 def _two_axes(

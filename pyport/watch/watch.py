@@ -15,11 +15,12 @@ from pyport.arguments import mapping, number
 from pyport.correction.use import PointingModel, model_of
 from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.errors import BadInput
+from pyport.fitting.fit import in_sessions
 from pyport.models.model import Model
 from pyport.recordings.from_table import Header, Table, from_table, raw_table
 from pyport.recordings.interpret import interpret
 from pyport.recordings.schema import Recordings
-from pyport.recordings.sky import night_of, with_nights
+from pyport.recordings.sky import SHORT, night_of
 from pyport.runs.workers import one_thread
 from pyport.watch import steps
 from pyport.watch.alarms import Alarm, moment
@@ -107,8 +108,9 @@ class Watch:
         header: Header | None = None,
     ):
         per = number("pointings_per_false_alarm", pointings_per_false_alarm, 1)
-        history = with_nights(from_table(history, header))
-        self.history, self.model = history, model_of(model)
+        self.model = model_of(model)
+        history = in_sessions(from_table(history, header), self.model.fitted())
+        self.history = history
         self.pointings_per_false_alarm = per
         names = np.unique(history.label("antenna").astype(str))
         self.antennas: dict[str, Antenna] = {}
@@ -247,7 +249,9 @@ class Watch:
         if self.timed:
             recordings = recordings.take(np.argsort(time, kind="stable"))
         at, columns = recordings.at, dict(recordings.at.columns)
-        if "session" not in at and self.timed:
+        if SHORT in self.history.meta:
+            columns.pop("session", None)
+        if "session" not in columns and self.timed:
             columns["session"] = self._nights(np.asarray(at.column("time"), float))
         numbers = self.first_row + self.row + 1 + np.arange(len(at))
         return replace(recordings, at=replace(at, columns=columns), line=numbers)

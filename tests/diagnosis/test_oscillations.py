@@ -15,12 +15,13 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching import contenders, winner
-from pyport.diagnosis.shapes import oscillations, scans, wave_fits
+from pyport.diagnosis.shapes import oscillations, periods, scans, wave_fits
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
 from pyport.effects.empirical.oscillations import OSCILLATION, oscillation
 from pyport.formats.models import load
 from pyport.mounts import KINDS
+from pyport.thresholds import CONVINCING
 
 HOUR = 3600.0
 PERIOD_S = 1.0 * HOUR
@@ -251,6 +252,41 @@ def test_waves_of_other_periods_explain_little_of_an_oscillation(monkeypatch, ha
 
     assert wave_fits.is_line(None, None, (), oscillation(60.0, 0.0, [(0.0, 180.0)])) == line
     assert wave_fits.is_line(None, None, (), oscillation(60.0, 0.0))
+
+
+@pytest.mark.parametrize(("line", "waves"), [(True, 1), (False, 0)])
+def test_what_is_no_line_is_no_wave(monkeypatch, swinging, line, waves):
+    """Whatever its evidence: the noise has power there."""
+    _, setup, one = swinging
+    monkeypatch.setattr(contenders, "is_line", lambda *_: line)
+
+    assert len(contenders.waves_of(setup, (), one)) == waves
+
+
+@pytest.mark.parametrize("seed", [1, 3, 7])
+def test_readings_repeated_at_a_multiple_of_a_period_show_no_wave(seed):
+    """A phase that holds is a constant there, which drifts know; a free one gained hundreds."""
+    n = np.arange(900)
+    time = 1.2e9 + n // 3 * 7200.0 + n % 3 * 5.0
+    setup = prepare(recordings(900, seed, time=time, session=np.full(900, "s")), load("altaz"))
+    covariance = weigh(setup).covariance
+    scan = scans.scan_of(setup, reversing=False)
+    (peaks,) = periods.peaks_of(scan, [scans.view_of(setup, scan, covariance, ())])
+
+    assert max(one.worth for one in peaks) < CONVINCING
+
+
+def test_a_period_of_months_is_found():
+    """In sessions of a hundred days, ten of them in as many years."""
+    time = 1e9 + np.repeat(np.arange(10) * 365.25, 40) * 86400
+    time += np.tile(np.arange(40) * 2.5, 10) * 86400
+    period = 21 * 86400.0
+    session = np.char.add("s", np.repeat(np.arange(10), 40).astype(str))
+    swing = lambda _: 5 * np.sin(2 * np.pi * time / period)  # noqa: E731 - a wave
+    setup = prepare(recordings(400, 5, time=time, session=session, y=swing), load("altaz"))
+    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+
+    assert one.candidate.effect.parameter == pytest.approx(period, rel=0.01)
 
 
 def test_nights_at_equal_intervals_leave_the_period_open():

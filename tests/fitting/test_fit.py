@@ -45,6 +45,23 @@ def test_altaz_is_recovered_within_its_sigmas():
     assert np.abs(np.mean(misses, axis=0)).max() < 0.6
 
 
+@pytest.mark.parametrize(("per", "kept"), [((), False), (("session",), True)])
+def test_sessions_of_a_row_are_none_but_for_terms_of_their_own(per, kept):
+    """What a term has for each label is fitted for each; noise does not depart by them."""
+    plain = simulated(60, 5, 0)
+    session = np.char.add("scan ", (np.arange(60) // 1.5).astype(str))
+    made = replace(plain, at=replace(plain.at, columns={"session": session}))
+    model = models.load("altaz")
+    terms = [
+        replace(one, per=per) if one.effect.id == "elevation_zero" else one for one in model.terms
+    ]
+    done = fit(made, replace(model, terms=tuple(terms)))
+    zeros = [one for one in done.coefficients if one.term.effect.id == "elevation_zero"]
+
+    assert ("session" in done.recordings.at) == kept
+    assert len(zeros) == (40 if kept else 1)
+
+
 def test_too_few_offsets_are_refused():
     """Seven coefficients cannot come from six numbers."""
     with pytest.raises(BadInput, match="6 measured offsets cannot determine 7"):

@@ -61,6 +61,21 @@ def test_rows_one_by_one_are_the_same_as_together(drawn, seen):
         assert [e.event for e in one.events] == [e.event for e in seen[1][n].events]
 
 
+def test_a_session_for_each_row_is_none(drawn):
+    """The rows of a night belong together, whatever is written beside each; as in the past."""
+    labelled = [
+        {**table, "session": np.char.add("scan ", np.arange(len(table["az_deg"])).astype(str))}
+        for table in (drawn.past, drawn.watched)
+    ]
+    plain = [{name: one for name, one in table.items() if name != "session"} for table in labelled]
+    evidence = []
+    for past, watched in (plain, labelled):
+        watch = pyport.Watch(past, header=drawn.header)
+        evidence.append([one.evidence for one in watch.replay(watched)])
+
+    assert evidence[0] == evidence[1]
+
+
 @pytest.mark.slow
 def test_a_step_back_is_the_same_alarm_over(drawn):
     """What comes back ends both: the telescope is as it was."""

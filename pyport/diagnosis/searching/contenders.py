@@ -11,8 +11,9 @@ from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
 from pyport.diagnosis.shapes import oscillations
+from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.trial import CandidateFit
-from pyport.diagnosis.weighing import projection, weigh
+from pyport.diagnosis.weighing import noise, projection, weigh
 from pyport.effects.base import Effect
 from pyport.noise.covariance import Covariance
 from pyport.thresholds import CONVINCING, ENOUGH_ANTENNAS
@@ -59,12 +60,18 @@ def refined(
 
 
 def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> list[Contender]:
-    """Return the wave that is proposed, if the noise cannot do it as well, with its columns."""
+    """Return the wave that is proposed, with its columns.
+
+    None if the noise can do it as well, or if it has no period of its own.
+    """
     if one is None:
         return []
     wider, price = oscillations.widened(setup, one), one.candidate.price
+    effect = one.candidate.effect
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:
+        return []
+    if not is_line(wider, noise(wider, (*chosen, one), searching=False), chosen, effect):
         return []
     beside = projection(wider, weigh(wider, chosen), chosen)
     trials = beside.trials([(one.candidate, one.scope)])

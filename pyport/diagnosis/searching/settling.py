@@ -20,9 +20,7 @@ from pyport.diagnosis.searching.confirming import likeliest, worth_beside_own
 from pyport.diagnosis.searching.turns import TIE, Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
-from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
-from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST, NOT_EXCLUDED, OUT_OF_REACH, PAYS, SEEN
 
@@ -170,8 +168,8 @@ def _of_moments(outcome: Outcome) -> Outcome:
 def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     """Return the choice that is to be dropped, and why; None where all of them pay.
 
-    Of several that do harm, or have no size or period, the one with the least evidence: the
-    others may do it through it.
+    Of several that do harm, or have no size, the one with the least evidence: the others may do it
+    through it.
     """
     setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
     idle: list[tuple[Chosen, str]] = []
@@ -185,7 +183,7 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
             if before > after:
                 how = f"better with it by {by:.2g} per cent, less than the error of that"
             idle.append((one, f"data left out are predicted {how}"))
-    idle = idle or _without_size_or_period(outcome)
+    idle = idle or _without_size(outcome)
     if idle:
         return min(idle, key=lambda each: outcome.step_of(each[0]).winner.evidence)
     if chosen and (weakest := _harm_to_all(outcome)) is not None:
@@ -193,17 +191,15 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     return None
 
 
-def _without_size_or_period(outcome: Outcome) -> list[tuple[Chosen, str]]:
-    """Return the choices whose reported size may be zero, and oscillations without one period."""
-    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
-    together, noise, found = joint.fit(setup, weighed, chosen), weighed.covariance, []
-    for n, one in enumerate(chosen, len(setup.base)):
-        effect = one.candidate.effect
-        if joint.distance(together, n) < SEEN:
-            found.append((one, f"its size is within {SEEN:g} sigma of zero"))
-        elif effect.id == OSCILLATION and not is_line(setup, noise, outcome.others(one), effect):
-            found.append((one, "waves of half or twice its period explain most of what it does"))
-    return found
+def _without_size(outcome: Outcome) -> list[tuple[Chosen, str]]:
+    """Return the choices whose reported size may be zero."""
+    setup, chosen = outcome.setup, outcome.chosen
+    together = joint.fit(setup, outcome.weighed, chosen)
+    return [
+        (one, f"its size is within {SEEN:g} sigma of zero")
+        for n, one in enumerate(chosen, len(setup.base))
+        if joint.distance(together, n) < SEEN
+    ]
 
 
 def _harm_to_all(outcome: Outcome) -> Chosen | None:

@@ -24,7 +24,7 @@ from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.runs.workers import side_by_side
-from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, UNSEEN_SHARE
+from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
@@ -34,8 +34,14 @@ def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
             (candidate, scope)
             for candidate in (*setup.candidates, *setup.shapes)
             for scope in _scopes(candidate, setup.blocks)
+            if scope == "all" or _is_told(setup, len(candidate.columns) * setup.blocks.count(scope))
         ]
     )
+
+
+def _is_told(setup: Problem, coefficients: int) -> bool:
+    """Tell whether the readings leave enough beside the coefficients of all groups of a scope."""
+    return PER_SHAPE * coefficients <= len(setup.residual)
 
 
 def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:

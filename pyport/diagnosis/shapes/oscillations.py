@@ -49,7 +49,7 @@ def proposed(
     noises = [_with_drift(present, share, scans[0].longest) for share in SHARES_OF_DRIFT]
     each = [[view_of(setup, scan, noise, chosen) for noise in noises] for scan in scans]
     least = min(view.lack for view in each[0])
-    # A phase that wanders must be convincingly better: slowly it nearly holds.
+    # A phase that wanders must be convincingly better than one that holds: slowly it nearly does.
     found = [
         (peak.worth - view.lack + least - CONVINCING * peak.wanders, peak, scan, noise)
         for scan, views in zip(scans, each, strict=True)
@@ -57,8 +57,9 @@ def proposed(
         for peak in peaks
     ]
     worth, best, scan, _ = max(found, key=lambda one: one[0])
-    price = 2 * float(np.log(len(scans)))
-    if worth - price <= max(CONVINCING, above) or not scan.shows(best):
+    # Beside none it need not: it is confirmed.
+    worth += CONVINCING * best.wanders - 2 * float(np.log(len(scans)))
+    if worth <= max(CONVINCING, above) or not scan.shows(best):
         return None
     refined = []
     for free in {peak.wanders for _, peak, *_ in found}:

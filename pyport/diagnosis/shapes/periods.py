@@ -24,7 +24,8 @@ from pyport.thresholds import (
 STEP = 0.04
 #: Frequencies tried in one over the length of a session, and in one over that of the campaign.
 OVERSAMPLED = 4
-#: Longest stretch [s] that is searched as one: a day, as most sessions are shorter.
+#: Longest stretch [s] that is searched as one, a day, as most sessions are shorter; or two of the
+#: shortest periods.
 LONGEST_PIECE_S = 86400.0
 #: Frequencies times sessions at which coherence through a campaign is given up: it is too long.
 MOST_PHASES = 50_000_000
@@ -72,13 +73,13 @@ def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
     Within a day or a session neighbouring frequencies differ by less than a quarter of a turn: the
     sums of each at a coarse frequency, turned, are those at the fine ones between.
     """
-    whole = max(float(np.ptp(scan.time)), 1.0)
-    day = np.floor((scan.time - scan.begin[scan.session]) / LONGEST_PIECE_S).astype(np.intp)
+    whole, longest = max(float(np.ptp(scan.time)), 1.0), max(LONGEST_PIECE_S, 2 * scan.shortest)
+    day = np.floor((scan.time - scan.begin[scan.session]) / longest).astype(np.intp)
     piece = np.unique(scan.session * (day.max() + 1) + day, return_inverse=True)[1]
     count = int(piece.max()) + 1
     middle = np.bincount(piece, scan.time) / np.bincount(piece)
     from_middle = scan.time - middle[piece]
-    step = 1 / (OVERSAMPLED * min(float(scan.length.max()), LONGEST_PIECE_S))
+    step = 1 / (OVERSAMPLED * min(float(scan.length.max()), longest))
     coarse: Array = np.arange(0.5 * step, 1 / scan.shortest + step, step)
     count_fine = int(np.ceil(whole * OVERSAMPLED * step))
     fine: Array = ((np.arange(count_fine) + 0.5) / count_fine - 0.5) * step

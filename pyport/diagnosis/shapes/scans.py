@@ -16,6 +16,7 @@ from pyport.recordings.sky import clock
 from pyport.thresholds import (
     ENOUGH_SQUARES,
     PERIODS_ALONE,
+    PERIODS_FREE,
     SHORTEST_PERIOD_S,
     SHORTEST_STEPS,
 )
@@ -24,6 +25,8 @@ from pyport.thresholds import (
 DIRECTIONS_DEG = np.arange(0.0, 180.0, 22.5)
 #: Periods at which the noise's spectrum is looked at.
 SPECTRUM = 16
+#: The number that is hardest to come near by fractions: squares of integers times it are irregular.
+GOLDEN = (1 + 5**0.5) / 2
 
 
 @dataclass(frozen=True)
@@ -99,9 +102,15 @@ class Scan:
 
     @cached_property
     def waves(self) -> tuple[Array, Array]:
-        """Return ascending periods (F,), and the cosine and the sine of each, shape (m, 2 F)."""
+        """Return ascending periods (F,), and the cosine and the sine of each, shape (m, 2 F).
+
+        Of another phase every few periods, irregularly: readings that are repeated at a multiple of
+        a period meet one that holds as a constant, which is the drift's.
+        """
         periods = np.geomspace(self.shortest, self.longest, SPECTRUM)
-        phase = 2 * np.pi * self.time[:, None] / periods
+        stretch = [stretches_of(self, float(one), PERIODS_FREE)[0] for one in periods]
+        jumps = np.pi * GOLDEN * np.stack(stretch, axis=1).astype(float) ** 2
+        phase = 2 * np.pi * self.time[:, None] / periods + jumps
         waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
         return periods, self.sign[:, None] * waves
 

@@ -25,9 +25,10 @@ from pyport.thresholds import ENOUGH, FEWEST, PER_LABEL, SEVERAL
 def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
     """Return the departures that the recordings of a single antenna could show, all of zero size.
 
-    Sessions may depart in both zeros, in the tilts and in the sag, and so may stretches of rows
-    where the order is all that is known of time; sources in the place that the catalogue gives
-    them, or, where the sky's turn at the site is not known, in both offsets.
+    Sessions may depart in both zeros and, where they have more than a few readings, in the tilts
+    and in the sag; so may stretches of rows where the order is all that is known of time; sources
+    in the place that the catalogue gives them, or, where the sky's turn at the site is not known,
+    in both offsets.
     """
     if len(np.unique(recordings.label("antenna").astype(str))) > 1:
         return ()
@@ -36,13 +37,19 @@ def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
     return tuple(one for one in found if one.columns.any())
 
 
+def zeros(at: Circumstances) -> tuple[str, str]:
+    """Return what the zeros of both axes are called."""
+    across, along = at.mount.names
+    return f"zero in {across}", f"zero in {along}"
+
+
 def terms_of_sessions(at: Circumstances) -> dict[str, tuple[Array, Array]]:
     """Return what sessions may depart in: term -> both axes for departures of one, (n, k) each."""
     none, one = np.zeros((len(at), 1)), np.ones((len(at), 1))
-    across, along = at.mount.names
+    across, along = zeros(at)
     return {
-        f"zero in {across}": (one, none),
-        f"zero in {along}": (none, one),
+        across: (one, none),
+        along: (none, one),
         f"tilt of the {at.mount.fixed}": CATALOGUE["tilt"].columns(at),
         "sag": CATALOGUE["sag_cosine"].columns(at),
     }
@@ -69,6 +76,8 @@ def _of_sessions(recordings: Recordings, data: Stack, antenna: str) -> list[Depa
         return []
     inside = night[data.row][:, None] == np.arange(len(labels))
     terms = terms_of_sessions(recordings.at)
+    if len(data) < FEWEST * len(labels):
+        terms = {one: terms[one] for one in zeros(recordings.at)}
     return [_departures(one, of, antenna, labels, inside, data, terms) for one in terms]
 
 

@@ -15,12 +15,11 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import conditions
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
-from pyport.fitting.fit import Fit, fit
+from pyport.fitting.fit import Fit, fit, in_sessions
 from pyport.models.model import Model, Term
 from pyport.noise.estimation.departing import terms_of_sessions, terms_of_sources
 from pyport.noise.scatter import recorded
 from pyport.recordings.schema import Recordings
-from pyport.recordings.sky import with_nights
 from pyport.watch.detection import changes
 from pyport.watch.detection.changes import Change
 
@@ -134,10 +133,10 @@ def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
 
     Raises `BadInput`: there are too few of them, or the model lacks something.
     """
-    history = with_nights(history)
+    terms = tuple(model.fitted())
+    history = in_sessions(history, terms)
     if antenna is not None:
         history = history.take(history.label("antenna").astype(str) == antenna)
-    terms = tuple(model.fitted())
     needed = max(FEWEST, FEWEST_PER_COEFFICIENT * sum(len(t.effect.coefficients) for t in terms))
     if len(history) < needed:
         whose = f" of antenna {antenna}" if antenna else ""

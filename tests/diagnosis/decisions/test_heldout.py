@@ -311,17 +311,6 @@ def test_a_finding_without_a_size_is_dropped(monkeypatch, sigmas, dropped):
     assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas) == dropped
 
 
-def test_an_oscillation_without_a_period_is_dropped(monkeypatch):
-    """Whatever predicts better with it."""
-    rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
-    monkeypatch.setattr(settling, "OSCILLATION", "skew")
-    monkeypatch.setattr(settling, "is_line", lambda *_: True)
-    kept = settled(monkeypatch, rms, (30.0, 20.0))
-    monkeypatch.setattr(settling, "is_line", lambda *_: False)
-
-    assert (kept, settled(monkeypatch, rms, (30.0, 20.0))) == (None, "skew")
-
-
 @pytest.mark.parametrize(
     ("values", "covariance", "excess", "sigmas"),
     [

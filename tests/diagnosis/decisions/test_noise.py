@@ -548,6 +548,16 @@ def test_three_sessions_may_depart(nights, there):
     assert any(one.of == "session" for one in found) == there
 
 
+@pytest.mark.parametrize(("rows", "several"), [(80, True), (79, False), (30, False)])
+def test_short_sessions_depart_in_their_zeros_alone(rows, several):
+    """Of fewer than eight readings on average."""
+    given = recordings(rows, session=np.array([f"n{k}" for k in np.arange(rows) * 10 // rows]))
+    found = departing.possible(given, stack(given))
+
+    assert any(one.term.startswith("zero in ") for one in found)
+    assert any(not one.term.startswith("zero in ") for one in found) == several
+
+
 @pytest.mark.parametrize(
     ("rows", "count"),
     [(149, 0), (151, 8), (160, 8), (400, 20)],

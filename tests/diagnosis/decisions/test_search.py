@@ -10,6 +10,7 @@ from effects.sky import campaign, replaced
 from scipy.stats import chi2
 
 from pyport.diagnosis import case, diagnose
+from pyport.diagnosis.candidates import Blocks
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import remarks
 from pyport.diagnosis.searching import (
@@ -1005,6 +1006,19 @@ def test_scopes_are_those_that_physics_allows(effect, scopes):
     found = winner._scopes(candidate(effect), SimpleNamespace(scopes=lambda: every))
 
     assert found == scopes
+
+
+@pytest.mark.parametrize(("readings", "scopes"), [(240, 2), (239, 1), (12, 1)])
+def test_four_readings_are_left_for_each_coefficient_of_an_antenna(readings, scopes):
+    """Two of thirty antennas; of all together it is tried whatever there is."""
+    blocks = Blocks(np.array([f"A{n:02d}" for n in range(30)]), np.full(30, ""))
+    one = replace(candidate("tilt"), columns=np.arange(2))
+    setup = SimpleNamespace(
+        candidates=(one,), shapes=(), blocks=blocks, residual=np.zeros(readings)
+    )
+    asked = winner.trials_of(setup, SimpleNamespace(trials=list))
+
+    assert [scope for _, scope in asked] == ["all", "antenna"][:scopes]
 
 
 def test_sessions_may_differ_only_in_an_array():
