@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotri
 
 from pyport.angles import Array, Codes
@@ -75,43 +75,55 @@ class _Projected:
         """
         active = np.flatnonzero(variances[self.kind])
         idle = np.flatnonzero(variances[self.kind] == 0)
-        root = np.sqrt(variances[self.kind[active]])
-        inverse = _inverse(triangle)
-        taken = root * (inverse @ (root * self.moments[active]))
-        across = self.products[np.ix_(active, idle)]
-        weighed = inverse @ (root[:, None] * across)
-        own = (np.eye(len(active)) - inverse) / root / root[:, None]
-        between = weighed / root[:, None]
-        others = self.products[np.ix_(idle, idle)] - weighed.T @ (root[:, None] * across)
+        kinds = self.kind[active], self.kind[idle]
+        root, count = np.sqrt(variances[kinds[0]]), len(variances)
+        across = root[:, None] * self.products[np.ix_(active, idle)]
+        weighed = _solved_twice(triangle, across)
+        others = self.products[np.ix_(idle, idle)] - weighed.T @ across
+        taken = _solved_twice(triangle, root * self.moments[active])
+        spared, squares = _inverse_squares(triangle)
         seen, power = np.empty(len(self.kind)), np.empty(len(self.kind))
-        seen[active], seen[idle] = taken / root**2, self.moments[idle] - across.T @ taken
-        power[active], power[idle] = np.diag(own), np.diag(others)
-        left = self.misfit - float(self.moments[active] @ taken)
+        seen[active], seen[idle] = taken / root, self.moments[idle] - across.T @ taken
+        power[active], power[idle] = spared / root**2, np.diag(others)
+        left = self.misfit - float(root * self.moments[active] @ taken)
         scale = max(left, EXACT) / self.dof
-        count = len(variances)
         gradient = np.asarray(np.bincount(self.kind, power - seen**2 / scale, count), float)
-        curvature = _by_kind(own, self.kind[active], self.kind[active], count)
-        crossed = _by_kind(between, self.kind[active], self.kind[idle], count)
-        curvature += crossed + crossed.T + _by_kind(others, self.kind[idle], self.kind[idle], count)
-        return gradient, curvature
+        # Half of it on and above the diagonal, whose squares come twice.
+        half = _by_kind(squares, kinds[0], kinds[0], count)
+        half += _by_kind(weighed**2, *kinds, count)
+        curvature = half + half.T - np.diag(np.bincount(kinds[0], spared**2, count))
+        unit = np.where(variances > 0, variances, 1.0)
+        curvature = curvature / unit / unit[:, None]
+        return gradient, curvature + _by_kind(others**2, kinds[1], kinds[1], count)
 
 
 def _by_kind(values: Array, one: Codes, other: Codes, count: int) -> Array:
-    """Return the sums of squares of values (a, b) over the kinds of rows (a,) and columns (b,)."""
+    """Return the sums of values (a, b) over the kinds of rows (a,) and columns (b,)."""
     kinds = np.arange(count)
     of_rows, of_columns = ((kind[:, None] == kinds).astype(float) for kind in (one, other))
-    return np.asarray(of_rows.T @ (values**2 @ of_columns))
+    return np.asarray(of_rows.T @ (values @ of_columns))
 
 
-def _inverse(triangle: Array) -> Array:
-    """Return the inverse of L L' from its lower triangle L."""
+def _inverse_squares(triangle: Array) -> tuple[Array, Array]:
+    """Return what the inverse of L L' has less than one on its diagonal, and squares (q, q).
+
+    Of one less that inverse, on and above the diagonal; below it are zeros. L is the lower
+    triangle.
+    """
     if not len(triangle):
-        return triangle
-    # The upper half of the inverse, and below it the triangle's zeros.
+        return np.zeros(0), triangle
     upper = dpotri(triangle.T)[0]
-    inverse = np.asarray(upper + upper.T)
-    np.fill_diagonal(inverse, np.diag(upper))
-    return inverse
+    spared = 1 - np.diag(upper)
+    squares = np.square(upper, out=upper)
+    np.fill_diagonal(squares, spared**2)
+    return spared, squares
+
+
+def _solved_twice(triangle: Array, right: Array) -> Array:
+    """Return the inverse of L L' times columns (q, k) or one (q,)."""
+    if not right.size:
+        return right
+    return np.asarray(cho_solve((triangle, True), right, check_finite=False))
 
 
 def _solved(triangle: Array, right: Array) -> Array:
@@ -128,7 +140,7 @@ def estimate(
     Parameters
     ----------
     covariance
-        Of the readings, without any departures.
+        Of the readings; where it was asked for departures, the search starts from those it has.
     value, design
         The data (m,) and the columns that are always fitted, (m, p).
     possible
@@ -140,7 +152,11 @@ def estimate(
     projected = _project(covariance, value, design, possible)
     if projected.misfit < EXACT * projected.dof:
         return ()
-    variances = _fitted(projected, len(some))
+    variances = _smallest(projected, len(some))
+    if covariance.possible is not None:
+        was = {one.whose: one.sigma**2 for one in covariance.departures}
+        variances = np.array([was.get(one.whose, 0.0) for one in some])
+    variances = _fitted(projected, variances)
     variances = _without_idle(projected, variances)
     dof = _known(projected, variances)
     return tuple(
@@ -188,14 +204,20 @@ def _project(covariance: Covariance, value: Array, design: Array, possible: Poss
     )
 
 
-def _fitted(projected: _Projected, count: int) -> Array:
-    """Return the variances of the greatest restricted likelihood, none below zero.
-
-    Fisher scoring from small variances; what would go below zero stays there.
-    """
+def _smallest(projected: _Projected, count: int) -> Array:
+    """Return variances (count,) that could just be seen."""
     power = np.bincount(projected.kind, np.diag(projected.products), count)
     many = np.bincount(projected.kind, minlength=count)
-    variances = np.where(power > 0, many / np.maximum(power, 1e-300), 0.0)
+    return np.where(power > 0, many / np.maximum(power, 1e-300), 0.0)
+
+
+def _fitted(projected: _Projected, variances: Array) -> Array:
+    """Return the variances of the greatest restricted likelihood, none below zero.
+
+    Fisher scoring from some variances; what would go below zero stays there.
+    """
+    count = len(variances)
+    power = np.bincount(projected.kind, np.diag(projected.products), count)
     while (triangle := projected.triangle(variances)) is None:
         variances = variances / 4
     lack = projected.lack(variances, triangle)
