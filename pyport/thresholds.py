@@ -64,6 +64,11 @@ IDENTICAL = 0.99
 #: Shapes are known to first order only. Smaller: true refraction is refused for its size. Larger:
 #: a sag passes for it.
 KNOWN_SHARE = 0.1
+#: [share of the length] What a candidate must keep of itself beside the model to be tested.
+#: Directions, and the Sun's place, are good to a few parts in ten thousand. Smaller: what they err
+#: by passes for a huge effect that the model hides. Larger: effects are not looked for of which
+#: the sky shows little.
+VISIBLE = 1e-3
 #: [factor] To which other causes may bend a known size while the search goes on. They act alike
 #: over part of the sky. Smaller: the one of known size is not found first. Larger: any size
 #: leads.

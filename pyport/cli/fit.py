@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, about_file, flag, models, option, say
+from pyport.cli.manners import PATH, about_file, beside_model, flag, option, say
 from pyport.cli.manners import recordings as named
 
 if TYPE_CHECKING:
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     Drawn: TypeAlias = Callable[[], tuple[Picture, Story]]
 
 
-@click.command("fit", epilog="Example: pyport fit offsets.csv --model altaz --out fit")
+@click.command("fit", epilog="Example: pyport fit offsets.csv --out fit")
 @click.argument("recordings", shell_complete=named)
-@option("--model", "A built-in model or a file.", required=True, shell_complete=models)
+@beside_model
 @option("--method", "For rt32-exact and rt32-approximate: document, soft-l1, huber or student-t.")
 @option(
     "--box-step",

@@ -164,7 +164,7 @@ def _completed(names: list[str], typed: str) -> list[CompletionItem]:
 
 #: How many cases a command works at.
 many_jobs = option("--jobs", "Cases at the same time.", 1)
-#: The model beside which recordings are looked at.
+#: The model that is fitted to recordings, or beside which they are looked at.
 beside_model = option("--model", "A built-in model or a file.", "altaz", shell_complete=models)
 #: How rare the watch's false alarms are to be, where it is examined.
 as_promised = option(

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import orth
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.naming.finding import Interval
@@ -23,7 +24,7 @@ from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
 from pyport.recordings.schema import Recordings, Stack
-from pyport.thresholds import FEWEST
+from pyport.thresholds import FEWEST, VISIBLE
 
 
 @dataclass(frozen=True)
@@ -106,11 +107,15 @@ class Untestable:
 
 
 def design(
-    recordings: Recordings, stack: Stack, catalogue: dict[str, Effect] | None = None
+    recordings: Recordings,
+    stack: Stack,
+    catalogue: dict[str, Effect] | None = None,
+    beside: Array | None = None,
 ) -> tuple[Array, list[Candidate], list[Untestable]]:
     """Return the columns of all candidates, what they are, and what cannot be tested.
 
-    Columns are in internal units, one for a coefficient of one.
+    Columns are in internal units, one for a coefficient of one. What the fitted terms, columns
+    `beside` (m, p), can draw all of is no candidate.
 
     Returns
     -------
@@ -126,6 +131,7 @@ def design(
     untestable: list[Untestable] = []
     start = 0
     recorded = conditions(recordings)
+    drawn = orth(np.zeros((len(stack), 1)) if beside is None else beside)
     for effect in (catalogue or effects_of(recordings.at.mount)).values():
         if not effect.physical:
             continue
@@ -140,7 +146,11 @@ def design(
             if len(kept) == 0:
                 untestable.append(Untestable(effect.id, "it moves nothing that was measured here"))
                 continue
-            blocks.append(basis[:, kept])
+            own = basis[:, kept]
+            if np.linalg.norm(own - drawn @ (drawn.T @ own)) <= VISIBLE * np.linalg.norm(own):
+                untestable.append(Untestable(effect.id, "the fitted terms draw all of it here"))
+                continue
+            blocks.append(own)
             places = np.arange(start, start + len(kept))
             which = tuple(int(one) for one in kept)
             candidates.append(Candidate(variant, places, which, len(variants)))

@@ -82,19 +82,10 @@ def disagreements(
     chosen
         What the search added to the model; fields without a name are passed over.
     """
-    is_y = setup.stack.is_y
     named = tuple(one for one in chosen if one.candidate.effect.physical)
     choices = (*setup.base, *named)
-    both = [
-        one
-        for one in choices
-        for columns in [setup.picked(one.candidate.columns)]
-        if np.any(columns[is_y] != 0) and np.any(columns[~is_y] != 0)
-    ]
-    if not both:
-        return ()
     ground = _Ground(setup, weighed if len(named) == len(chosen) else weigh(setup, named), choices)
-    compared = [(one, ground.compare(one)) for one in both]
+    compared = [(one, ground.compare(one)) for one in choices]
     testable = [(one, found) for one, found in compared if found is not None]
     return tuple(
         ground.located(one, found)
@@ -108,7 +99,7 @@ class _Ground:
 
     def __init__(self, setup: Problem, weighed: WhitenedData, choices: tuple[Chosen, ...]):
         self.setup, self.weighed, self.choices = setup, weighed, choices
-        self.is_y = np.resize(setup.stack.is_y, len(weighed.white))[:, None]
+        self.is_y = setup.stack.is_y
         self.data = self.weighed.white[:, -1]
         self.dof = float(self.weighed.evidence.dof.sum())
 
@@ -119,9 +110,14 @@ class _Ground:
 
     def compare(self, one: Chosen, others: Array | None = None) -> Difference | None:
         """Return what both axes say of an effect over all recordings."""
-        own = self.setup.expanded([one], of=self.weighed.white)
         rest = self.others(one) if others is None else others
-        return difference(rest, own * ~self.is_y, own * self.is_y, self.data, self.dof)
+        across, along = self._acting(one, ~self.is_y, self.is_y)
+        return difference(rest, across, along, self.data, self.dof)
+
+    def _acting(self, one: Chosen, *where: Mask) -> list[Array]:
+        """Return an effect as it acts on each of some parts of the readings, of unit scatter."""
+        own = self.setup.expanded([one])
+        return [self.weighed.covariance.whiten(own * part[:, None]) for part in where]
 
     def located(self, one: Chosen, found: Difference) -> Disagreement:
         """Return a disagreement with where it is and what would take it away."""
@@ -136,18 +132,15 @@ class _Ground:
 
     def _split(self, one: Chosen, names: tuple[str, str], first: Mask) -> Split:
         """Compare both axes in each half, and both halves in each axis."""
-        own, y = self.setup.expanded([one]), self.setup.stack.is_y
-        quarters = [
-            [self.weighed.covariance.whiten(own * (half & axis)[:, None]) for axis in (~y, y)]
-            for half in (first, ~first)
-        ]
+        y = self.is_y
+        quarters = self._acting(one, first & ~y, first & y, ~first & ~y, ~first & y)
         others = self.others(one)
 
         def compared(a: Array, b: Array, *rest: Array) -> Difference | None:
             beside = np.concatenate([others, *rest], axis=1)
             return difference(beside, a, b, self.data, self.dof)
 
-        (xx, xy), (yx, yy) = quarters
+        xx, xy, yx, yy = quarters
         halves = (
             Half(names[0], compared(xx, xy, yx, yy)),
             Half(names[1], compared(yx, yy, xx, xy)),

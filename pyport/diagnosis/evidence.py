@@ -10,10 +10,11 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.diagnosis.trial import VISIBLE, CandidateFit, each_at_best
+from pyport.diagnosis.trial import CandidateFit, each_at_best
 from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
 from pyport.runs.stages import stage
+from pyport.thresholds import VISIBLE
 
 #: Candidates of so many products are tried at a time: they stay in the processor's cache.
 TOGETHER = 1 << 16
@@ -158,7 +159,7 @@ class Projection:
     def _project(self, scope: str) -> _Left:
         evidence, kept = self.evidence, self.columns
         groups = evidence.blocks.groups(scope)
-        count, size = int(groups.max()) + 1, len(kept)
+        count, size = evidence.blocks.count(scope), len(kept)
         whole = size == evidence.gram.matrices.shape[1] - 1
         own: list[Array] = []
         seen = np.zeros((count, size))

@@ -41,14 +41,15 @@ def prepare(
     data = stack(recordings)
     residual = data.value - data.spread(*model.offsets(recordings.at))
     base_columns, base = _base(recordings, data, terms)
-    found, candidates, untestable = listing.design(recordings, data)
+    found, candidates, untestable = listing.design(recordings, data, beside=base_columns)
+    fitted = {term.effect.id for term in terms}
     given = frame(recordings, data)
     departing = any(one.of == "session" for one in given.departures)
     if departing:
         candidates = listing.but_of_every_session(candidates)
     generic, others = listing.shapes_of(recordings, data)
     first = base_columns.shape[1]
-    own = any("session" in term.per for term in terms)
+    own = any(term.of_session for term in terms)
     block_of_row, names = group(recordings, ("antenna", "session"))
     # Among sessions that depart at random what each has of its own is no effect but their scatter,
     # and sessions of a few readings have nothing to themselves.
@@ -61,7 +62,7 @@ def prepare(
         base=tuple(base),
         candidates=_shifted(candidates, first),
         shapes=_shifted(others, first + found.shape[1]),
-        untestable=tuple(untestable),
+        untestable=tuple(one for one in untestable if one.effect not in fitted),
         data=np.concatenate([base_columns, found, generic, residual[:, None]], axis=1),
         blocks=Blocks(
             np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])

@@ -8,11 +8,10 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
+from pyport.thresholds import VISIBLE
 
 #: Prior variances that are tried, over the variance with which the best direction is known.
 _STRENGTHS = np.geomspace(0.1, 1e9, 51)
-#: A candidate must keep this share of its length when the model is projected out.
-VISIBLE = 1e-5
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ CATALOGUE: dict[str, Effect]
 def _families() -> tuple[ModuleType, ...]:
     """Import the families, in their order."""
     from pyport.effects import mounts
-    from pyport.effects.empirical import driven, epochs, oscillations
+    from pyport.effects.empirical import drifts, driven, epochs, oscillations
     from pyport.effects.sky import astrometry, atmosphere, site
     from pyport.effects.telescope import (
         drive,
@@ -29,12 +29,13 @@ def _families() -> tuple[ModuleType, ...]:
         rotation,
         structure,
         thermal,
+        track,
     )
 
-    mount = geometry, encoders, mounts
+    mount = geometry, encoders, track, mounts
     sky = site, astrometry, atmosphere
     telescope = drive, thermal, receiver, rotation, structure
-    return *mount, *sky, *telescope, epochs, oscillations, driven
+    return *mount, *sky, *telescope, epochs, drifts, oscillations, driven
 
 
 def __getattr__(name: str) -> object:

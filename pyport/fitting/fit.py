@@ -133,7 +133,7 @@ def in_sessions(recordings: Recordings, terms: Collection[Term]) -> Recordings:
 
     Labels of hardly a row each are none, unless a term has coefficients for each of them.
     """
-    own = any("session" in term.per for term in terms)
+    own = any(term.of_session for term in terms)
     return (with_nights if own else with_sessions)(recordings)
 
 

@@ -45,6 +45,11 @@ class Term:
         return self.by.get(labels, nothing)
 
     @property
+    def of_session(self) -> bool:
+        """Tell whether every session has coefficients of its own."""
+        return "session" in self.per
+
+    @property
     def has_values(self) -> bool:
         """Tell whether the term gives anything before it is fitted."""
         return self.values is not None or bool(self.by)

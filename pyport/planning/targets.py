@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import DEG, Array, separation, wrap
 from pyport.effects.base import Circumstances, Site
-from pyport.effects.sky.site import sun
+from pyport.effects.sky.frame import sun
 from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.planning.look import busiest, thinned

@@ -73,7 +73,7 @@ def _angle(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
 
 def _sun(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
     """Return the Sun's azimuth or elevation at the rows' times, None where they are unknown."""
-    from pyport.effects.sky.site import sun
+    from pyport.effects.sky.frame import sun
 
     try:
         azimuth, elevation = sun(recordings.at)

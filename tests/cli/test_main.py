@@ -98,7 +98,7 @@ def test_a_bad_file_is_one_line_that_names_file_and_line(called, tmp_path, conte
         ("diagnose", "nowhere.csv", "--out", "out"),
         ("diagnose", "gmrt-2003-06-01", "--model", "nonsense", "--out", "out"),
         ("diagnose", "gmrt-2003-06-01", "--refit", "nonsense", "--out", "out"),
-        ("fit", "gmrt-2003-06-01"),
+        ("fit", "gmrt-2003-06-01", "--model", "nonsense"),
         ("diagnose", "gmrt-2003-06-01", "--out", "out", "--jobs", "0"),
         ("diagnose", "gmrt-2003-06-01", "--out", "out", "--seed", "-1"),
         ("dev", "nulls", "--jobs", "-3"),

@@ -69,3 +69,25 @@ def test_one_axis_alone_is_compared_with_nothing():
     found = diagnose(replace(data, x=np.full(len(data), np.nan)), load("altaz"))
 
     assert found.two_axes == ()
+
+
+def test_a_coefficient_of_one_axis_is_compared_with_nothing(monkeypatch):
+    """Readings whose axes are correlated show a step in one axis in no other."""
+    from pyport.diagnosis import disagreements
+    from pyport.diagnosis.case import Chosen
+    from pyport.diagnosis.preparing import prepare
+    from pyport.diagnosis.weighing import weigh
+
+    monkeypatch.setattr(disagreements, "UNLIKELY", 1e9)
+    both = 5 * np.random.default_rng(1).normal(size=200)
+    moved = both + 40 * (np.arange(200) >= 100)
+    time, night = 1.2e9 + 300.0 * np.arange(200), np.full(200, "night")
+    data = recordings(200, 1, 1.5, lambda _: moved, lambda _: both, time=time, session=night)
+    setup = prepare(data, load("altaz"))
+    step = next(one for one in setup.candidates if one.effect.id == "epoch_offset")
+    chosen = (Chosen(step, "all"),)
+    weighed = weigh(setup, chosen)
+
+    assert weighed.covariance.coupling[""] > 0.5
+    told = disagreements.disagreements(setup, weighed, chosen)
+    assert [one.chosen.candidate.effect.id for one in told] == ["tilt"]

@@ -13,7 +13,8 @@ from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.diagnosis.naming.words import sentence
 from pyport.effects import CATALOGUE
 from pyport.effects.mounts import MOUNTS, declared, meaning, times
-from pyport.effects.telescope.encoders import azimuth_harmonics, azimuth_track
+from pyport.effects.telescope.encoders import azimuth_harmonics
+from pyport.effects.telescope.track import azimuth_track
 from pyport.errors import BadInput
 from pyport.recordings import read
 

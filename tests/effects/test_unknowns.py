@@ -5,7 +5,7 @@ import pytest
 from effects.sky import campaign, replaced, without
 
 from pyport.effects import CATALOGUE, MissingColumn
-from pyport.effects.sky.site import ut1_minus_utc
+from pyport.effects.sky.frame import ut1_minus_utc
 
 AT = campaign()
 NEEDING = [

@@ -8,7 +8,7 @@ import pytest
 
 import pyport.examiner
 from pyport.effects import CATALOGUE
-from pyport.effects.sky.site import hour_angle
+from pyport.effects.sky.frame import hour_angle
 from pyport.examiner import program, scores
 from pyport.examiner.nulls import causes, noises, nulls, nulls_table, schedule
 from pyport.recordings.from_table import from_table

@@ -19,8 +19,8 @@ from pyport.correction.use import PointingModel
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.effects.empirical.epochs import epoch_step
 from pyport.effects.empirical.fields import field
-from pyport.effects.telescope.encoders import azimuth_track
 from pyport.effects.telescope.structure import FreeEdge, curved_jump, jump_above
+from pyport.effects.telescope.track import azimuth_track
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Model, Term

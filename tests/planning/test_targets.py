@@ -10,7 +10,7 @@ from drawn_nights import world, write
 from pyport.angles import ARCSEC
 from pyport.cli import pyport as program
 from pyport.effects.base import Circumstances, Site
-from pyport.effects.sky.site import sun
+from pyport.effects.sky.frame import sun
 from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.planning.target_lists import FORMATS, read_catalogue

@@ -21,12 +21,12 @@ from pyport.diagnosis.naming.guards import Refusal, refusal
 from pyport.diagnosis.naming.scene import Scene
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.turns import TIE, Step, decide_by, fits_physics
-from pyport.diagnosis.trial import VISIBLE, CandidateFit, at_best
+from pyport.diagnosis.trial import CandidateFit, at_best
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
+from pyport.thresholds import CONVINCING, ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH, VISIBLE
 
 DRAWS = 40
 #: So many of the nearest names compete with it.

@@ -16,10 +16,10 @@ from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import levels_of
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.wave_fits import likeliest_direction, likeliest_period
-from pyport.diagnosis.trial import VISIBLE, at_best
+from pyport.diagnosis.trial import at_best
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
-from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED
+from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED, VISIBLE
 
 #: Order of the curve by which the amplitude of a drive's wave may change along its angle: a third
 #: of a turn with the wave and two thirds without show in it.

@@ -67,11 +67,11 @@ def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> 
     if one is None:
         return []
     wider, price = oscillations.widened(setup, one), one.candidate.price
-    effect = one.candidate.effect
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:
         return []
-    if not is_line(wider, noise(wider, (*chosen, one), searching=False), chosen, effect):
+    beside_it = noise(wider, (*chosen, one), searching=False)
+    if not is_line(wider, beside_it, chosen, one.candidate.effect):
         return []
     beside = projection(wider, weigh(wider, chosen), chosen)
     trials = beside.trials([(one.candidate, one.scope)])

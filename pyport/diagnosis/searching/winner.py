@@ -28,20 +28,16 @@ from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_S
 
 
 def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
-    """Try every effect and shape in every scope that makes sense for it."""
+    """Try every effect and shape in every scope that has enough readings for it."""
+    most = len(setup.residual) // PER_SHAPE
     return beside.trials(
         [
             (candidate, scope)
             for candidate in (*setup.candidates, *setup.shapes)
             for scope in _scopes(candidate, setup.blocks)
-            if scope == "all" or _is_told(setup, len(candidate.columns) * setup.blocks.count(scope))
+            if scope == "all" or len(candidate.columns) * setup.blocks.count(scope) <= most
         ]
     )
-
-
-def _is_told(setup: Problem, coefficients: int) -> bool:
-    """Tell whether the readings leave enough beside the coefficients of all groups of a scope."""
-    return PER_SHAPE * coefficients <= len(setup.residual)
 
 
 def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:

@@ -1,4 +1,4 @@
-"""Time: what was moved, what differs between sessions, what changes slowly."""
+"""Epochs: what was moved or reset, what differs between sessions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from pyport.effects.base import (
     AXES,
     SKY,
     STEP,
-    THE_HOUR,
     Circumstances,
     Coefficient,
     Effect,
@@ -25,10 +24,8 @@ from pyport.effects.sky.site import clock as hour_angle_turned
 from pyport.effects.telescope.geometry import sag_cosine, tilt
 from pyport.thresholds import SEVERAL
 
-_OWN = "the constants of a pointing model hold for one state of the telescope"
+OWN = "the constants of a pointing model hold for one state of the telescope"
 
-#: Orders of the slow polynomial in time that are tried.
-DRIFT_ORDERS = (1, 2, 3)
 #: So many moments are tried for a step: half in the longest gaps, half spread over the rows.
 MOST_STEPS = 20
 
@@ -202,50 +199,10 @@ def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     return _members(effect, at, _starts(at))
 
 
-def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
-    """Return a polynomial in time over a span, by default that of the recordings themselves."""
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        time = at.numbers("time")
-        first, last = _span(time) if span_s is None else span_s
-        phase = (time - (first + last) / 2) / max((last - first) / 2, 1.0)
-        powers = np.polynomial.legendre.legvander(phase, order)[:, 1:].T
-        return stack(at, *[(one, 0) for one in powers], *[(0, one) for one in powers])
-
-    numbers = range(1, order + 1)
-    return Effect(
-        "drift",
-        "something creeps, warms or settles",
-        _OWN,
-        tuple(Coefficient(f"drift_{axis}_{n}") for axis in ("xel", "el") for n in numbers),
-        basis,
-        variant=f"order {order}",
-        profile=_drifts,
-        acts_in=AXES,
-        pattern="slowly, with time",
-        needs=("time_utc",),
-        formula=("a polynomial in time", "another polynomial in time"),
-        parameter=order,
-        driver=THE_HOUR,
-        changes_with="time",
-        member={"order": order} | ({} if span_s is None else {"span_s": list(span_s)}),
-        make=_drift,
-    )
-
-
-def _drifts(at: Circumstances) -> tuple[Effect, ...]:
-    span_s = _span(at.numbers("time"))
-    return tuple(_drift(order, span_s) for order in DRIFT_ORDERS)
-
-
-def _span(time: Array) -> tuple[float, float]:
-    return float(np.nanmin(time)), float(np.nanmax(time))
-
-
 _OFFSET: Effect = Effect(
     "epoch_offset",
     "something was moved or reset",
-    _OWN,
+    OWN,
     (Coefficient("offset_xel"), Coefficient("offset_el")),
     lambda at: _epoch_offsets(at)[0].basis(at),
     variant="constant per session",
@@ -261,7 +218,7 @@ _OFFSET: Effect = Effect(
 _TILT: Effect = Effect(
     "epoch_tilt",
     "the azimuth axis leans otherwise in one session than in another",
-    _OWN,
+    OWN,
     (Coefficient("tilt_north"), Coefficient("tilt_east")),
     lambda at: _by_session(_TILT, at).basis(at),
     variant="constant per session",
@@ -277,7 +234,7 @@ _TILT: Effect = Effect(
 _SAG: Effect = Effect(
     "epoch_sag",
     "the structure sags otherwise in one session than in another",
-    _OWN,
+    OWN,
     (Coefficient("sag_cosine"),),
     lambda at: _by_session(_SAG, at).basis(at),
     variant="constant per session",
@@ -294,7 +251,7 @@ _CLOCK: Effect = Effect(
     "epoch_clock",
     "the clock, or the times that were written down, are off otherwise in one session than in "
     "another",
-    _OWN,
+    OWN,
     (Coefficient("clock_error", "s", 15 * ARCSEC),),
     lambda at: _by_session(_CLOCK, at).basis(at),
     common="array",
@@ -318,4 +275,4 @@ _SHAPES = {
     "epoch_clock": hour_angle_turned,
 }
 
-EFFECTS = (_OFFSET, _TILT, _SAG, _CLOCK, _drift(1))
+EFFECTS = (_OFFSET, _TILT, _SAG, _CLOCK)

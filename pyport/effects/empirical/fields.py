@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array, cosine_between, separation
 from pyport.effects.base import Circumstances, Coefficient, Effect
-from pyport.effects.sky.site import sun_seen
+from pyport.effects.sky.frame import sun_seen
 
 #: The id of what no effect of the catalogue explains.
 UNKNOWN = "unknown"

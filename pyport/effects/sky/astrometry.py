@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects.base import SKY, Basis, Circumstances, Coefficient, Effect, MissingColumn, stack
-from pyport.effects.sky.site import (
+from pyport.effects.sky.frame import (
     TT_MINUS_UTC_DAYS,
     UNIX_EPOCH_JD,
     days,

@@ -6,7 +6,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.effects.base import AXES, HELD, LASTING, Circumstances, Coefficient, Effect, stack
-from pyport.effects.sky.site import SIDEREAL, hour_angle_shift
+from pyport.effects.sky.frame import SIDEREAL, hour_angle_shift
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
 #: What the rate of a scan along azimuth may be the rate of.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, RADIANS_PER, Array
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
 from pyport.effects.circumstances import mostly_known
-from pyport.effects.sky.site import hour_angle_shift
+from pyport.effects.sky.frame import hour_angle_shift
 
 _TPOINT = "Wallace, TPOINT Telescope Pointing Analysis System, terms NRX and NRY"
 _WALLACE = "Wallace 2002, Proc. SPIE 4848, 125: a rotator whose axis is not where the beam is"

@@ -18,7 +18,7 @@ from pyport.effects.base import (
     stack,
 )
 from pyport.effects.circumstances import NIGHT_GAP_S
-from pyport.effects.sky.site import sun
+from pyport.effects.sky.frame import sun
 from pyport.effects.telescope.geometry import tilt
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"

@@ -7,6 +7,7 @@ Casella & McCulloch 1992, Variance Components, ch. 6).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
@@ -37,6 +38,11 @@ class _Projected:
     kind: Codes
     misfit: float
     dof: int
+
+    @cached_property
+    def power(self) -> Array:
+        """Return the squared length of the columns of each kind, shape (kinds,)."""
+        return np.asarray(np.bincount(self.kind, np.diag(self.products)), float)
 
     def lack(self, variances: Array, triangle: Array | None) -> float:
         """Return minus twice the restricted log-likelihood, the scale profiled out."""
@@ -152,8 +158,9 @@ def estimate(
     projected = _project(covariance, value, design, possible)
     if projected.misfit < EXACT * projected.dof:
         return ()
-    variances = _smallest(projected, len(some))
-    if covariance.possible is not None:
+    if covariance.possible is None:
+        variances = _smallest(projected)
+    else:
         was = {one.whose: one.sigma**2 for one in covariance.departures}
         variances = np.array([was.get(one.whose, 0.0) for one in some])
     variances = _fitted(projected, variances)
@@ -204,11 +211,10 @@ def _project(covariance: Covariance, value: Array, design: Array, possible: Poss
     )
 
 
-def _smallest(projected: _Projected, count: int) -> Array:
-    """Return variances (count,) that could just be seen."""
-    power = np.bincount(projected.kind, np.diag(projected.products), count)
-    many = np.bincount(projected.kind, minlength=count)
-    return np.where(power > 0, many / np.maximum(power, 1e-300), 0.0)
+def _smallest(projected: _Projected) -> Array:
+    """Return variances (kinds,) that could just be seen."""
+    power = projected.power
+    return np.where(power > 0, np.bincount(projected.kind) / np.maximum(power, 1e-300), 0.0)
 
 
 def _fitted(projected: _Projected, variances: Array) -> Array:
@@ -216,8 +222,7 @@ def _fitted(projected: _Projected, variances: Array) -> Array:
 
     Fisher scoring from some variances; what would go below zero stays there.
     """
-    count = len(variances)
-    power = np.bincount(projected.kind, np.diag(projected.products), count)
+    count, power = len(variances), projected.power
     while (triangle := projected.triangle(variances)) is None:
         variances = variances / 4
     lack = projected.lack(variances, triangle)

@@ -16,7 +16,7 @@ import numpy as np
 from pyport.angles import ARCSEC, Array
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
 from pyport.effects.sky.astrometry import NUTATIONS
-from pyport.effects.sky.site import hour_angle_shift, ut1_minus_utc
+from pyport.effects.sky.frame import hour_angle_shift, ut1_minus_utc
 from pyport.errors import BadInput
 from pyport.recordings.schema import Recordings
 

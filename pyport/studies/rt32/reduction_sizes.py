@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.effects import Circumstances, Site
-from pyport.effects.sky.site import (
+from pyport.effects.sky.frame import (
     TT_MINUS_UTC_DAYS,
     UNIX_EPOCH_JD,
     axes,

@@ -15,7 +15,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import conditions
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
-from pyport.fitting.fit import Fit, fit, in_sessions
+from pyport.fitting.fit import Fit, fit
 from pyport.models.model import Model, Term
 from pyport.noise.estimation.departing import terms_of_sessions, terms_of_sources
 from pyport.noise.scatter import recorded
@@ -131,10 +131,11 @@ def _rows_of(at: Circumstances, one: Nuisance, known: Collection[str]) -> Array:
 def past(history: Recordings, model: Model, antenna: str | None = None) -> Past:
     """Return what past recordings, of one antenna where there are several, say of a model.
 
+    The recordings are `pyport.fitting.fit.in_sessions`.
+
     Raises `BadInput`: there are too few of them, or the model lacks something.
     """
     terms = tuple(model.fitted())
-    history = in_sessions(history, terms)
     if antenna is not None:
         history = history.take(history.label("antenna").astype(str) == antenna)
     needed = max(FEWEST, FEWEST_PER_COEFFICIENT * sum(len(t.effect.coefficients) for t in terms))
@@ -203,7 +204,7 @@ def _terms(fitted: Fit, terms: Sequence[Term]) -> list[Nuisance]:
         values = np.array([one.value for one in own])
         given = np.array([term.given(one.labels) for one in own])
         size = len(term.effect.coefficients)
-        if "session" in term.per and len(values) > 1:
+        if term.of_session and len(values) > 1:
             values = np.nan_to_num(values - given)
             mean, spread = values.mean(axis=0), np.cov(values.T, ddof=1).reshape(size, size)
             found.append(Nuisance(str(n), "session", mean, spread))

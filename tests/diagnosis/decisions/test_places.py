@@ -1,5 +1,6 @@
 """Places: what is too little to hold a step, an edge, a stretch, a bump or a slope."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -424,3 +425,20 @@ def test_levels_and_columns_of_the_sky():
     assert sky.columns == 3
     assert sky.above(np.array([10, 20, 90])).tolist() == [True, True, True]
     assert sky.above(np.array([11, 21, 91])).tolist() == [False, False, False]
+
+
+@pytest.mark.parametrize(("share", "tested"), [(1.2e-3, True), (0.8e-3, False), (0.1, True)])
+def test_what_the_fitted_terms_draw_all_of_is_not_tested(share, tested):
+    """A thousandth of its length must be a candidate's own."""
+    given = recordings(200, 0)
+    own = np.where(np.arange(200) % 2, 1.0, -1.0) * share / np.sqrt(1 - share**2)
+    zero = replace(
+        CATALOGUE["elevation_zero"], basis=lambda _: (np.zeros((200, 1)), np.ones((200, 1)))
+    )
+    nearly = replace(zero, basis=lambda _: (np.zeros((200, 1)), 1 + own[:, None]))
+    data = stack(given)
+    beside = data.columns(zero, given.at)
+    _, found, untestable = candidates.design(given, data, {"nearly": nearly}, beside)
+
+    assert bool(found) == tested
+    assert bool(untestable) != tested
