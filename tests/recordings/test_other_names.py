@@ -154,6 +154,21 @@ def test_the_map_of_a_real_log():
 
 
 @pytest.mark.parametrize(
+    ("header", "offset"),
+    [("# offset_el: observed - true [deg]\n", "d_el_deg"), ("# seeing: 2\n", "d_el_arcsec")],
+)
+def test_a_unit_in_the_header_and_a_moment_are_understood(tmp_path, header, offset):
+    """What the header says of a column is its unit; a date with a time of day is the time."""
+    path = tmp_path / "q.tsv"
+    row = "2025-01-03T00:17:27.951Z\t14.6\t37.8\t0.07\n"
+    path.write_text(f"{header}seen\tazimuth\televation\toffset_el\n{row}{row}")
+
+    assert mapped.propose(sheet(path)) == {
+        "time_utc": "seen", "az_deg": "azimuth", "el_deg": "elevation", offset: "offset_el",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
     ("header", "columns", "said"),
     [
         ("# latitude: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),

@@ -40,6 +40,7 @@ from pyport.toml_text import toml_spelled
 
 _FORMAT = re.compile(r"\([^()]*\)$")
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
+_ISO = re.compile(_DATE.pattern + r"[T ]\d{2}:\d{2}.*")
 _MJD_OF_1970, _JD_OF_1970 = 40587.0, 2440587.5
 
 
@@ -189,15 +190,21 @@ _CALLED: tuple[tuple[str, str], ...] = (
     (r"(time_?)?jd(_?utc)?", f"{TIME}|jd"),
 )
 _UNITS = ("arcsec", "arcmin", "mdeg", "deg", "rad")
+#: A unit as the header tells it of a column: `offset_az: observed - true [deg]`.
+_TOLD = re.compile(rf"[\[(]({'|'.join(_UNITS)})[\])]")
 
 
 def propose(table: Sheet) -> dict[str, str]:
     """Return a map of columns by what their names say; angles without a unit are guessed.
 
-    Directions are taken for degrees, offsets for arcseconds. A label that begins with a date
-    tells the session.
+    The unit is the name's, or the header's of it; else directions are taken for degrees, offsets
+    for arcseconds. A date with a time of day is the time, a label that begins with a date tells
+    the session.
     """
-    found = _by_names(table.names)
+    found = _by_names(table.names, table.meta)
+    if found and not {TIME, DAY} & set(found):
+        moments = zip(table.names, next(iter(table.rows), ()), strict=False)
+        found |= {TIME: name for name, cell in moments if _ISO.fullmatch(cell.strip())}
     if found and not {"session", TIME} & set(found):
         cells = zip(table.names, next(iter(table.rows), ()), strict=False)
         dated = [name for name, cell in cells if _DATE.match(cell)]
@@ -208,12 +215,14 @@ def propose(table: Sheet) -> dict[str, str]:
     return found
 
 
-def _by_names(names: Sequence[str]) -> dict[str, str]:
+def _by_names(names: Sequence[str], told: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name in names:
         bare = _FORMAT.sub("", name).strip()
         unit = next((one for one in _UNITS if bare.lower().endswith(one)), "")
         plain = re.sub(r"[.\s\-]+", "_", bare.lower().removesuffix(unit)).strip("_")
+        if not unit and (there := _TOLD.search(told.get(bare, ""))):
+            unit = there[1]
         for pattern, quantity in _CALLED:
             if re.fullmatch(pattern, plain) is None:
                 continue
