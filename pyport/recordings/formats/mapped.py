@@ -202,12 +202,12 @@ def propose(table: Sheet) -> dict[str, str]:
     the session.
     """
     found = _by_names(table.names, table.meta)
+    cells = dict(zip(table.names, next(iter(table.rows), ()), strict=False))
     if found and not {TIME, DAY} & set(found):
-        moments = zip(table.names, next(iter(table.rows), ()), strict=False)
-        found |= {TIME: name for name, cell in moments if _ISO.fullmatch(cell.strip())}
+        for name in [one for one, cell in cells.items() if _ISO.fullmatch(cell.strip())][:1]:
+            found[TIME] = name
     if found and not {"session", TIME} & set(found):
-        cells = zip(table.names, next(iter(table.rows), ()), strict=False)
-        dated = [name for name, cell in cells if _DATE.match(cell)]
+        dated = [name for name, cell in cells.items() if _DATE.match(cell)]
         for name in (_FORMAT.sub("", one).strip() for one in dated[:1]):
             found["session"] = f"{name}|date"
             if HOUR_OF_DAY in found:
