@@ -19,13 +19,14 @@ from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming.finding import Finding, HeldOut
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import among
-from pyport.diagnosis.searching.search import search
+from pyport.diagnosis.searching.search import resumed, search
 from pyport.diagnosis.searching.settling import Dropped, settled
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
+from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
 from pyport.fitting.misread import Fitted, misread
@@ -146,7 +147,7 @@ def diagnose(
     few = guards.too_few(setup)
     dropped: tuple[Dropped, ...] = ()
     if few is None:
-        outcome, dropped = settled(averaged(search(setup, tell)))
+        outcome, dropped = searched(setup, tell)
     else:
         outcome = _unsearched(setup, few)
     setup, weighed = outcome.setup, outcome.weighed
@@ -195,6 +196,18 @@ def _misread(
         for fit, some in zip(fits, (named, found), strict=True)
     )
     return misread(setup.recordings, setup.model, refit, weighed.used, of_names, of_all)
+
+
+def searched(setup: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:
+    """Return what was found and stands, and what was dropped.
+
+    Names that a field stood in place of get their place back where it is dropped.
+    """
+    outcome, dropped = settled(averaged(search(setup, tell)))
+    if any(one.effect == UNKNOWN for one in dropped):
+        outcome, more = settled(averaged(resumed(outcome, tell)))
+        dropped = tuple(dict.fromkeys((*dropped, *more)))
+    return outcome, dropped
 
 
 def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:

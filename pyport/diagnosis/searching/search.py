@@ -55,6 +55,15 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
         banned |= wrong
 
 
+def resumed(outcome: Outcome, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+    """Go on with names where a search was settled: one that a field replaced gets its place back.
+
+    `outcome`, `tell`: what was settled, and what is called with a line about each turn.
+    """
+    now = replace(outcome, weighed=weigh(outcome.setup, outcome.chosen))
+    return _standing(_walk(now, frozenset(), tell), tell)
+
+
 def _searched(setup: Problem, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
     """Return the end of one search that does without the effects that are banned."""
     outcome = _walk(Outcome(setup, (), (), weigh(setup), 1.0, ()), banned, tell)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import predicts, trials_of
 from pyport.diagnosis.shapes.boxes import Field, boxes
@@ -66,20 +66,20 @@ def _best_in_place(
     if False in of_time:
         worths += map(ground.worth_of, boxes(setup, weighed, chosen))
     strongest = max((step.winner.gain for step in kept), default=0.0)
-    least = max(CONVINCING, IMPERFECTION * strongest)
     if names:
-        least += _together(ground, setup, names)
+        together = ground.gain(setup.expanded([step.chosen for step in names]))
+        least = max(CONVINCING, IMPERFECTION * max(strongest, together))
+        least += _evidence(together, names)
     else:
-        least = max(least, -2 * float(np.log(FAMILY_ERROR)))
+        least = max(CONVINCING, IMPERFECTION * strongest, -2 * float(np.log(FAMILY_ERROR)))
     best = max(worths, key=lambda one: one.evidence, default=None)
     return None if best is None else (best.evidence - least, best)
 
 
-def _together(ground: Ground, setup: Problem, names: Sequence[Step]) -> float:
-    """Return the evidence of several names together; each beyond the first has its price."""
-    columns = setup.expanded([step.chosen for step in names])
+def _evidence(gain: float, names: Sequence[Step]) -> float:
+    """Return the evidence of names of some gain together; each beyond the first has its price."""
     prices = sum(step.winner.gain - step.winner.evidence for step in names)
-    return ground.gain(columns) - prices - NAME_PRICE * (len(names) - 1)
+    return gain - prices - NAME_PRICE * (len(names) - 1)
 
 
 def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outcome | None:

@@ -19,6 +19,7 @@ from pyport.diagnosis.searching import (
     confirming,
     contenders,
     search,
+    settling,
     turns,
     winner,
 )
@@ -45,7 +46,7 @@ def outcome(*steps, p_value=0.5, last=(), **more):
     weighed = SimpleNamespace(
         evidence=SimpleNamespace(beside=lambda *_, **__: beside()), covariance=None
     )
-    problem = setup(part=lambda _: None, **more)
+    problem = setup(part=lambda _: None, expanded=lambda _: None, **more)
     return Outcome(problem, tuple(one.chosen for one in steps), steps, weighed, p_value, last)
 
 
@@ -812,17 +813,17 @@ def field(evidence, directions=1, *, of_time=False):
     )
 
 
-def left(monkeypatch, worths, now, turn=0, together=0.0):
+def left(monkeypatch, worths, now, turn=0, together=0.0, gain=0.0):
     """Return which names a field leaves that takes the place of others; None where none does."""
 
     def every(of_time):
         return [one for one in worths if one.field.of_time in of_time]
 
-    ground = SimpleNamespace(worths=every, worth_of=lambda one: one)
+    ground = SimpleNamespace(worths=every, worth_of=lambda one: one, gain=lambda _: gain)
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
     monkeypatch.setattr(instead, "boxes", lambda *_: [])
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
-    monkeypatch.setattr(instead, "_together", lambda *_: together)
+    monkeypatch.setattr(instead, "_evidence", lambda *_: together)
     monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
     kept = instead.field_instead(now, turn)
     return kept if kept is None else [one.winner.candidate.effect.id for one in kept]
@@ -841,6 +842,35 @@ def test_a_field_must_beat_all_names_by_six(monkeypatch, evidence, wins):
     now = outcome(step(trial()))
 
     assert taken(monkeypatch, [field(evidence)], now, together=50.0) == wins
+
+
+@pytest.mark.parametrize(
+    ("evidence", "wins"), [(111.0, True), (109.0, False), (101.0, False), (131.0, True)]
+)
+def test_a_field_must_exceed_what_strong_names_leave(monkeypatch, evidence, wins):
+    """Two per cent of their gain, three thousand: shapes are known to first order only."""
+    now = outcome(step(trial()))
+
+    assert taken(monkeypatch, [field(evidence)], now, together=50.0, gain=3000.0) == wins
+
+
+@pytest.mark.parametrize(("dropped", "again"), [("unknown", True), ("refraction", False)])
+def test_names_get_back_the_place_of_a_field_that_was_dropped(monkeypatch, dropped, again):
+    """The search goes on, and what it finds is settled too."""
+    rounds = []
+
+    def settled(now):
+        rounds.append(now)
+        return now, (settling.Dropped(dropped, "", "it does not pay"),)
+
+    monkeypatch.setattr(diagnose, "search", lambda *_: "searched")
+    monkeypatch.setattr(diagnose, "averaged", lambda now: now)
+    monkeypatch.setattr(diagnose, "settled", settled)
+    monkeypatch.setattr(diagnose, "resumed", lambda *_: "resumed")
+    _, told = diagnose.searched(None, lambda _: None)
+
+    assert rounds == ["searched", "resumed"][: 1 + again]
+    assert len(told) == 1
 
 
 @pytest.mark.parametrize(("of_time", "kept"), [(False, ["epoch_tilt"]), (True, [])])
@@ -901,11 +931,9 @@ def test_a_field_that_nothing_determines_is_none(monkeypatch):
 @pytest.mark.parametrize(("names", "evidence"), [(1, 195.0), (2, 178.0), (3, 161.0)])
 def test_each_name_beyond_the_first_costs_twelve(names, evidence):
     """And each its price: gain less evidence."""
-    ground = SimpleNamespace(gain=lambda _: 200.0)
     steps = [step(trial("refraction", 20.0, gain=25.0))] * names
-    problem = setup(expanded=lambda _: None)
 
-    assert instead._together(ground, problem, steps) == pytest.approx(evidence)
+    assert instead._evidence(200.0, steps) == pytest.approx(evidence)
 
 
 def test_a_p_value_is_the_share_of_draws_that_do_as_well():
