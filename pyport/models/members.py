@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.columns import LABELS
-from pyport.effects import Circumstances, Effect, MissingColumn, Site, known
+from pyport.effects import Circumstances, Effect, MissingColumn, Site, catalogue, known
 from pyport.effects.base import Basis, stack
 from pyport.effects.empirical.fields import UNKNOWN, field
 from pyport.errors import BadInput
@@ -131,7 +131,7 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
     if column is not None:
         whole = frozen(_whole(effect.id, told), at)
         return apart(whole)[column]
-    family = known(effect.id)
+    family = catalogue(at.mount).get(effect.id) or known(effect.id)
     if family is not None and family.profile is not None and not _NUMBERED & set(told):
         for one in _members(family, at):
             if one.member and _same(one, effect, at):

@@ -219,3 +219,17 @@ def test_a_member_that_is_none_is_refused(identity, member, said):
     """One line says which effect it is about."""
     with pytest.raises(BadInput, match=said):
         effect_of(identity, member)
+
+
+@pytest.mark.parametrize(
+    ("mount", "names"),
+    [("equatorial", {"offset_xha", "offset_dec"}), ("xy-ns", {"offset_xx", "offset_y"})],
+)
+def test_a_step_keeps_the_names_of_its_mount(mount, names):
+    """What a file holds of an effect is said in the words of the axes that it acts on."""
+    from pyport.effects import catalogue
+
+    at = replace(AT, mount=KINDS_OF_MOUNTS[mount])
+    for one in catalogue(at.mount)["epoch_offset"].variants(at):
+        kept = frozen(one, at)
+        assert {each.name.partition("[")[0] for each in kept.coefficients} == names
