@@ -23,6 +23,7 @@ from pyport.effects import catalogue as effects_of
 from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
+from pyport.least_squares.gram import RANK_TOLERANCE
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import FEWEST, VISIBLE
 
@@ -115,7 +116,8 @@ def design(
     """Return the columns of all candidates, what they are, and what cannot be tested.
 
     Columns are in internal units, one for a coefficient of one. What the fitted terms, columns
-    `beside` (m, p), can draw all of is no candidate.
+    `beside` (m, p), draw nearly all of is no candidate: the rest is what directions err by. What
+    they draw all of is one, for it may differ from session to session.
 
     Returns
     -------
@@ -147,8 +149,9 @@ def design(
                 untestable.append(Untestable(effect.id, "it moves nothing that was measured here"))
                 continue
             own = basis[:, kept]
-            if np.linalg.norm(own - drawn @ (drawn.T @ own)) <= VISIBLE * np.linalg.norm(own):
-                untestable.append(Untestable(effect.id, "the fitted terms draw all of it here"))
+            share = np.linalg.norm(own - drawn @ (drawn.T @ own)) / np.linalg.norm(own)
+            if RANK_TOLERANCE < share <= VISIBLE:
+                untestable.append(Untestable(effect.id, "the fitted terms draw nearly all of it"))
                 continue
             blocks.append(own)
             places = np.arange(start, start + len(kept))

@@ -201,12 +201,17 @@ def _misread(
 def searched(setup: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:
     """Return what was found and stands, and what was dropped.
 
-    Names that a field stood in place of get their place back where it is dropped.
+    Names that a field stood in place of get their place back where it is dropped, if data left
+    out are predicted better with them.
     """
     outcome, dropped = settled(averaged(search(setup, tell)))
     if any(one.effect == UNKNOWN for one in dropped):
-        outcome, more = settled(averaged(resumed(outcome, tell)))
+        again, more = settled(averaged(resumed(outcome, tell)))
         dropped = tuple(dict.fromkeys((*dropped, *more)))
+        partition = holdout.folds(again.setup, again.weighed, again.chosen)
+        both = outcome.weighed, again.weighed
+        before, after = unseen(again.setup, both, outcome.chosen, again.chosen, partition).rms()
+        outcome = again if after < before else outcome
     return outcome, dropped
 
 

@@ -42,7 +42,6 @@ def prepare(
     residual = data.value - data.spread(*model.offsets(recordings.at))
     base_columns, base = _base(recordings, data, terms)
     found, candidates, untestable = listing.design(recordings, data, beside=base_columns)
-    fitted = {term.effect.id for term in terms}
     given = frame(recordings, data)
     departing = any(one.of == "session" for one in given.departures)
     if departing:
@@ -62,7 +61,7 @@ def prepare(
         base=tuple(base),
         candidates=_shifted(candidates, first),
         shapes=_shifted(others, first + found.shape[1]),
-        untestable=tuple(one for one in untestable if one.effect not in fitted),
+        untestable=tuple(untestable),
         data=np.concatenate([base_columns, found, generic, residual[:, None]], axis=1),
         blocks=Blocks(
             np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])

@@ -854,23 +854,23 @@ def test_a_field_must_exceed_what_strong_names_leave(monkeypatch, evidence, wins
     assert taken(monkeypatch, [field(evidence)], now, together=50.0, gain=3000.0) == wins
 
 
-@pytest.mark.parametrize(("dropped", "again"), [("unknown", True), ("refraction", False)])
-def test_names_get_back_the_place_of_a_field_that_was_dropped(monkeypatch, dropped, again):
-    """The search goes on, and what it finds is settled too."""
-    rounds = []
-
-    def settled(now):
-        rounds.append(now)
-        return now, (settling.Dropped(dropped, "", "it does not pay"),)
-
-    monkeypatch.setattr(diagnose, "search", lambda *_: "searched")
+@pytest.mark.parametrize(
+    ("dropped", "after", "kept"),
+    [("unknown", 2.9, "resumed"), ("unknown", 3.1, "searched"), ("refraction", 2.9, "searched")],
+)
+def test_names_get_back_the_place_of_a_field_that_was_dropped(monkeypatch, dropped, after, kept):
+    """The search goes on, and what it finds counts if data left out are predicted better."""
+    one = settling.Dropped(dropped, "", "it does not pay")
+    monkeypatch.setattr(diagnose, "search", lambda *_: replace(outcome(), p_value="searched"))
+    monkeypatch.setattr(diagnose, "resumed", lambda *_: replace(outcome(), p_value="resumed"))
     monkeypatch.setattr(diagnose, "averaged", lambda now: now)
-    monkeypatch.setattr(diagnose, "settled", settled)
-    monkeypatch.setattr(diagnose, "resumed", lambda *_: "resumed")
-    _, told = diagnose.searched(None, lambda _: None)
+    monkeypatch.setattr(diagnose, "settled", lambda now: (now, (one,)))
+    monkeypatch.setattr(diagnose.holdout, "folds", lambda *_: None)
+    told = SimpleNamespace(rms=lambda: (3.0, after))
+    monkeypatch.setattr(diagnose, "unseen", lambda *_: told)
 
-    assert rounds == ["searched", "resumed"][: 1 + again]
-    assert len(told) == 1
+    found, told = diagnose.searched(None, lambda _: None)
+    assert (found.p_value, told) == (kept, (one,))
 
 
 @pytest.mark.parametrize(("of_time", "kept"), [(False, ["epoch_tilt"]), (True, [])])
