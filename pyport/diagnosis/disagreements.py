@@ -109,7 +109,10 @@ class _Ground:
         return self.setup.expanded(rest, of=self.weighed.white)
 
     def compare(self, one: Chosen, others: Array | None = None) -> Difference | None:
-        """Return what both axes say of an effect over all recordings."""
+        """Return what both axes say of an effect over all recordings; None if it is of one."""
+        acts = self.setup.expanded([one]) != 0
+        if not np.any(acts[self.is_y].any(axis=0) & acts[~self.is_y].any(axis=0)):
+            return None
         rest = self.others(one) if others is None else others
         across, along = self._acting(one, ~self.is_y, self.is_y)
         return difference(rest, across, along, self.data, self.dof)

@@ -11,10 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.least_squares.gram import RANK_TOLERANCE, inverted
 from pyport.planning.design import Design
-from pyport.thresholds import ALIKE
-
-#: An effect of which the model leaves less than this share (of its square) shows nothing.
-VISIBLE = 1e-4
+from pyport.thresholds import ALIKE, VISIBLE
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,7 @@ def separate(design: Design) -> Separation:
     for candidate in design.candidates:
         columns = design.of(candidate)
         left = columns - model @ (model.T @ columns)
-        if candidate.effect.id not in own and (left**2).sum() > VISIBLE * (columns**2).sum():
+        if candidate.effect.id not in own and (left**2).sum() > VISIBLE**2 * (columns**2).sum():
             there.append((candidate, columns, left))
             shown.add(candidate.effect.id)
     frames = [orthonormal(left) for *_, left in there]
@@ -166,7 +163,7 @@ def _sight(
     candidate: Candidate, columns: Array, left: Array, alike: tuple[tuple[str, float], ...]
 ) -> Sight:
     # Of what the model takes up whole, rounding leaves columns that say nothing.
-    shows = (left**2).sum(axis=0) > VISIBLE * (columns**2).sum(axis=0)
+    shows = (left**2).sum(axis=0) > VISIBLE**2 * (columns**2).sum(axis=0)
     sigma, alone = (sigmas(one)[0] for one in (np.where(shows, left, 0.0), columns))
     worst = int(np.argmax(np.where(np.isfinite(sigma), sigma, -1.0)))
     coefficient = candidate.effect.coefficients[candidate.coefficients[worst]]

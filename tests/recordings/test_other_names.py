@@ -168,6 +168,16 @@ def test_a_unit_in_the_header_and_a_moment_are_understood(tmp_path, header, offs
     }  # fmt: skip
 
 
+@pytest.mark.parametrize("name", ["", "(a0)"])
+def test_a_date_in_a_column_without_a_name_is_neither_time_nor_session(tmp_path, name):
+    """A map says where a column is by its name, which this one has not."""
+    path = tmp_path / "q.csv"
+    row = "10,20,2003-06-01T01:02:03,4\n"
+    path.write_text(f"azimuth,elevation,{name},offset_el\n{row}{row}")
+
+    assert {"time_utc", "session"}.isdisjoint(mapped.propose(sheet(path)))
+
+
 @pytest.mark.parametrize(
     ("header", "columns", "said"),
     [

@@ -41,39 +41,37 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
     tell
         Called with a line about each turn.
     """
-    banned: frozenset[str] = frozenset()
+    start = Outcome(setup, (), (), weigh(setup), 1.0, ())
     while True:
-        outcome = _searched(setup, banned, tell)
+        outcome = _searched(start, tell)
         wrong = _wrong_sizes(outcome)
         if not wrong:
             standing = _standing(outcome, tell)
             # What the search goes on to find has to stand, too: it may be what was dropped.
-            return (
-                outcome if standing is outcome else _standing(_walk(standing, banned, tell), tell)
-            )
+            return outcome if standing is outcome else _standing(_walk(standing, tell), tell)
         tell(f"{', '.join(sorted(wrong))}: not the size that physics gives, once more without")
-        banned |= wrong
+        start = replace(start, banned=start.banned | wrong)
 
 
-def resumed(outcome: Outcome, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+def resumed(outcome: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Go on with names where a search was settled: one that a field replaced gets its place back.
 
     `outcome`, `tell`: what was settled, and what is called with a line about each turn.
     """
     now = replace(outcome, weighed=weigh(outcome.setup, outcome.chosen))
-    return _standing(_walk(now, frozenset(), tell), tell)
+    return _standing(_walk(now, tell), tell)
 
 
-def _searched(setup: Problem, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
-    """Return the end of one search that does without the effects that are banned."""
-    outcome = _walk(Outcome(setup, (), (), weigh(setup), 1.0, ()), banned, tell)
+def _searched(start: Outcome, tell: Callable[[str], None]) -> Outcome:
+    """Return where a search ends, whether a field stands in place of its names or not."""
+    outcome = _walk(start, tell)
     turn = 0
     while turn <= len(outcome.steps) and turn < MOST_FINDINGS:
         field = field_instead(outcome, turn)
         if field is not None:
             found = field.steps[-1].winner.candidate.effect
             tell(f"{found.variant}: no effect explains it as well")
-            outcome = _walk(field, banned, tell)
+            outcome = _walk(field, tell)
         turn += 1
     return outcome
 
@@ -110,7 +108,7 @@ def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
     return frozenset(found)
 
 
-def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
+def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Go on from where a search stands with the effects that have names."""
     now = start
     first = start.p_value if start.steps else None
@@ -131,7 +129,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
                 trials,
                 least,
                 beside=beside,
-                banned=banned,
+                banned=now.banned,
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
@@ -149,7 +147,7 @@ def _walk(start: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -
         then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
-        now = _exchanged(then, banned, tell)
+        now = _exchanged(then, tell)
 
 
 def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) -> Outcome:
@@ -162,7 +160,7 @@ def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) 
     return replace(now, chosen=kept, steps=steps, weighed=weighed)
 
 
-def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]) -> Outcome:
+def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Exchange earlier choices for others that are better beside the latest one."""
     for one in now.chosen[:-1]:
         own = alone(now.setup, now.weighed, now.chosen, one)
@@ -179,7 +177,7 @@ def _exchanged(now: Outcome, banned: frozenset[str], tell: Callable[[str], None]
             trials,
             own.evidence + CONVINCING,
             beside=beside,
-            banned=banned,
+            banned=now.banned,
             changes=False,
         )
         if better is None or better.trial.candidate.effect.id == one.candidate.effect.id:

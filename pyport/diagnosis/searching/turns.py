@@ -124,6 +124,7 @@ class Outcome:
     `setup` is the case with the columns of what was refined added to it.
     `p_value` is that of the first turn: is there any mismatch at all?
     `last` holds the trials of the turn that found nothing more.
+    `banned` are effects of known size that came out with another one: they are not found again.
     """
 
     setup: Problem
@@ -132,6 +133,7 @@ class Outcome:
     weighed: WhitenedData
     p_value: float
     last: tuple[CandidateFit, ...]
+    banned: frozenset[str] = frozenset()
 
     def step_of(self, one: Chosen) -> Step:
         """Return the last turn in which something was chosen."""

@@ -109,7 +109,15 @@ def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outc
     chance = min(family_p_value(trials), float(np.exp(-worth.evidence / 2)))
     first = outcome.p_value if steps else min(outcome.p_value, chance)
     step = Step(winner, new, (*trials, winner), beside, chance, candidate.price)
-    return Outcome(wider, after, (*steps, step), weigh(wider, after), first, ())
+    return replace(
+        outcome,
+        setup=wider,
+        chosen=after,
+        steps=(*steps, step),
+        weighed=weigh(wider, after),
+        p_value=first,
+        last=(),
+    )
 
 
 def _same_bumps(step: Step, field: Field) -> bool:

@@ -202,16 +202,22 @@ def propose(table: Sheet) -> dict[str, str]:
     the session.
     """
     found = _by_names(table.names, table.meta)
-    cells = dict(zip(table.names, next(iter(table.rows), ()), strict=False))
-    if found and not {TIME, DAY} & set(found):
-        for name in [one for one, cell in cells.items() if _ISO.fullmatch(cell.strip())][:1]:
-            found[TIME] = name
-    if found and not {"session", TIME} & set(found):
-        dated = [name for name, cell in cells.items() if _DATE.match(cell)]
-        for name in (_FORMAT.sub("", one).strip() for one in dated[:1]):
-            found["session"] = f"{name}|date"
-            if HOUR_OF_DAY in found:
-                found.setdefault(DAY, f"{name}|date")
+    if not found:
+        return {}
+    first = zip(table.names, next(iter(table.rows), ()), strict=False)
+    dated = {
+        bare: cell.strip()
+        for name, cell in first
+        if (bare := _FORMAT.sub("", name).strip()) and _DATE.match(cell.strip())
+    }
+    moments = [name for name, cell in dated.items() if _ISO.fullmatch(cell)]
+    if moments and not {TIME, DAY} & set(found):
+        found[TIME] = moments[0]
+    if dated and not {"session", TIME} & set(found):
+        day = f"{next(iter(dated))}|date"
+        found["session"] = day
+        if HOUR_OF_DAY in found:
+            found.setdefault(DAY, day)
     return found
 
 

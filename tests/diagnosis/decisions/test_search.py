@@ -70,7 +70,7 @@ def walked(monkeypatch, start, p_value, answers):
         ),
     )
     monkeypatch.setattr(search, "_exchanged", lambda now, *_: now)
-    return asked, search._walk(start, frozenset(), QUIET)
+    return asked, search._walk(start, QUIET)
 
 
 @pytest.mark.parametrize(("p_value", "sure", "told"), [(0.4, 10.0, np.exp(-5)), (1e-9, 10.0, 1e-9)])
@@ -193,7 +193,7 @@ def test_a_choice_is_exchanged_for_one_twenty_times_likelier(monkeypatch, ahead,
             now.setup, chosen, steps, now.weighed, now.p_value, now.last
         ),
     )
-    end = search._exchanged(outcome(first, last), frozenset(), QUIET)
+    end = search._exchanged(outcome(first, last), QUIET)
 
     assert (end.chosen[0].candidate.effect.id == "refraction") == exchanged
 
@@ -217,13 +217,24 @@ def test_a_size_that_physics_fixes_is_tested_in_the_end(monkeypatch, fits, wrong
 def test_a_wrong_size_starts_the_search_again(monkeypatch):
     """Without the effect that does not have the size of physics."""
     banned, wrong = [], [frozenset({"annual_aberration"}), frozenset()]
-    monkeypatch.setattr(search, "_searched", lambda _, some, __: banned.append(some) or outcome())
+    monkeypatch.setattr(search, "weigh", lambda *_: None)
+    monkeypatch.setattr(
+        search, "_searched", lambda start, _: banned.append(start.banned) or outcome()
+    )
     monkeypatch.setattr(search, "_wrong_sizes", lambda _: wrong.pop(0))
     monkeypatch.setattr(search, "_standing", lambda now, _: now)
     monkeypatch.setattr(search, "_walk", lambda now, *_: now)
     search.search(setup(), QUIET)
 
     assert banned == [frozenset(), frozenset({"annual_aberration"})]
+
+
+def test_what_is_banned_stays_so_where_a_search_goes_on(monkeypatch):
+    """A search that is resumed does not find again what the first one refused for its size."""
+    start = replace(outcome(), banned=frozenset({"annual_aberration"}))
+    asked, end = walked(monkeypatch, start, 0.5, [])
+
+    assert asked[0].banned == end.banned == {"annual_aberration"}
 
 
 def test_what_is_found_after_a_drop_has_to_stand_too(monkeypatch):
