@@ -96,7 +96,8 @@ COLUMNS: tuple[Column, ...] = (
     Column(
         "d_xel", "cross-elevation offset",
         also=("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel"),
-        called=rf"({_OFF})_?(x|xel|azcosel|cross_?el(evation)?)|az_?cos_?el",
+        called=rf"({_OFF})_?(x|xel|azcosel|cross_?el(evation)?)|az_?cos_?el"
+        r"|(xel|cross_?el(evation)?)_?(off(s|set)?|err(or)?)",
     ),
     Column(
         "d_az", "azimuth offset",
@@ -112,6 +113,7 @@ COLUMNS: tuple[Column, ...] = (
     Column(
         "d_zd", "zenith distance offset",
         also=("dzd", "d_za", "d_zenith_distance", "delta_zd"),
+        called=rf"({_OFF})_?(zd|za|zenith(_?distance)?)",
     ),
     Column(
         "sigma_xel", "error across", called=r"(sigma|std|e)_?(x|xel)|(delta_)?xel_?std"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,6 +41,18 @@ def _proposed(name: str, given: FileOptions) -> dict[str, str]:
     return mapped.propose(table)
 
 
+def _lacking(found: Iterable[str]) -> str:
+    """Return in words which columns a map must have and has not; empty where it has them."""
+    from pyport.columns import angle_of
+    from pyport.recordings.mounted import OFFSETS
+
+    angles = {one[0] for one in map(angle_of, found) if one is not None}
+    directions = [one for one in angles - OFFSETS if not one.startswith("sigma_")]
+    wanted = {"a direction (az_deg and el_deg)": len(directions) > 1}
+    wanted["an offset (d_xel or d_az, d_el)"] = bool(angles & OFFSETS)
+    return " and ".join(name for name, there in wanted.items() if not there)
+
+
 def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"columns": found}, indent=1))
@@ -47,7 +61,9 @@ def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bo
     for ours, theirs in found.items():
         click.echo(f"  {ours:22s} {theirs}")
     told = ", ".join(f"{ours}={theirs}" for ours, theirs in found.items())
-    click.echo(f"pyport look {name} --columns {str(kept) if kept else repr(told)}")
+    lacking = _lacking(found)
+    command = shlex.join(["pyport", "look", name, "--columns", str(kept) if kept else told])
+    click.echo(f"not found: {lacking}; add it to {command}" if lacking else command)
 
 
 @click.command("look", epilog="Example: pyport look offsets.csv --model altaz --next 8")

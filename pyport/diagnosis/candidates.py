@@ -23,6 +23,7 @@ from pyport.effects import catalogue as effects_of
 from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
+from pyport.effects.telescope.rotation import MEASURED
 from pyport.least_squares.gram import RANK_TOLERANCE
 from pyport.recordings.schema import Recordings, Stack
 from pyport.thresholds import FEWEST, VISIBLE
@@ -92,6 +93,9 @@ class Candidate:
     region: tuple[Interval, ...] = ()
     #: Whether its columns belong to the moments of these recordings: no other session has them.
     of_time: bool = False
+    #: What is known of each coefficient before any fit: one over the variance of a normal about
+    #: zero, shape (k,); None where nothing is.
+    precision: Array | None = None
 
     @property
     def price(self) -> float:
@@ -224,13 +228,13 @@ def numbers(recordings: Recordings) -> dict[str, Array]:
     """Return the numbers that a misfit may follow: the direction and every numeric column.
 
     Columns that the file's header calls `bookkeeping` say how a row was
-    written down, not what the telescope met, and are passed over.
+    written down, not what the telescope met, and are passed over. So are offsets, by their name,
+    and what a model left of them: a misfit would follow itself.
     """
-    at = recordings.at
+    at = conditions(recordings)
     found: dict[str, Array] = {}
-    passed_over = recordings.meta.get("bookkeeping", "").split()
     for name, column in {"az_deg": at.az, "el_deg": at.el, **at.columns}.items():
-        if name in (*passed_over, "order") or column.dtype.kind not in "fiu":
+        if name == "order" or MEASURED & {*name.split("_")} or column.dtype.kind not in "fiu":
             continue
         values = np.asarray(column, float)
         several = len(np.unique(values[np.isfinite(values)])) > CURVE_ORDER + 1

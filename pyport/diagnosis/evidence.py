@@ -210,6 +210,9 @@ class Projection:
         information = left.between(columns, columns)
         power = np.concatenate([np.diag(own)[columns] for own in left.own], axis=1)
         length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
+        for one, candidate in zip(length, candidates, strict=True):
+            if candidate.precision is not None:
+                one[:] = np.resize(np.sqrt(candidate.precision), one.shape)
         unit = information / (length[:, :, None] * length[:, None])
         eigenvalues, vectors = np.linalg.eigh(unit)
         good = eigenvalues > VISIBLE**2 * np.maximum(1.0, eigenvalues[:, -1:])

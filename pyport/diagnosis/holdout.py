@@ -175,13 +175,17 @@ def _of_others(
             setup.anew[key] = found, (*whole, weighed.covariance)
         anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
         columns = np.concatenate([base, *(anew[id(each)].columns for each in chosen)], axis=1)
+        known = [np.zeros(base.shape[1])]
+        for each in chosen:
+            none = np.zeros(anew[id(each)].columns.shape[1])
+            known.append(none if each.candidate.precision is None else each.candidate.precision)
         curves = [anew[id(each)].curve for each in chosen]
         curve = np.sum(
             [np.zeros(len(base)), *(some for some in curves if some is not None)], axis=0
         )
         data = np.concatenate([columns, (setup.residual - curve)[:, None]], axis=1)
         products = tempered(covariance).products(data)
-        yield int(one), columns, Solution.of(products), covariance, curve
+        yield int(one), columns, Solution.of(products, np.concatenate(known)), covariance, curve
 
 
 @stage("holding data out")
@@ -226,10 +230,11 @@ def _without_each(
     block = np.resize(setup.block, len(white))
     fold = np.resize(partition.fold, len(white))
     whole = Gram.of(white, block, len(setup.blocks)).matrices
+    known = setup.precision(choices)
     for one in np.unique(partition.fold):
         rows = np.flatnonzero(fold == one)
         own = Gram.of(white[rows], block[rows], len(setup.blocks)).matrices
-        yield int(one), Gram(whole - own).solve(parts), rows
+        yield int(one), Gram(whole - own).solve(parts, known), rows
 
 
 @dataclass(frozen=True)
@@ -291,7 +296,8 @@ def unseen(
     A reading is a gross error when both predictions miss it by more than `GROSS` times the
     scatter that the readings of the other folds have about theirs.
     """
-    first = residuals(setup, weighed[0], before, partition, after if before else ())
+    added = {*map(id, before)} <= {*map(id, after)}
+    first = residuals(setup, weighed[0], before, partition, after if before and added else ())
     second = residuals(setup, weighed[1], after, partition)
     finite = np.isfinite(first) & np.isfinite(second)
     nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)

@@ -48,7 +48,8 @@ def fit(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Join
     """Fit the base and the chosen effects together."""
     choices = (*setup.base, *chosen)
     columns = setup.expanded(choices)
-    solution = solve(weighed.covariance, columns, setup.residual)
+    known = setup.precision(choices)
+    solution = solve(weighed.covariance, columns, setup.residual, known)
     starts = np.cumsum([0, *(setup.part(one).size for one in choices)])
     return Joint(choices, solution, starts, columns @ solution.values)
 

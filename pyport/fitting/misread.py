@@ -156,7 +156,10 @@ def _offsets(recordings: Recordings, here: Circumstances, model: Model) -> Itera
     """Yield the offsets as they were read and otherwise, for the directions that are read."""
     x, y, first = recordings.x, recordings.y, recordings.at.mount.first.name
     cosine, read = (np.maximum(np.cos(one.axes.el), 1e-3) for one in (here, recordings.at))
-    opposite = f"{first} is counted in the opposite sense, or its offsets have the other sign"
+    opposite = (
+        f"{first} is counted in the opposite sense, or the offsets of one axis, of which these "
+        f"recordings cannot tell, have the other sign"
+    )
     for signed, turned in ((x, ()), (-x, (opposite,))):
         yield turned, signed, y, 1.0
         if here is recordings.at:

@@ -136,16 +136,26 @@ class Solution:
     covariance: Array
     known: NDArray[np.bool_]  #: whether the data determine each coefficient, shape (P,)
     residual: float  #: sum of squares that is left
-    rank: int  #: number of independent columns
-    normal: Array  #: products of the columns, shape (P, P)
+    rank: int  #: number of independent columns, of those known beforehand as many as they fit
+    normal: Array  #: products of the columns, what is known beforehand added, shape (P, P)
 
     @classmethod
-    def of(cls, products: Array) -> Solution:
-        """Return the solution from products (P + 1, P + 1) of the columns and, last, the data."""
+    def of(cls, products: Array, precision: Array | None = None) -> Solution:
+        """Return the solution from products (P + 1, P + 1) of the columns and, last, the data.
+
+        `precision` (P,): what is known of each coefficient beforehand, one over the variance of a
+        normal about zero; nothing where it is zero.
+        """
         normal, right = products[:-1, :-1], products[:-1, -1]
+        if precision is not None:
+            normal = normal + np.diag(precision)
         inverse, rank, known = inverse_of(normal)
         values = inverse @ right
-        return cls(values, inverse, known, float(products[-1, -1] - right @ values), rank, normal)
+        left = float(products[-1, -1] - right @ values)
+        if precision is not None:
+            left -= float(precision @ values**2)
+            rank -= round(float(precision @ np.diag(inverse)))
+        return cls(values, inverse, known, left, rank, normal)
 
     @cached_property
     def condition(self) -> float:
@@ -208,11 +218,12 @@ class Gram:
         """Return the sum of squares of the data."""
         return float(self.matrices[:, -1, -1].sum())
 
-    def solve(self, parts: Sequence[Part]) -> Solution:
-        """Return the least-squares solution for a choice of parts."""
+    def solve(self, parts: Sequence[Part], precision: Array | None = None) -> Solution:
+        """Return the least-squares solution for a choice of parts; `precision`: `Solution.of`."""
         right = self.moments(parts)[:, None]
         data = np.array([[self.total()]])
-        return Solution.of(np.block([[self.cross(parts, parts), right], [right.T, data]]))
+        products = np.block([[self.cross(parts, parts), right], [right.T, data]])
+        return Solution.of(products, precision)
 
 
 def index(parts: Sequence[Part], blocks: int) -> tuple[Codes, Codes]:

@@ -45,7 +45,9 @@ def equal(value: Array, design: Array, given: Frame) -> Covariance:
     return Covariance(given.parts, (noise,) * len(given.parts), every, every)
 
 
-def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
+def solve(
+    covariance: Covariance, columns: Array, value: Array, precision: Array | None = None
+) -> Solution:
     """Return coefficients and their covariance.
 
     Parameters
@@ -54,6 +56,8 @@ def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
         Of the readings.
     columns, value
         What is fitted, shape (m, P), and the data, (m,), both in the same units [rad].
+    precision
+        What is known of the coefficients beforehand: `Solution.of`.
 
     Returns
     -------
@@ -64,12 +68,14 @@ def solve(covariance: Covariance, columns: Array, value: Array) -> Solution:
     data = np.concatenate([columns, value[:, None]], axis=1)
     strict = covariance.whiten(data)
     products = strict.T @ strict
-    best = Solution.of(products)
+    best = Solution.of(products, precision)
     soft = tempered(covariance)
     if soft is covariance:
         return best
     white = soft.whiten(data)
     normal = white[:, :-1].T @ white[:, :-1]
+    if precision is not None:
+        normal += np.diag(precision)
     inverse, _, known = inverse_of(normal)
     values = inverse @ (white[:, :-1].T @ white[:, -1])
     estimator = soft.unwhiten(white[:, :-1]) @ inverse

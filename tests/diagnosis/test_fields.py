@@ -10,8 +10,10 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis import evidence
 from pyport.diagnosis.candidates import numbers, shapes_of
+from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.preparing import prepare
+from pyport.diagnosis.searching.confirming import _lack
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes import fields
 from pyport.diagnosis.shapes.boxes import Field, boxes, families
@@ -62,6 +64,59 @@ def test_sectors_finer_than_any_harmonic_are_found_though_no_name_sees_them():
     assert [one.variant for one in found.findings] == ["el: follows az_deg"]
     assert found.findings[0].verdict == "unknown"
     assert found.p_value < 1e-4
+
+
+@pytest.mark.slow
+def test_plates_finer_than_any_wave_are_found_though_no_name_sees_them():
+    """A chessboard of 25 by 16 deg over the sky: a fit of its bumps without a prior fails."""
+    found = diagnose(
+        recordings(600, 5, y=lambda at: np.where((at.az // 0.44 + at.el // 0.28) % 2, 8.0, -8.0)),
+        load("altaz"),
+    )
+
+    assert [one.variant for one in found.findings] == ["el: 6 deg wide"]
+    assert found.heldout.after < 0.9 * found.heldout.before
+
+
+def test_a_field_is_worth_what_it_should_gain_on_data_left_out():
+    """Of heights drawn from its prior: directions known well gain all, unknown ones nothing."""
+    rng = np.random.default_rng(0)
+    power = np.array([1e6, 400.0, 9.0, 1.0, 0.01])
+    field = Field("f", "v", np.eye(5), np.zeros(5, bool), axes=(0,) * 5, which=tuple(range(5)))
+    told = power / (1 + power)
+    drawn = rng.normal(size=(4000, 5)) * np.sqrt(power + power**2)
+    gains = [float((told * (along**2 / power - 1)).sum()) for along in drawn]
+    found = fields.worth(field, np.diag(power), np.diag(power), drawn[0])
+    kept = found.spread**2 > fields.FAINT
+
+    assert np.mean(gains) == pytest.approx((told * power).sum(), rel=0.05)
+    assert kept.all()
+    assert found.directions.shape == (5, len(found.spread))
+    assert len(found.spread) < 5
+    ratio = found.spread**2 / np.sort(power)[-len(found.spread) :]
+    assert ratio == pytest.approx(np.full(len(ratio), ratio[0]))
+
+
+def test_a_field_has_the_evidence_of_its_prior_wherever_it_is_weighed():
+    """As a candidate beside others, and beside noise estimated anew, whatever was left out."""
+    setup = prepare(recordings(300, 5, y=dent), load("altaz"))
+    weighed = weigh(setup)
+    best = max(Ground(setup, weighed, ()).worths((False,)), key=lambda one: one.evidence)
+    columns = best.field.columns @ best.directions
+    unit = np.sqrt(np.mean(columns**2, axis=0))
+    places = np.arange(setup.size, setup.size + len(unit))
+    wider = setup.with_columns(columns / unit)
+    one = Chosen(as_candidate(best, places, unit), "all")
+    trial = projection(wider, weigh(wider), ()).trials([(one.candidate, "all")])[0]
+    own, prior = wider.expanded([one]), wider.precision([one])
+    model = wider.expanded(wider.base)
+    _, gained = _lack(weighed.covariance, model, own, wider.residual, prior)
+
+    assert trial.evidence == pytest.approx(best.evidence, abs=2)
+    assert gained - one.candidate.price == pytest.approx(best.evidence, abs=2)
+    assert _lack(weighed.covariance, model, own, wider.residual, None)[1] != pytest.approx(
+        gained, abs=2
+    )
 
 
 @pytest.mark.slow
@@ -140,11 +195,11 @@ def test_what_the_same_bumps_draw_in_a_second_turn_joins_the_first():
     second = replace(form, axes=(0, 0, 1, 1, 1), which=(2, 3, 0, 4, 9), variant="both axes: a")
     rng = np.random.default_rng(0)
     early, late = (
-        Worth(one, 20.0, 25.0, 2, rng.normal(size=(len(one.axes), 2)), rng.normal(size=2))
-        for one in (first, second)
+        Worth(one, 20.0, 25.0, rng.normal(size=(len(one.axes), 2)), rng.normal(size=2), spread)
+        for one, spread in ((first, np.array([1.0, 2.0])), (second, np.array([3.0, 4.0])))
     )
     chosen = SimpleNamespace(candidate=as_candidate(early, np.arange(2), np.ones(2)))
-    winner = SimpleNamespace(evidence=20.0, gain=25.0, dof=2, values=early.values)
+    winner = SimpleNamespace(evidence=20.0, gain=25.0, values=early.values)
     step = SimpleNamespace(chosen=chosen, winner=winner)
     for one in (replace(early, field=second), late):
         assert _same_bumps(step, one.field)
@@ -152,7 +207,8 @@ def test_what_the_same_bumps_draw_in_a_second_turn_joins_the_first():
     joined = _together_with(step, late)
 
     assert joined.field.variant == "both axes: a"
-    assert (joined.evidence, joined.gain, joined.dof) == (40.0, 50.0, 4)
+    assert (joined.evidence, joined.gain) == (40.0, 50.0)
+    assert joined.spread == pytest.approx([1, 2, 3, 4])
     curve = sum(one.field.columns @ one.directions @ one.values for one in (early, late))
     assert joined.field.columns @ joined.directions @ joined.values == pytest.approx(curve)
 

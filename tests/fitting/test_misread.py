@@ -46,7 +46,7 @@ def test_a_file_that_is_right_is_not_doubted():
             lambda r: replace(r, at=replace(r.at, az=-r.at.az)),
             "azimuth is counted in the opposite sense",
         ),
-        (lambda r: replace(r, x=-r.x), "or its offsets have the other sign"),
+        (lambda r: replace(r, x=-r.x), "have the other sign"),
         (lambda r: replace(r, at=replace(r.at, el=np.pi / 2 - r.at.el)), "zenith distances"),
         (lambda r: replace(r, x=r.x / np.cos(r.at.el)), "lack the cosine that brings azimuth onto"),
         (

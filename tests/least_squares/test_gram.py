@@ -1,10 +1,11 @@
 """Sufficient statistics give what a least-squares fit of the whole gives."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pyport.least_squares.gram import Gram, Part, inverted
+from pyport.least_squares.gram import Gram, Part, Solution, inverted
 
 
 @given(seed=st.integers(0, 2**32 - 1), blocks=st.integers(1, 5))
@@ -28,6 +29,22 @@ def test_shared_and_own_coefficients_equal_a_dense_fit(seed, blocks):
     np.testing.assert_allclose(
         actual.residual, ((data - dense @ expected) ** 2).sum(), rtol=1e-8, atol=1e-9
     )
+
+
+def test_what_is_known_beforehand_is_a_reading_more_of_each_coefficient():
+    """As rows that read zero; a coefficient that nothing is known of is as free as before."""
+    rng = np.random.default_rng(3)
+    columns, data = rng.normal(size=(30, 3)), rng.normal(size=30)
+    precision = np.array([0.0, 4.0, 1e9])
+    whole = np.column_stack([columns, data])
+    actual = Solution.of(whole.T @ whole, precision)
+    more = np.vstack([columns, np.diag(np.sqrt(precision))])
+    expected = np.linalg.lstsq(more, np.append(data, np.zeros(3)), rcond=None)[0]
+
+    assert actual.values == pytest.approx(expected, abs=1e-9)
+    assert actual.residual == pytest.approx(((data - columns @ expected) ** 2).sum())
+    assert actual.rank == 2
+    assert actual.values[2] == pytest.approx(0, abs=1e-6)
 
 
 def test_products_add_up_over_chunks():

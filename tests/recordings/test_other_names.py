@@ -168,6 +168,53 @@ def test_a_unit_in_the_header_and_a_moment_are_understood(tmp_path, header, offs
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("names", "header", "map_"),
+    [
+        ("Az (deg),El (deg),dXel (mdeg),dEl (mdeg)", "", "Az,El,d_xel_mdeg=dXel,d_el_mdeg=dEl"),
+        (
+            "Az [deg],El [deg],XelOff [arcmin],ElOff",
+            "",
+            "Az [deg],El [deg],d_xel_arcmin=XelOff [arcmin],d_el_arcsec=ElOff",
+        ),
+        (
+            "az,el,dx,off_el",
+            "# off_el: true - observed [deg]\n",
+            "az,el,d_xel_arcsec=dx,d_el_deg=-off_el",
+        ),
+        (
+            "az,el,dx,off_el",
+            "# off_el: Observed minus true\n",
+            "az,el,d_xel_arcsec=dx,d_el_arcsec=off_el",
+        ),
+        (
+            "az_obs,el_obs,az_true,el_true,daz,dzd",
+            "",
+            "az_true,el_true,d_az_arcsec=daz,d_zd_arcsec=dzd",
+        ),
+        ("ha_h,dec_deg,dx,dy", "", "ha_h=ha_h,dec_deg=dec_deg,d_xel_arcsec=dx,d_el_arcsec=dy"),
+    ],
+)
+def test_what_names_and_header_say_of_units_and_signs(tmp_path, names, header, map_):
+    """In brackets, behind the name or in the header; the true direction comes before the read."""
+    path = tmp_path / "q.csv"
+    path.write_text(f"{header}{names}\n" + ",".join(["1.5"] * len(names.split(","))) + "\n")
+    wanted = map_.split(",")
+    if "=" not in wanted[0]:
+        wanted[:2] = f"az_deg={wanted[0]}", f"el_deg={wanted[1]}"
+
+    assert mapped.propose(sheet(path)) == mapped.parse(",".join(wanted))
+
+
+def test_a_map_that_lacks_a_direction_is_no_command(tmp_path):
+    """What is missing is said; a name with a blank is quoted as a shell wants it."""
+    (tmp_path / "my night.csv").write_text("az,zd,dxel\n1,2,3\n1,2,3\n")
+    said = run("look", tmp_path / "my night.csv")
+
+    assert "not found: a direction (az_deg and el_deg)" in said
+    assert "my night.csv' --columns 'az_deg=az, d_xel_arcsec=dxel'" in said
+
+
 @pytest.mark.parametrize("name", ["", "(a0)"])
 def test_a_date_in_a_column_without_a_name_is_neither_time_nor_session(tmp_path, name):
     """A map says where a column is by its name, which this one has not."""

@@ -29,9 +29,10 @@ _WORDS = {
     "stretch": ("Stretch-to-stretch", "stretches", "stretches of rows"),
     "source": ("Source-to-source", "sources", "sources"),
 }
-#: Scatter that differs by less than a quarter between low and high, or that a drift widens by
-#: less, is not worth a word.
+#: Scatter that differs by less than a quarter between low and high is not worth a word.
 GROWS = 1.25
+#: A drift that widens the scatter by less is not worth one.
+DRIFTS = 1.1
 #: The lowest and the highest share of the readings that are compared.
 END = 0.2
 
@@ -117,7 +118,7 @@ def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
 
     Rms of what a drift has moved the readings by, its memory, and the mean of the residuals
     `left` (m,) of the lowest and the highest session, departures predicted; only where that widens
-    the scatter by a quarter and more.
+    the scatter by a tenth and more, for means of sessions it may widen several times.
     """
     setup = diagnosis.setup
     if setup.blocks.antennas > 1:
@@ -131,7 +132,7 @@ def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
         rows = part.rows[covariance.used[part.rows]]
         white = np.hypot(noise.within, noise.between) / np.sqrt(covariance.precision[rows])
         excess = float((moved[rows] ** 2 - white**2).mean())
-        if noise.time_s is None or excess < (GROWS**2 - 1) * float((white**2).mean()):
+        if noise.time_s is None or excess < (DRIFTS**2 - 1) * float((white**2).mean()):
             continue
         names = set(session[rows].tolist())
         means = {one: float(left[rows][session[rows] == one].mean()) for one in names}

@@ -83,7 +83,8 @@ def _gained(
         # What walks on from night to night may have been taken for nights that depart.
         noises.append(_noise_alike(setup, others, like, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
-    found = [_lack(covariance, model, own, value) for covariance in noises]
+    prior = setup.precision([one])
+    found = [_lack(covariance, model, own, value, prior) for covariance in noises]
     without = min(lack for lack, _ in found)
     with_it = min(lack - gained for lack, gained in found)
     return without - with_it
@@ -101,7 +102,8 @@ def worth_beside_own(setup: Problem, others: Sequence[Chosen], one: Chosen) -> f
     """
     whole = noise(setup, (*others, one), searching=False)
     model = setup.expanded((*setup.base, *others))
-    lack, gained = _lack(whole, model, setup.expanded([one]), setup.residual)
+    own, prior = setup.expanded([one]), setup.precision([one])
+    lack, gained = _lack(whole, model, own, setup.residual, prior)
     return gained - lack - one.candidate.price
 
 
@@ -131,13 +133,19 @@ def _improbable(covariance: Covariance) -> float:
     return sum(2 * float(np.log1p(one.sigma**2 / usual)) for one in covariance.departures)
 
 
-def _lack(covariance: Covariance, model: Array, own: Array, value: Array) -> tuple[float, float]:
-    """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence."""
+def _lack(
+    covariance: Covariance, model: Array, own: Array, value: Array, prior: Array | None
+) -> tuple[float, float]:
+    """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence.
+
+    The effect's coefficients have equal precision beforehand, each column measured by its length,
+    or that of a `prior`, shape (k,), up to a factor.
+    """
     white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
     p = model.shape[1]
     lack, basis, left = beside_model(covariance, white[:, :p], white[:, -1])
     rest = white[:, p:-1] - basis @ (basis.T @ white[:, p:-1])
-    size = np.linalg.norm(white[:, p:-1], axis=0)
+    size = np.linalg.norm(white[:, p:-1], axis=0) if prior is None else np.sqrt(prior)
     return lack, at_best(*shown(rest, size, left))[0]
 
 

@@ -22,7 +22,7 @@ from pyport.thresholds import FEWEST
 
 #: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
 #: sectors of an encoder's disc. [rad]
-OVER_SKY = (20 * DEG, 45 * DEG)
+OVER_SKY = (6 * DEG, 20 * DEG, 45 * DEG)
 ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
 ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 #: Bumps along a column: so many over the ranks of its values.

@@ -33,6 +33,8 @@ from pyport.thresholds import (
 WIDEST = 0.35
 #: One that holds fewer is where a curve that swings everywhere happens to swing most.
 NARROWEST = 0.02
+#: Information on a direction, over its prior's, from which it is kept: fainter ones stay near zero.
+FAINT = 0.3
 #: Columns of fields that are whitened together: more only take more memory.
 WHITENED = 128
 
@@ -46,19 +48,22 @@ class Worth:
     evidence
         Twice the logarithm of how much likelier the data are with the field, the choice
         among its kind paid for.
-    gain, dof
-        Drop of the whitened sum of squares by its kept directions, and how many they are.
+    gain
+        By how much the whitened sum of squares of unseen readings should fall: what falls in the
+        fit less what falls there of noise alone, each direction as far as the data tell of it.
     directions, values
         The directions among its bumps that the data determine, shape (K, dof), and how far
         the data go along each, shape (dof,).
+    spread
+        How far the bumps' heights, drawn, would go along each: a standard deviation, (dof,).
     """
 
     field: Field
     evidence: float
     gain: float
-    dof: int
     directions: Array
     values: Array
+    spread: Array
 
 
 @dataclass(frozen=True)
@@ -195,6 +200,7 @@ def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
         field.choices,
         region(field, field.columns @ (worth.directions @ worth.values)),
         field.of_time,
+        1 / (worth.spread * unit) ** 2,
     )
 
 
@@ -210,15 +216,16 @@ def worth(field: Field, information: Array, alone: Array, moments: Array) -> Wor
     power, vectors = power[seen], vectors[:, seen]
     along = vectors.T @ moments
     evidence, variance = at_best(power, along)
-    kept = variance * power > 1
+    kept = variance * power > FAINT
     power, vectors, along = power[kept], vectors[:, kept], along[kept]
+    told = variance * power / (1 + variance * power)
     return Worth(
         field,
         evidence - 2 * float(np.log(field.choices)),
-        float((along**2 / power).sum()),
-        int(kept.sum()),
+        float((told * (along**2 / power - 1)).sum()),
         vectors / np.sqrt(power),
         along / np.sqrt(power),
+        np.sqrt(variance * power),
     )
 
 

@@ -148,7 +148,7 @@ def _together_with(step: Step, worth: Worth) -> Worth:
         wide,
         worth.evidence + before.evidence,
         worth.gain + before.gain,
-        worth.dof + before.dof,
         np.hstack([widened(old, np.array(told["directions"])), widened(new, worth.directions)]),
         np.concatenate([before.values, worth.values]),
+        np.concatenate([1 / np.sqrt(np.asarray(step.chosen.candidate.precision)), worth.spread]),
     )

@@ -30,13 +30,13 @@ PLACES = frozenset(
         *("ra", "dec", "ha", "lst", "lat", "latitude", "lon", "longitude"),
     }
 )
-OFFSETS_AND_SIZES = frozenset(
-    {
-        *("d", "delta", "offset", "off", "shift", "correction", "corr", "model"),
-        *("sigma", "err", "error", "rms", "std", "sd", "residual", "res"),
-        *("fwhm", "beam", "width", "size", "seeing", "separation"),
-    }
-)
+#: Those that say that a column holds what was measured here, or what a model makes of it.
+MEASURED = frozenset({"d", "delta", "model", "residual", "res"})
+OFFSETS_AND_SIZES = MEASURED | {
+    *("offset", "off", "shift", "correction", "corr"),
+    *("sigma", "err", "error", "rms", "std", "sd"),
+    *("fwhm", "beam", "width", "size", "seeing", "separation"),
+}
 #: An angle that has one of these in its name turns no image.
 NO_ROTATION = PLACES | OFFSETS_AND_SIZES | {"sun", "moon", "wind", "dome"}
 

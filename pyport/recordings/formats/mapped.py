@@ -190,16 +190,24 @@ _CALLED: tuple[tuple[str, str], ...] = (
     (r"(time_?)?jd(_?utc)?", f"{TIME}|jd"),
 )
 _UNITS = ("arcsec", "arcmin", "mdeg", "deg", "rad")
-#: A unit as the header tells it of a column: `offset_az: observed - true [deg]`.
-_TOLD = re.compile(rf"[\[(]({'|'.join(_UNITS)})[\])]")
+#: A unit as a header or a name tells it of a column: `offset_az: observed - true [deg]`.
+_TOLD = re.compile(rf"\s*[\[(]({'|'.join(_UNITS)})[\])]")
+#: What the header says of an offset that is counted the other way: the place less what was read.
+_OPPOSITE = re.compile(
+    r"(true|catalog\w*|command\w*|demand\w*)\s*(-|minus)\s*(obs|meas|read|enc)\w*"
+)
+
+
+#: Columns that have one name and unit, ours.
+_OURS = LABELS | NUMBERS | {TIME, DAY, HOUR_OF_DAY, SCAN_RATE, "wind_az_deg"}
 
 
 def propose(table: Sheet) -> dict[str, str]:
     """Return a map of columns by what their names say; angles without a unit are guessed.
 
-    The unit is the name's, or the header's of it; else directions are taken for degrees, offsets
-    for arcseconds. A date with a time of day is the time, a label that begins with a date tells
-    the session.
+    Unit and sign are the name's, or the header's of it; else directions are taken for degrees,
+    offsets for arcseconds and as observed less true. A date with a time of day is the time, a label
+    that begins with a date tells the session.
     """
     found = _by_names(table.names, table.meta)
     if not found:
@@ -225,19 +233,25 @@ def _by_names(names: Sequence[str], told: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for name in names:
         bare = _FORMAT.sub("", name).strip()
-        unit = next((one for one in _UNITS if bare.lower().endswith(one)), "")
-        plain = re.sub(r"[.\s\-]+", "_", bare.lower().removesuffix(unit)).strip("_")
-        if not unit and (there := _TOLD.search(told.get(bare, ""))):
+        said = told.get(bare, "").lower()
+        if angle_of(bare) is not None or bare in _OURS:
+            found[bare] = bare
+            continue
+        spoken = _TOLD.sub("", bare.lower())
+        unit = next((one for one in _UNITS if spoken.endswith(one)), "")
+        plain = re.sub(r"[.\s\-]+", "_", spoken.removesuffix(unit)).strip("_")
+        if not unit and (there := _TOLD.search(name.lower()) or _TOLD.search(said)):
             unit = there[1]
         for pattern, quantity in _CALLED:
             if re.fullmatch(pattern, plain) is None:
                 continue
             ours, _, part = quantity.partition("|")
-            if ours not in LABELS | NUMBERS | {TIME, DAY, HOUR_OF_DAY, SCAN_RATE, "wind_az_deg"}:
+            if ours not in _OURS:
                 offset = ours.startswith(("d_", "sigma_"))
                 ours = f"{ours}_{unit or ('arcsec' if offset else 'deg')}"
-            if ours not in found:
-                found[ours] = bare + (f"|{part}" if part else "")
+            if ours not in found or "true" in plain:
+                sign = "-" if ours.startswith("d_") and _OPPOSITE.search(said) else ""
+                found[ours] = sign + bare + (f"|{part}" if part else "")
             break
     if any(one.startswith("d_xel") for one in found):
         found = {key: value for key, value in found.items() if not key.startswith("d_az")}
