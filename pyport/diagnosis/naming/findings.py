@@ -143,4 +143,6 @@ def _single(
 def _decided(called: turns.Name, like: str | None) -> str | None:
     """Return what distinguishes the names of a finding, and a wave from its like on a grid."""
     apart = turns.decide_by(called.members, called.others)
-    return "; ".join(filter(None, (apart, like))) or None
+    orders = ", ".join(f"{order:.5g}" for order in called.orders)
+    wider = f"it could be k = {orders} as well: observe a wider range of directions"
+    return "; ".join(filter(None, (apart, like, orders and wider))) or None

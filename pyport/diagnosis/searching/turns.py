@@ -167,11 +167,14 @@ class Name:
     others
         Members of the winner's family that follow another condition, or are another term that
         follows it, and are not excluded.
+    orders
+        How often in a turn the winner may go as well, where it goes round so often: not excluded.
     """
 
     members: tuple[str, ...]
     runner_up: CandidateFit | None
     others: tuple[str, ...] = ()
+    orders: tuple[float, ...] = ()
 
 
 def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projection) -> Name:
@@ -183,6 +186,7 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
     )
     outside: list[CandidateFit] = []
     others: list[str] = []
+    orders: list[float] = []
     # One whose evidence does not pay for the choice among all names explains nothing.
     choice = 2 * float(np.log(max(len({rival.candidate.effect.id for rival in rivals}), 1)))
     least = max(winner.evidence - NOT_EXCLUDED, choice)
@@ -191,6 +195,8 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
         if effect in members:
             if rival.evidence > least and _another_term(winner, rival):
                 others.append(rival.candidate.effect.variant)
+            if rival.evidence > least and (order := _another_order(winner, rival)):
+                orders.append(order)
             continue
         if not fits_physics(rival) and not _same(beside, winner, rival):
             continue
@@ -212,13 +218,22 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
         else:
             outside.append(rival)
     outside = [rival for rival in outside if rival.candidate.effect.id not in members]
-    return Name(tuple(members), outside[0] if outside else None, tuple(dict.fromkeys(others)))
+    runner_up = outside[0] if outside else None
+    return Name(tuple(members), runner_up, tuple(dict.fromkeys(others)), tuple(sorted(orders)))
 
 
 def _another_term(winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival of the winner's family follows another condition, or is another term."""
     one, other = winner.candidate.effect, rival.candidate.effect
     return one.id == other.id and (one.driver, one.change_of) != (other.driver, other.change_of)
+
+
+def _another_order(winner: CandidateFit, rival: CandidateFit) -> float:
+    """Return how often in a turn a rival of the winner's family goes, if not as often; else 0."""
+    one, other = winner.candidate.effect, rival.candidate.effect
+    own, order = (effect.member.get("k") for effect in (one, other))
+    alike = one.id == other.id and winner.scope == rival.scope and own != order
+    return float(order) if alike and order else 0.0
 
 
 def _changes(winner: CandidateFit, rival: CandidateFit) -> bool:

@@ -132,7 +132,11 @@ class Ground:
         return worth(field, *self.products(field.columns))
 
     def worths(self, of_time: Collection[bool] = (False, True)) -> Iterator[Worth]:
-        """Yield what every field is worth, in each axis and in both: that lasts, or is of time."""
+        """Yield what every field is worth, in each axis and in both: that lasts, or is of time.
+
+        With one width for both axes heights are no likelier than with a width for each: where that
+        is worth nothing both are not tried.
+        """
         is_y = self.setup.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
@@ -142,6 +146,7 @@ class Ground:
             large = np.abs(field.values) > 0.1
             felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]
             information, alone, moments = self._products(white, self.axes)
+            most = 0.0
             for name in [*measured, *several]:
                 own = np.flatnonzero(
                     np.concatenate(
@@ -160,8 +165,13 @@ class Ground:
                     which=tuple((own % large.shape[1]).tolist()),
                     choices=kind * (len(measured) + len(several)),
                 )
+                price = 2 * float(np.log(one.choices))
+                if name == "both axes" and most <= price:
+                    continue
                 some = np.ix_(own, own)
-                yield worth(one, information[some], alone[some], moments[own])
+                found = worth(one, information[some], alone[some], moments[own])
+                most += found.evidence + price
+                yield found
 
     def _whitened(self, wanted: Iterable[tuple[int, Field]]) -> Iterator[tuple[int, Field, Array]]:
         """Yield fields with their whitened columns, many of which take one pass of all readings."""

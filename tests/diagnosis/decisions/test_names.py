@@ -16,6 +16,7 @@ from pyport.diagnosis.naming.verdict import judged
 from pyport.diagnosis.searching import turns
 from pyport.effects import CATALOGUE, Coefficient
 from pyport.effects.empirical import conditions, driven
+from pyport.effects.telescope import encoders
 
 
 def members(rivals, winner=None, **alike):
@@ -67,6 +68,22 @@ def test_of_driven_terms_another_term_and_another_condition_count(
     found = turns.name(winner, [winner, rival], beside())
     assert found.members == ("driven_term",)
     assert found.others == ((told,) if other and told else ())
+
+
+@pytest.mark.parametrize(("evidence", "orders"), [(93.0, (4.0,)), (91.0, ())])
+def test_how_often_a_wave_goes_round_may_be_open(evidence, orders):
+    """Within odds of fifty to one, for the same effect alone; its name stays."""
+
+    def wave(make, k):
+        return Candidate(make(k), np.arange(1), (0,), 8)
+
+    winner = trial(of=wave(encoders.elevation_encoder_harmonics, 5), evidence=100.0)
+    rival = trial(of=wave(encoders.elevation_encoder_harmonics, 4), evidence=evidence)
+    other = trial(of=wave(encoders.azimuth_harmonics, 3), evidence=evidence)
+    found = turns.name(winner, [winner, rival, other], beside())
+
+    assert found.members[0] == "elevation_encoder_harmonics"
+    assert (found.orders, found.others) == (orders, ())
 
 
 @pytest.mark.parametrize(

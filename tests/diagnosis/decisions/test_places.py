@@ -133,7 +133,12 @@ def bumps(monkeypatch, felt):
     one = Field("a field", "somewhere", columns, is_y)
     seen = []
     monkeypatch.setattr(fields, "families", lambda _: [(1, one)])
-    monkeypatch.setattr(fields, "worth", lambda field, *_: seen.append(field.columns.shape[1]))
+
+    def worth(field, *_):
+        seen.append(field.columns.shape[1])
+        return SimpleNamespace(evidence=0.0)
+
+    monkeypatch.setattr(fields, "worth", worth)
     ground = SimpleNamespace(
         setup=setup(stack=SimpleNamespace(is_y=is_y)),
         axes=[],
@@ -159,7 +164,40 @@ def test_a_direction_nearly_degenerate_with_the_model_is_left_out(share, kept):
 
     found = fields.worth(one, information, alone, np.array([5e3, 5e3]))
 
-    assert found.dof == kept
+    assert found.directions.shape[1] == kept
+
+
+@pytest.mark.parametrize(("known", "kept"), [(0.5, 2), (0.35, 2), (0.25, 1), (0.1, 1)])
+def test_a_direction_that_the_data_hardly_tell_of_is_left_out(known, kept):
+    """Of which they know less than three tenths of what its prior does."""
+    one = Field("a field", "somewhere", np.ones((60, 2)), np.ones(60, bool))
+    _, variance = at_best(np.array([1e4]), np.array([2e3]))
+    information = np.diag([1e4, known / variance])
+
+    found = fields.worth(one, information, information, np.array([2e3, 0.0]))
+
+    assert found.directions.shape[1] == kept
+    assert found.gain == pytest.approx(398, abs=0.9)  # of 400 in the fit
+
+
+@pytest.mark.parametrize(("worth_each", "names"), [(0.5, 2), (9.0, 3)])
+def test_both_axes_are_tried_where_either_is_worth_something(monkeypatch, worth_each, names):
+    """With a width for each of them they are worth no less than with one for both."""
+    is_y = np.arange(60) % 2 == 0
+    one = Field("a field", "somewhere", np.ones((60, 1)), is_y)
+    monkeypatch.setattr(fields, "families", lambda _: [(1, one)])
+    price = 2 * np.log(3)
+    monkeypatch.setattr(
+        fields, "worth", lambda *_: SimpleNamespace(evidence=worth_each / 2 - price)
+    )
+    ground = SimpleNamespace(
+        setup=setup(stack=SimpleNamespace(is_y=is_y)),
+        axes=[],
+        _whitened=lambda wanted: ((*each, each[1].values) for each in wanted),
+        _products=lambda *_: (np.eye(2), np.eye(2), np.zeros(2)),
+    )
+
+    assert len(list(fields.Ground.worths(ground))) == names
 
 
 @pytest.mark.parametrize(
