@@ -249,6 +249,7 @@ def _single(effect: Effect, values: Array) -> tuple[Effect, Array]:
     if effect.id != UNKNOWN:
         return effect, values
     told = dict(effect.member)
+    told.pop("spread", None)  # of the directions
     told["directions"] = (np.array(told["directions"]) @ values)[:, None].tolist()
     return field(**told), np.ones(1)
 

@@ -93,9 +93,11 @@ class Candidate:
     region: tuple[Interval, ...] = ()
     #: Whether its columns belong to the moments of these recordings: no other session has them.
     of_time: bool = False
-    #: What is known of each coefficient before any fit: one over the variance of a normal about
-    #: zero, shape (k,); None where nothing is.
-    precision: Array | None = None
+
+    @property
+    def precision(self) -> Array | None:
+        """Return what is known of each coefficient beforehand: 1 / variance, (k,); or None."""
+        return self.effect.precision[list(self.coefficients)] if self.effect.prior else None
 
     @property
     def price(self) -> float:

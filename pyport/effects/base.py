@@ -149,6 +149,9 @@ class Effect:
     belongs_to
         The label of what is wrong, such as `source`, where that is not the telescope: it must
         come back with the label from one night to another.
+    prior
+        How far each coefficient may be from where it starts, as one sigma of a normal, in
+        internal units: what is known of it before any recordings. Empty where nothing is.
     """
 
     id: str
@@ -174,6 +177,7 @@ class Effect:
     means: Mapping[str, str] = field(default_factory=dict)
     belongs_to: str = ""
     looks_back: bool = False
+    prior: tuple[float, ...] = field(default=(), compare=False)
     in_arrays: str = ""
     acts_in: str = ""
     mounts: tuple[str, ...] = ()
@@ -188,6 +192,13 @@ class Effect:
     def is_change(self) -> bool:
         """Tell whether it is a change from one state of the telescope to another."""
         return self.changes_with in ("session", "order")
+
+    @property
+    def precision(self) -> Array:
+        """Return what is known of each coefficient beforehand, 1 / variance or zero, shape (k,)."""
+        if not self.prior:
+            return np.zeros(len(self.coefficients))
+        return np.asarray(self.prior, float) ** -2.0
 
     def variants(self, at: Circumstances) -> tuple[Effect, ...]:
         """Return the members of the family to try in these circumstances, itself if it is none."""

@@ -97,10 +97,11 @@ def fit(
     data = stack(recordings)
     value = data.value - data.spread(*model.offsets(recordings.at))
     columns, owners = expanded(recordings, data, terms)
-    if wrong := undetermined(len(value), columns.shape[1]):
+    known = np.concatenate([np.zeros(0), *(term.effect.precision for term, _ in owners)])
+    if wrong := undetermined(len(value), int((known == 0).sum())):
         raise BadInput(wrong, recordings.file)
-    noise = WEIGHTS[weights](value, columns, frame(recordings, data))
-    solution = solve(noise, columns, value)
+    noise = WEIGHTS[weights](value, columns[:, known == 0], frame(recordings, data))
+    solution = solve(noise, columns, value, known if known.any() else None)
     sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 0))
     values, sigma = (np.where(solution.known, one, np.nan) for one in (solution.values, sigma))
     found = []

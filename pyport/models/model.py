@@ -137,11 +137,15 @@ class Model:
     mount: Mount = ALTAZ
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
-        """Return the terms to fit: all that are not fixed, or those of them whose id is named."""
+        """Return the terms to fit: all that are not fixed, or those of them whose id is named.
+
+        What is known of beforehand, as a field without a name is, is fitted where it is named.
+        """
         return [
             term
             for term in self.terms
-            if not term.fixed and (refit is None or term.effect.id in refit)
+            if not term.fixed
+            and (not term.effect.prior if refit is None else term.effect.id in refit)
         ]
 
     def on(self, mount: Mount) -> Model:

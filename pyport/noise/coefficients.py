@@ -81,10 +81,13 @@ def solve(
     estimator = soft.unwhiten(white[:, :-1]) @ inverse
     errors, shares = covariance.errors(estimator)
     wider = widening(shares)
+    scatter = errors.T @ errors * np.outer(wider, wider)
+    if precision is not None:  # how far from where they start the coefficients may be drawn
+        scatter += (inverse * precision) @ inverse
     return replace(
         best,
         values=values,
-        covariance=errors.T @ errors * np.outer(wider, wider),
+        covariance=scatter,
         known=known,
         normal=normal,
     )

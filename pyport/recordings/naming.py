@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.angles import RADIANS_PER
 from pyport.columns import (
     COLUMNS,
     DAY,
@@ -23,7 +24,7 @@ from pyport.columns import (
 )
 from pyport.effects import MissingColumn
 from pyport.errors import BadInput
-from pyport.recordings.mounted import axes_of, names_of
+from pyport.recordings.mounted import OFFSETS, axes_of, names_of
 from pyport.recordings.schema import Recordings
 
 
@@ -154,6 +155,8 @@ def _is_kept(name: str) -> bool:
 def refuse_columns(names: Iterable[str]) -> None:
     """Refuse a column of places, offsets or times whose name is nearly one of the contract's.
 
+    An offset in a unit that is none, and in no other, would be lost.
+
     Raises `BadInput`: with the right name, and how to read the column under it.
     """
     there = dict.fromkeys(names)
@@ -162,6 +165,10 @@ def refuse_columns(names: Iterable[str]) -> None:
     for name in there:
         if of_x_and_y and angle_of(name) is not None:
             continue
+        offset, _, unit = name.rpartition("_")
+        if offset in OFFSETS - angles and unit.isalpha() and unit not in RADIANS_PER:
+            wanted = ", ".join(one for one in RADIANS_PER if one != "h")
+            raise BadInput(f"column {name!r}: {unit!r} is no unit, expected one of {wanted}")
         right = meant(name)
         if right is None or right in there or _is_kept(right):
             continue

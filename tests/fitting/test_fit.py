@@ -8,11 +8,12 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.effects import CATALOGUE, Circumstances
+from pyport.effects.empirical import fields as empirical
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit
 from pyport.formats import models
 from pyport.least_squares.gram import Solution
-from pyport.models.model import CLASSICAL_TERMS
+from pyport.models.model import CLASSICAL_TERMS, Term
 from pyport.recordings.schema import Recordings
 
 TRUTH = np.array([30.0, -55, 21, -13, 8, -5, 44]) * ARCSEC
@@ -130,3 +131,26 @@ def test_what_is_left_is_less_than_what_was_there():
     left = data - columns @ np.linalg.lstsq(columns, data)[0]
 
     assert Solution.of(both.T @ both).residual == pytest.approx(left @ left)
+
+
+def test_a_field_that_says_how_far_it_may_be_from_its_values_is_fitted_to_few_readings():
+    """Where they do not reach it keeps its values; one that says nothing needs as many readings."""
+    bumps = {"kind": "sky", "width_rad": 0.3}
+    count = empirical.values(bumps, simulated(2, 1, 0).at).shape[1]
+    of_each = ([1] * count, range(count), np.eye(count).tolist(), "a field", "el: 17 deg wide")
+    given, few = (3 * ARCSEC,) * count, simulated(30, 1, 0)
+    free, held = (
+        replace(models.load("altaz"), terms=(*models.load("altaz").terms, Term(one, values=given)))
+        for one in (
+            empirical.field(bumps, *of_each),
+            empirical.field(bumps, *of_each, spread=[0.01 * ARCSEC] * count),
+        )
+    )
+    with pytest.raises(BadInput, match="60 measured offsets cannot determine"):
+        fit(few, free)
+    of_field = fit(few, held, [*CLASSICAL_TERMS.split(), "unknown"]).coefficients[-1]
+
+    assert count > 60
+    assert all(one.term.effect.id != "unknown" for one in fit(few, held).coefficients)
+    np.testing.assert_allclose(of_field.value, given, atol=0.02 * ARCSEC)
+    np.testing.assert_allclose(of_field.sigma, 0.01 * ARCSEC, rtol=0.3)

@@ -230,6 +230,7 @@ def test_a_date_in_a_column_without_a_name_is_neither_time_nor_session(tmp_path,
     [
         ("# latitude: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
         ("# lat: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
+        ("", "az_deg,el_deg,d_xel_arcsec,d_el_urad", "'urad' is no unit, expected one of deg, arc"),
         ("# Latitude_deg: 53\n", "az_deg,el_deg,d_el_arcsec", "did you mean 'latitude_deg'"),
         ("", "az_deg,el_deg,d_el_arcsec,time_mjd", "time_utc=time_mjd|mjd"),
         ("", "azimuth_deg,el_deg,d_el_arcsec", "did you mean az_deg"),

@@ -44,6 +44,11 @@ def number(parameter: Parameter) -> str:
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 
 
+def spoken(name: str) -> str:
+    """Return the name of a coefficient as it is said: `wind_tilt_at_10_m_s`, at 10 m/s."""
+    return name.replace("_m_s", "_m/s").replace("_", " ")
+
+
 def sentence(
     effect: Effect,
     parameters: Sequence[Parameter],
@@ -63,14 +68,14 @@ def sentence(
     cause = meaning(effect, mounts)
     if together is not None:
         return f"{said}: {cause}; {together.sentence}"
-    sizes = [f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters[:_SHOWN]]
+    sizes = [f"{spoken(p.name)} {number(p)}" for p in parameters[:_SHOWN]]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
     return f"{said}, {', '.join(sizes)}{more}: {cause}"
 
 
 def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:
     """Return a sentence about what all antennas share."""
-    sizes = ", ".join(f"{p.name.replace('_', ' ')} {number(p)}" for p in parameters)
+    sizes = ", ".join(f"{spoken(p.name)} {number(p)}" for p in parameters)
     how = "by one amount in each session" if several else "by the same amount"
     return f"{_shown(effect)}, for all antennas {how}: {sizes}"
 
@@ -99,10 +104,11 @@ def _inside(parameter: Parameter) -> str:
 def looks_like(effect: Effect, called: Name, refuting: Sequence[str]) -> str:
     """Describe a shape that has no name, with what refutes its own and the nearest effect."""
     shape = effect.variant or effect.id
+    what = effect.sentence if shape in effect.sentence else f"{effect.sentence} ({shape})"
     runner = called.runner_up
     nearest = "" if runner is None else f"; the nearest effect is {runner.candidate.effect.id}"
     but = f", but {' and '.join(refuting)}" if refuting else ""
-    return f"{effect.sentence} ({shape}){but}{nearest}"
+    return f"{what}{but}{nearest}"
 
 
 def two_axes_sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) -> str:
@@ -127,7 +133,7 @@ def two_axes_sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) ->
 
 def _against(one: Disagreement, place: int) -> str:
     first, second = _parameters(one, place)
-    return f"{first.name.replace('_', ' ')} {number(first)} against {number(second)}"
+    return f"{spoken(first.name)} {number(first)} against {number(second)}"
 
 
 def _parameters(one: Disagreement, place: int) -> tuple[Parameter, Parameter]:

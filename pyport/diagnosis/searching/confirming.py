@@ -134,7 +134,7 @@ def _improbable(covariance: Covariance) -> float:
 
 
 def _lack(
-    covariance: Covariance, model: Array, own: Array, value: Array, prior: Array | None
+    covariance: Covariance, model: Array, own: Array, value: Array, prior: Array | None = None
 ) -> tuple[float, float]:
     """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence.
 

@@ -202,15 +202,22 @@ def as_candidate(worth: Worth, places: Codes, unit: Array) -> Candidate:
     was divided by there.
     """
     field = worth.field
-    directions = (worth.directions / unit).tolist()
+    made = as_effect(
+        field.bumps,
+        field.axes,
+        field.which,
+        (worth.directions / unit).tolist(),
+        field.family,
+        field.variant,
+        (worth.spread * unit).tolist(),
+    )
     return Candidate(
-        as_effect(field.bumps, field.axes, field.which, directions, field.family, field.variant),
+        made,
         places,
         tuple(range(len(places))),
         field.choices,
         region(field, field.columns @ (worth.directions @ worth.values)),
         field.of_time,
-        1 / (worth.spread * unit) ** 2,
     )
 
 

@@ -150,5 +150,5 @@ def _together_with(step: Step, worth: Worth) -> Worth:
         worth.gain + before.gain,
         np.hstack([widened(old, np.array(told["directions"])), widened(new, worth.directions)]),
         np.concatenate([before.values, worth.values]),
-        np.concatenate([1 / np.sqrt(np.asarray(step.chosen.candidate.precision)), worth.spread]),
+        np.concatenate([told["spread"], worth.spread]),
     )

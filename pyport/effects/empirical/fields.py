@@ -173,6 +173,7 @@ def field(
     directions: Sequence[Sequence[float]],
     family: str,
     variant: str,
+    spread: Sequence[float] = (),
 ) -> Effect:
     """Return a field as an effect that nobody may name.
 
@@ -181,6 +182,7 @@ def field(
       its bump.
     `directions`: how many of each term one of each coefficient is, shape (k, dof).
     `family`, `variant`: what kind of field it is, and which of its kind.
+    `spread`: one sigma of each coefficient before any recordings [rad]; none where they are free.
     Raises `ValueError`: there are no such bumps, or more than any recordings determine.
     """
     if bumps["kind"] not in KINDS:
@@ -195,6 +197,8 @@ def field(
     of_term = [int(one) for one in which]
     if mix.ndim != 2 or not len(mix) == len(along) == len(of_term):
         raise ValueError("a field needs an axis, a bump and directions for each term")
+    if len(spread) not in {0, mix.shape[1]} or any(one <= 0 for one in spread):
+        raise ValueError("a field needs a spread above zero for each direction, or none")
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         terms = values(bumps, at)[:, of_term]
@@ -216,8 +220,10 @@ def field(
             "directions": mix.tolist(),
             "family": family,
             "variant": variant,
-        },
+        }
+        | ({"spread": [float(one) for one in spread]} if len(spread) else {}),
         make=field,
+        prior=tuple(float(one) for one in spread),
     )
 
 

@@ -228,18 +228,14 @@ class SoftEdge:
 
 def jump_above(edge: FreeEdge, soft: SoftEdge | None = None, axis: str = "") -> Effect:
     """Return a step above a curve of any form, soft where the curve is known only so well."""
-    el = np.array(edge.el) / DEG
-    top = int(np.argmax(el))
-    name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
+    variant = _above_curve(np.array(edge.el) / DEG, np.array(edge.az) / DEG, axis)
     member: dict[str, Any] = {
         "edge_az_rad": [float(one) for one in edge.az],
         "edge_el_rad": [float(one) for one in edge.el],
     }
     if soft is not None:
         member["share"] = soft.member
-    return subreflector_jump(
-        edge, f"{name} {_counted(edge.az[top] / DEG, axis):.0f} deg", edge.el[0], member, soft, axis
-    )
+    return subreflector_jump(edge, variant, edge.el[0], member, soft, axis)
 
 
 def curved_jump(shape: tuple[float, ...], axis: str = "") -> Effect:
@@ -253,12 +249,19 @@ def curved_jump(shape: tuple[float, ...], axis: str = "") -> Effect:
         waves = (np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az))
         return np.asarray(sum(one * wave for one, wave in zip(shape, waves, strict=True)))
 
-    el = edge(np.radians(np.arange(360.0))) / DEG
-    name = f"above a curve from {el.min():.0f} to {el.max():.0f} deg, highest at azimuth"
+    around = np.arange(360.0)
+    variant = _above_curve(edge(np.radians(around)) / DEG, around, axis)
     member = {"wave_rad": [float(one) for one in shape]}
-    return subreflector_jump(
-        edge, f"{name} {_counted(int(el.argmax()), axis):.0f} deg", shape[0], member, axis=axis
-    )
+    return subreflector_jump(edge, variant, shape[0], member, axis=axis)
+
+
+def _above_curve(el_deg: Array, az_deg: Array, axis: str) -> str:
+    """Return in words what is above a curve, a level one where it rises by less than a degree."""
+    low, high = el_deg.min(), el_deg.max()
+    if high - low < 1:
+        return f"above elevation {(low + high) / 2:.1f} deg"
+    top = _counted(float(az_deg[el_deg.argmax()]), axis)
+    return f"above a curve from {low:.0f} to {high:.0f} deg, highest at azimuth {top:.0f} deg"
 
 
 def _counted(az_deg: float, axis: str) -> float:

@@ -5,7 +5,7 @@ read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR)
 or its right ascension and declination: see `tpoint_equatorial`. Of an equatorial
 mount (EQUAT) it holds hour angles and declinations, or the same right ascensions;
 a telescope that had turned over reads a declination beyond the pole. These are TPOINT's
-formats 4 and 1; the others are refused, for no public source tells their columns.
+formats 4, 1 and 2; the third is refused, for no public source tells its columns.
 `;` and `!` begin a comment; a star's line behind one is masked, not lost.
 """
 

@@ -74,4 +74,5 @@ def setup(**known):
     """Return as much of a problem as a rule looks at."""
     named = {one.effect.id: one.effect for one in known.get("candidates", ())}
     usual = {"blocks": ONE_ANTENNA, "base": (), "seed": 0, "named": tuple(named.values())}
+    usual |= {"precision": lambda _: None}
     return SimpleNamespace(**(usual | known))

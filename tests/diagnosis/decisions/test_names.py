@@ -79,10 +79,10 @@ def test_how_often_a_wave_goes_round_may_be_open(evidence, orders):
 
     winner = trial(of=wave(encoders.elevation_encoder_harmonics, 5), evidence=100.0)
     rival = trial(of=wave(encoders.elevation_encoder_harmonics, 4), evidence=evidence)
-    other = trial(of=wave(encoders.azimuth_harmonics, 3), evidence=evidence)
-    found = turns.name(winner, [winner, rival, other], beside())
+    other, more = (trial(of=wave(encoders.azimuth_harmonics, k), evidence=97.0) for k in (3, 7))
+    found = turns.name(winner, [winner, rival, other, more], beside())
 
-    assert found.members[0] == "elevation_encoder_harmonics"
+    assert found.members == ("elevation_encoder_harmonics", "azimuth_harmonics")
     assert (found.orders, found.others) == (orders, ())
 
 

@@ -102,12 +102,15 @@ def warned(at, turns=0):
     fit = SimpleNamespace(
         solution=SimpleNamespace(
             known=np.ones(1, bool), condition=1.0, covariance=np.eye(1), rank=1
-        )
+        ),
+        choices=(),
     )
     return remarks.warnings(
         SimpleNamespace(
             setup=SimpleNamespace(
-                residual=np.zeros(100), recordings=SimpleNamespace(at=at, meta={})
+                residual=np.zeros(100),
+                recordings=SimpleNamespace(at=at, meta={}),
+                precision=lambda _: None,
             ),
             before=fit,
             after=fit,
