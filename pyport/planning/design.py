@@ -14,6 +14,7 @@ from pyport.fitting.fit import expanded
 from pyport.least_squares import robust
 from pyport.models.model import Model, Term
 from pyport.recordings.schema import Recordings, Stack, stack
+from pyport.thresholds import FIRST_REACH
 
 #: Height of a cell; cells of a band are as wide as to be of one area [deg].
 CELL_DEG = 15.0
@@ -170,7 +171,7 @@ def _noise(
             continue
         columns = base[axis] / sigma[axis, None]
         weighed = value[axis] / sigma[axis]
-        left = weighed - columns @ np.linalg.lstsq(columns, weighed, rcond=1e-9)[0]
+        left = robust.weights(columns, weighed, FIRST_REACH).residual
         rank = np.linalg.matrix_rank(columns) if columns.size else 0
         spare = max(1, len(left) - rank)
         scatter = robust.scale(left) * np.sqrt(len(left) / spare)

@@ -129,6 +129,15 @@ def test_an_error_beside_the_model_is_the_one_that_a_fit_gives():
     assert sight.sigma == pytest.approx(sigma / ARCSEC, rel=1e-6)
 
 
+def test_a_few_rows_that_were_not_measured_make_no_noise():
+    """Of two elevation offsets of -999 arcsec the noise is what it was."""
+    good = recordings(120)
+    y = good.y.copy()
+    y[[7, 80]] = -999 * ARCSEC
+
+    assert look(replace(good, y=y), ALTAZ).noise == pytest.approx(look(good, ALTAZ).noise, rel=0.1)
+
+
 def test_directions_beat_chance():
     """Suggested directions bring more than the mean of ten random choices of as many."""
     made = design(between(35, 70), ALTAZ, noise=5 * ARCSEC)
