@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from diagnosis.made import LATITUDE, recordings
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming.remarks import NoiseRemarks, by_elevation, sentences
+from pyport.diagnosis.naming.remarks import NoiseRemarks, by_elevation, drifts, sentences
 from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import rms_of
@@ -106,6 +107,29 @@ def test_what_drifts_is_said_with_its_memory(drifting):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("excess", "reported"), [(0.25, True), (0.23, True), (0.19, False)])
+def test_a_drift_that_widens_the_scatter_by_a_tenth_is_reported(excess, reported):
+    """Whose variance is 0.21 of that of the scatter from pointing to pointing."""
+    covariance = SimpleNamespace(
+        departed=np.zeros_like,
+        shown=[SimpleNamespace(within=1.0, between=0.0, time_s=3600.0)],
+        used=np.ones(40, bool),
+        precision=np.ones(40),
+    )
+    setup = SimpleNamespace(
+        blocks=SimpleNamespace(antennas=1),
+        recordings=SimpleNamespace(
+            meta={}, at=SimpleNamespace(mount=SimpleNamespace(names=("cross-elevation",)))
+        ),
+        parts=[SimpleNamespace(rows=np.arange(40), is_y=0)],
+        session_names=np.repeat(["a", "b"], 20),
+    )
+    diagnosis = SimpleNamespace(setup=setup, weighed=SimpleNamespace(covariance=covariance))
+    found = drifts(diagnosis, np.sqrt(1 + excess) * np.resize([1.0, -1.0], 40))
+
+    assert bool(found) == reported
+
+
 def test_what_moves_once_is_a_drift_of_its_size():
     """By what it moved: the noise is that of a walk, much of which only longer recordings show."""
     night = np.arange(420) // 60
