@@ -136,7 +136,10 @@ class _Told:
     @property
     def called(self) -> str:
         """Return the name for a reader: a field without a name has one for all its numbers."""
-        return f"{_FIELD}{self.effect.variant}" if self.effect.id == UNKNOWN else self.name
+        variant = self.effect.variant
+        if self.effect.id == UNKNOWN:
+            return f"{_FIELD}{variant}"
+        return f"{self.name} ({variant})" if variant else self.name
 
     def entry(self, name: str, unit: str, times: float = 1.0) -> Entry:
         """Return it under a name that stands for `times` of it."""

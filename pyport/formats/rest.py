@@ -226,6 +226,8 @@ def rest_of(
         if path is None:
             return Rest(tuple(lost), None)
         wanted = "a grid of directions tells none: --set COLUMN=VALUE gives one value for all"
+        if "of the hours before" in error.message:
+            wanted = "no grid of directions holds what was before: keep the .toml"
         raise BadInput(f"{error.message}; {wanted}", path) from None
     weight = np.cos(at.el)
     rms = float(np.sqrt(((x**2 + y**2) * weight).sum() / weight.sum())) / ARCSEC
