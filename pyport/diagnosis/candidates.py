@@ -95,9 +95,9 @@ class Candidate:
     of_time: bool = False
 
     @property
-    def precision(self) -> Array | None:
-        """Return what is known of each coefficient beforehand: 1 / variance, (k,); or None."""
-        return self.effect.precision[list(self.coefficients)] if self.effect.prior else None
+    def precision(self) -> Array:
+        """Return what is known of each coefficient beforehand, 1 / variance or zero, (k,)."""
+        return self.effect.precision[list(self.coefficients)]
 
     @property
     def price(self) -> float:

@@ -202,15 +202,10 @@ class Problem:
         """Return the columns of a choice and who shares their coefficients."""
         return Part(chosen.candidate.columns, self.blocks.groups(chosen.scope))
 
-    def precision(self, choices: Sequence[Chosen]) -> Array | None:
-        """Return what is known of each coefficient beforehand, shape (P,); None if nothing is."""
-        told = [one.candidate.precision for one in choices]
-        if all(one is None for one in told):
-            return None
-        sizes = [self.part(one).size for one in choices]
-        return np.concatenate(
-            [np.resize(0.0 if one is None else one, n) for one, n in zip(told, sizes, strict=True)]
-        )
+    def precision(self, choices: Sequence[Chosen]) -> Array:
+        """Return what is known of each coefficient beforehand, 1 / variance or zero, (P,)."""
+        known = [np.resize(one.candidate.precision, self.part(one).size) for one in choices]
+        return np.concatenate([np.zeros(0), *known])
 
     def expanded(self, choices: Sequence[Chosen], of: Array | None = None) -> Array:
         """Return a column for every coefficient of some choices, shape (m, P).

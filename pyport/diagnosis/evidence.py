@@ -10,7 +10,7 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Blocks, Candidate
-from pyport.diagnosis.trial import CandidateFit, each_at_best
+from pyport.diagnosis.trial import CandidateFit, each_at_best, units
 from pyport.least_squares.gram import Gram, Part, Slab, index, inverse_of, slabs, without
 from pyport.noise.common_mode import Excess
 from pyport.runs.stages import stage
@@ -209,10 +209,8 @@ class Projection:
         columns = np.stack([self._places(one) for one in candidates])
         information = left.between(columns, columns)
         power = np.concatenate([np.diag(own)[columns] for own in left.own], axis=1)
-        length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
-        for one, candidate in zip(length, candidates, strict=True):
-            if candidate.precision is not None:
-                one[:] = np.resize(np.sqrt(candidate.precision), one.shape)
+        known = np.stack([np.resize(one.precision, power.shape[1]) for one in candidates])
+        length = units(np.sqrt(np.maximum(power, 0)), known)
         unit = information / (length[:, :, None] * length[:, None])
         eigenvalues, vectors = np.linalg.eigh(unit)
         good = eigenvalues > VISIBLE**2 * np.maximum(1.0, eigenvalues[:, -1:])
@@ -230,7 +228,7 @@ class Projection:
         worth = each_at_best(eigenvalues / excess, seen * np.sqrt(eigenvalues) / excess)[0]
         values = (seen[:, None] @ root)[:, 0]
         drawn_gain = (drawn**2).sum(axis=1) * (evidence.common_mode_scale if shared else 1.0)
-        known = min(float(evidence.dof.sum()), evidence.common.dof)
+        deviations = min(float(evidence.dof.sum()), evidence.common.dof)
         for n, candidate in enumerate(candidates):
             yield CandidateFit(
                 candidate,
@@ -239,7 +237,7 @@ class Projection:
                 int(dof[n]),
                 float(gain[n] - dof[n] * np.log(max(evidence.pointings, 3))) - candidate.price,
                 float(worth[n]) - candidate.price,
-                known if shared else float(np.median(evidence.dof)),
+                deviations if shared else float(np.median(evidence.dof)),
                 values[n],
                 information[n] / excess,
                 drawn_gain[n],

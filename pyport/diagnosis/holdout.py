@@ -176,15 +176,14 @@ def _of_others(
         anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
         parts = [(setup.base, base), *(((each,), anew[id(each)].columns) for each in chosen)]
         columns = np.concatenate([own for _, own in parts], axis=1)
-        told = [(setup.precision(some), own.shape[1]) for some, own in parts]
-        known = np.concatenate([np.zeros(n) if one is None else one for one, n in told])
+        known = [np.resize(setup.precision(some), own.shape[1]) for some, own in parts]
         curves = [anew[id(each)].curve for each in chosen]
         curve = np.sum(
             [np.zeros(len(base)), *(some for some in curves if some is not None)], axis=0
         )
         data = np.concatenate([columns, (setup.residual - curve)[:, None]], axis=1)
         products = tempered(covariance).products(data)
-        yield int(one), columns, Solution.of(products, known), covariance, curve
+        yield int(one), columns, Solution.of(products, np.concatenate(known)), covariance, curve
 
 
 @stage("holding data out")

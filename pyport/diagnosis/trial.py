@@ -89,7 +89,18 @@ def each_at_best(power: Array, along: Array) -> tuple[Array, Array]:
     return evidence[best], variance[best]
 
 
-def shown(columns: Array, length: Array, data: Array) -> tuple[Array, Array]:
+def units(length: Array, precision: Array | float = 0.0) -> Array:
+    """Return what each column is divided by for all coefficients to have equal precision, (k,).
+
+    Its length (k,), so that its unit does not matter, or by what is known of its coefficient: the
+    root of its `precision` (k,). Infinite where a column is empty.
+    """
+    return np.where(precision, np.sqrt(precision), np.where(length > 0, length, np.inf))
+
+
+def shown(
+    columns: Array, length: Array, data: Array, precision: Array | float = 0.0
+) -> tuple[Array, Array]:
     """Return the information on independent directions of columns, and their products with data.
 
     Parameters
@@ -98,8 +109,10 @@ def shown(columns: Array, length: Array, data: Array) -> tuple[Array, Array]:
         Whitened columns (n, k) and data (n,), the model projected out of both.
     length
         How long the columns were before, shape (k,): what the model draws all of shows nothing.
+    precision
+        What is known of their coefficients beforehand, shape (k,), up to a factor.
     """
-    unit = columns / np.where(length > 0, length, np.inf)
+    unit = columns / units(length, precision)
     power, vectors = np.linalg.eigh(unit.T @ unit)
     good = power > VISIBLE**2 * max(1.0, float(power[-1]))
     return power[good], vectors[:, good].T @ (unit.T @ data)

@@ -101,7 +101,7 @@ def fit(
     if wrong := undetermined(len(value), int((known == 0).sum())):
         raise BadInput(wrong, recordings.file)
     noise = WEIGHTS[weights](value, columns[:, known == 0], frame(recordings, data))
-    solution = solve(noise, columns, value, known if known.any() else None)
+    solution = solve(noise, columns, value, known)
     sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 0))
     values, sigma = (np.where(solution.known, one, np.nan) for one in (solution.values, sigma))
     found = []

@@ -140,21 +140,19 @@ class Solution:
     normal: Array  #: products of the columns, what is known beforehand added, shape (P, P)
 
     @classmethod
-    def of(cls, products: Array, precision: Array | None = None) -> Solution:
+    def of(cls, products: Array, precision: Array | float = 0.0) -> Solution:
         """Return the solution from products (P + 1, P + 1) of the columns and, last, the data.
 
         `precision` (P,): what is known of each coefficient beforehand, one over the variance of a
         normal about zero; nothing where it is zero.
         """
-        normal, right = products[:-1, :-1], products[:-1, -1]
-        if precision is not None:
-            normal = normal + np.diag(precision)
+        right = products[:-1, -1]
+        precision = np.full(len(right), precision)
+        normal = products[:-1, :-1] + np.diag(precision)
         inverse, rank, known = inverse_of(normal)
         values = inverse @ right
-        left = float(products[-1, -1] - right @ values)
-        if precision is not None:
-            left -= float(precision @ values**2)
-            rank -= round(float(precision @ np.diag(inverse)))
+        left = float(products[-1, -1] - right @ values - precision @ values**2)
+        rank -= round(float(precision @ np.diag(inverse)))
         return cls(values, inverse, known, left, rank, normal)
 
     @cached_property
@@ -218,7 +216,7 @@ class Gram:
         """Return the sum of squares of the data."""
         return float(self.matrices[:, -1, -1].sum())
 
-    def solve(self, parts: Sequence[Part], precision: Array | None = None) -> Solution:
+    def solve(self, parts: Sequence[Part], precision: Array | float = 0.0) -> Solution:
         """Return the least-squares solution for a choice of parts; `precision`: `Solution.of`."""
         right = self.moments(parts)[:, None]
         data = np.array([[self.total()]])

@@ -46,7 +46,7 @@ def equal(value: Array, design: Array, given: Frame) -> Covariance:
 
 
 def solve(
-    covariance: Covariance, columns: Array, value: Array, precision: Array | None = None
+    covariance: Covariance, columns: Array, value: Array, precision: Array | float = 0.0
 ) -> Solution:
     """Return coefficients and their covariance.
 
@@ -74,16 +74,15 @@ def solve(
         return best
     white = soft.whiten(data)
     normal = white[:, :-1].T @ white[:, :-1]
-    if precision is not None:
-        normal += np.diag(precision)
+    normal += np.diag(np.full(len(normal), precision))
     inverse, _, known = inverse_of(normal)
     values = inverse @ (white[:, :-1].T @ white[:, -1])
     estimator = soft.unwhiten(white[:, :-1]) @ inverse
     errors, shares = covariance.errors(estimator)
     wider = widening(shares)
     scatter = errors.T @ errors * np.outer(wider, wider)
-    if precision is not None:  # how far from where they start the coefficients may be drawn
-        scatter += (inverse * precision) @ inverse
+    # How far from where they start the coefficients may be drawn.
+    scatter += (inverse * precision) @ inverse
     return replace(
         best,
         values=values,

@@ -108,13 +108,13 @@ def test_a_field_has_the_evidence_of_its_prior_wherever_it_is_weighed():
     wider = setup.with_columns(columns / unit)
     one = Chosen(as_candidate(best, places, unit), "all")
     trial = projection(wider, weigh(wider), ()).trials([(one.candidate, "all")])[0]
-    own, prior = wider.expanded([one]), wider.precision([one])
+    own, known = wider.expanded([one]), wider.precision([one])
     model = wider.expanded(wider.base)
-    _, gained = _lack(weighed.covariance, model, own, wider.residual, prior)
+    _, gained = _lack(weighed.covariance, model, own, wider.residual, known)
 
     assert trial.evidence == pytest.approx(best.evidence, abs=2)
     assert gained - one.candidate.price == pytest.approx(best.evidence, abs=2)
-    assert _lack(weighed.covariance, model, own, wider.residual, None)[1] != pytest.approx(
+    assert _lack(weighed.covariance, model, own, wider.residual, 0.0)[1] != pytest.approx(
         gained, abs=2
     )
 

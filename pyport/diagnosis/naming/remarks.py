@@ -255,8 +255,7 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
     """Yield what is wrong with one fit."""
     solution = fit.solution
     known = solution.known
-    before = diagnosis.setup.precision(fit.choices)
-    free = len(known) if before is None else np.count_nonzero(before == 0)
+    free = np.count_nonzero(diagnosis.setup.precision(fit.choices) == 0)
     if wrong := undetermined(len(diagnosis.setup.residual), int(free)):
         yield wrong
         return

@@ -83,8 +83,8 @@ def _gained(
         # What walks on from night to night may have been taken for nights that depart.
         noises.append(_noise_alike(setup, others, like, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
-    prior = setup.precision([one])
-    found = [_lack(covariance, model, own, value, prior) for covariance in noises]
+    known = setup.precision([one])
+    found = [_lack(covariance, model, own, value, known) for covariance in noises]
     without = min(lack for lack, _ in found)
     with_it = min(lack - gained for lack, gained in found)
     return without - with_it
@@ -102,8 +102,8 @@ def worth_beside_own(setup: Problem, others: Sequence[Chosen], one: Chosen) -> f
     """
     whole = noise(setup, (*others, one), searching=False)
     model = setup.expanded((*setup.base, *others))
-    own, prior = setup.expanded([one]), setup.precision([one])
-    lack, gained = _lack(whole, model, own, setup.residual, prior)
+    own, known = setup.expanded([one]), setup.precision([one])
+    lack, gained = _lack(whole, model, own, setup.residual, known)
     return gained - lack - one.candidate.price
 
 
@@ -134,19 +134,19 @@ def _improbable(covariance: Covariance) -> float:
 
 
 def _lack(
-    covariance: Covariance, model: Array, own: Array, value: Array, prior: Array | None = None
+    covariance: Covariance, model: Array, own: Array, value: Array, precision: Array | float
 ) -> tuple[float, float]:
     """Return minus twice the restricted log-likelihood beside a model, and an effect's evidence.
 
     The effect's coefficients have equal precision beforehand, each column measured by its length,
-    or that of a `prior`, shape (k,), up to a factor.
+    or that which is known of them, `precision` (k,), up to a factor.
     """
     white = covariance.whiten(np.concatenate([model, own, value[:, None]], axis=1))
     p = model.shape[1]
     lack, basis, left = beside_model(covariance, white[:, :p], white[:, -1])
     rest = white[:, p:-1] - basis @ (basis.T @ white[:, p:-1])
-    size = np.linalg.norm(white[:, p:-1], axis=0) if prior is None else np.sqrt(prior)
-    return lack, at_best(*shown(rest, size, left))[0]
+    length = np.linalg.norm(white[:, p:-1], axis=0)
+    return lack, at_best(*shown(rest, length, left, precision))[0]
 
 
 def beside_model(covariance: Covariance, model: Array, value: Array) -> tuple[float, Array, Array]:

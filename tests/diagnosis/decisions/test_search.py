@@ -110,7 +110,7 @@ def warned(at, turns=0):
             setup=SimpleNamespace(
                 residual=np.zeros(100),
                 recordings=SimpleNamespace(at=at, meta={}),
-                precision=lambda _: None,
+                precision=lambda _: np.zeros(1),
             ),
             before=fit,
             after=fit,
@@ -807,7 +807,7 @@ def test_evidence_beside_a_model_is_that_of_dense_algebra():
         noises=[SimpleNamespace(between=2.0, within=0.0)],
         departures=[],
     )
-    lack, gained = confirming._lack(plain, model, own, value)
+    lack, gained = confirming._lack(plain, model, own, value, 0.0)
     basis = np.linalg.qr(model)[0]
     left = (value - basis @ (basis.T @ value)) / 2
     wanted = 30 * np.log(4) + np.linalg.slogdet(model.T @ model / 4)[1] + left @ left
