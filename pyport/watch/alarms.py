@@ -11,9 +11,9 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pyport.angles import ARCSEC, Array
+from pyport.diagnosis.naming.classes import decide_by
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.words import number
-from pyport.diagnosis.searching.turns import decide_by
 from pyport.watch.detection.antenna import Antenna
 from pyport.watch.detection.changes import Change
 from pyport.watch.detection.composite import log_omitted

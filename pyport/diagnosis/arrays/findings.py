@@ -12,7 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.joint import sigmas, visible
-from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming import classes, words
 from pyport.diagnosis.naming.finding import Evidence, Finding, Where
 from pyport.diagnosis.naming.scene import (
     Scene,
@@ -25,7 +25,6 @@ from pyport.diagnosis.naming.scene import (
     scaled,
     size,
 )
-from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Step
 from pyport.thresholds import SEVERAL, SIGNIFICANT
 
@@ -180,7 +179,7 @@ def _own(
         true_rms=size(scene, centred(scene, curve), rows),
         variant=effect.variant,
         heldout=held_out(scene, earlier, (*earlier, chosen), rows),
-        decide_by=turns.decide_by(step.called.members),
+        decide_by=classes.decide_by(step.called.members),
         checks=tuple(one.words for one in checks),
         curve=seen,
     )
@@ -219,7 +218,7 @@ def _shared(
         visible_rms=size(scene, seen, curve != 0),
         true_rms=size(scene, centred(scene, curve), curve != 0),
         heldout=held_out(scene, earlier, (*earlier, common), np.abs(curve) > 0),
-        decide_by=turns.decide_by(members),
+        decide_by=classes.decide_by(members),
         curve=seen,
     )
 

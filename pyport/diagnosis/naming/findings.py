@@ -12,7 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import contribution, largest_offset, visible
-from pyport.diagnosis.naming import waves, words
+from pyport.diagnosis.naming import classes, waves, words
 from pyport.diagnosis.naming.finding import Finding, Where, beyond
 from pyport.diagnosis.naming.scene import (
     Check,
@@ -28,7 +28,6 @@ from pyport.diagnosis.naming.scene import (
     size,
 )
 from pyport.diagnosis.naming.verdict import honest
-from pyport.diagnosis.searching import turns
 from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
@@ -140,9 +139,9 @@ def _single(
     )
 
 
-def _decided(called: turns.Name, like: str | None) -> str | None:
+def _decided(called: classes.Name, like: str | None) -> str | None:
     """Return what distinguishes the names of a finding, and a wave from its like on a grid."""
-    apart = turns.decide_by(called.members, called.others)
+    apart = classes.decide_by(called.members, called.others)
     orders = ", ".join(f"{order:.5g}" for order in called.orders)
     wider = f"it could be k = {orders} as well: observe a wider range of directions"
     return "; ".join(filter(None, (apart, like, orders and wider))) or None

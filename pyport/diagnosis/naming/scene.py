@@ -15,8 +15,9 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.disagreements import cuts
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
+from pyport.diagnosis.naming.classes import agrees
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
-from pyport.diagnosis.searching.turns import Outcome, Step, agrees
+from pyport.diagnosis.searching.turns import Outcome, Step
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination

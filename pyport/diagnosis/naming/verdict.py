@@ -16,11 +16,12 @@ import numpy as np
 
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.naming.classes import TIE, decide_by, fits_physics
 from pyport.diagnosis.naming.finding import Finding, Stability
 from pyport.diagnosis.naming.guards import Refusal, refusal
 from pyport.diagnosis.naming.scene import Scene
 from pyport.diagnosis.searching.confirming import confirmed
-from pyport.diagnosis.searching.turns import TIE, Step, decide_by, fits_physics
+from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.trial import CandidateFit, at_best
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of

@@ -17,7 +17,7 @@ from pyport.mounts import ALTAZ
 from pyport.thresholds import SEEN, SIGNIFICANT
 
 if TYPE_CHECKING:
-    from pyport.diagnosis.searching.turns import Name
+    from pyport.diagnosis.naming.classes import Name
     from pyport.fitting.combinations import Combination
 
 

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, confounded
-from pyport.diagnosis.searching import turns
+from pyport.diagnosis.naming import classes
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
@@ -103,7 +103,7 @@ def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
         if all(c.expected is None for c in one.candidate.effect.coefficients):
             continue
         trial = alone(setup, outcome.weighed, chosen, one)
-        if trial is not None and not turns.fits_physics(trial):
+        if trial is not None and not classes.fits_physics(trial):
             found.add(one.candidate.effect.id)
     return frozenset(found)
 

@@ -14,10 +14,11 @@ import numpy as np
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen, confounded
 from pyport.diagnosis.holdout import unseen
-from pyport.diagnosis.searching import turns
+from pyport.diagnosis.naming import classes
+from pyport.diagnosis.naming.classes import TIE
 from pyport.diagnosis.searching.changes import past_outliers
 from pyport.diagnosis.searching.confirming import likeliest, worth_beside_own
-from pyport.diagnosis.searching.turns import TIE, Outcome, Step
+from pyport.diagnosis.searching.turns import Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
@@ -96,7 +97,7 @@ def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:
         and best.evidence - OUT_OF_REACH < one.evidence < best.evidence - NOT_EXCLUDED
     ]
     driven.sort(key=lambda one: -round(one.evidence, TIE))
-    tried = turns.distinct(step.beside, [best, *driven], MOST_NOISES)[1:]
+    tried = classes.distinct(step.beside, [best, *driven], MOST_NOISES)[1:]
     if not tried:
         return step
     whole = worth_beside_own(setup, others, step.chosen)
@@ -133,7 +134,7 @@ def _of_families(outcome: Outcome) -> Outcome:
             and each.evidence > step.winner.evidence - OUT_OF_REACH
         ]
         same.sort(key=lambda each: -round(each.evidence, TIE))
-        others = turns.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]
+        others = classes.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]
         members = [one, *(Chosen(each.candidate, each.scope) for each in others)]
         best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:

@@ -11,7 +11,7 @@ from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
-from pyport.diagnosis.searching import turns
+from pyport.diagnosis.naming import classes
 from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
 from pyport.diagnosis.searching.contenders import (
     Contender,
@@ -127,7 +127,7 @@ def _at_least(one: Contender, anew: float) -> Contender:
 
 
 def _rank(one: Contender) -> float:
-    return -round(one.trial.evidence, turns.TIE)
+    return -round(one.trial.evidence, classes.TIE)
 
 
 def _changes(
@@ -185,7 +185,7 @@ def lasting_effects(
         if one.trial.evidence > least:
             found.append(replace(one, price=one.price - shared))
     found.sort(key=_rank)
-    tried = turns.distinct(beside, (one.trial for one in found), MOST_TRIED)
+    tried = classes.distinct(beside, (one.trial for one in found), MOST_TRIED)
     return [one for one in found if any(one.trial is each for each in tried)]
 
 
@@ -219,10 +219,10 @@ def _worth(
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]
-    named.sort(key=lambda trial: -round(trial.evidence, turns.TIE))
-    sound = [trial for trial in named if turns.fits_physics(trial)]
+    named.sort(key=lambda trial: -round(trial.evidence, classes.TIE))
+    sound = [trial for trial in named if classes.fits_physics(trial)]
     best = sound[0].evidence if sound else least
-    leader = next((t for t in named if turns.seen(t)), None)
+    leader = next((t for t in named if classes.seen(t)), None)
     if leader is not None and leader.evidence > best + LEADS:
         return [leader, *sound]
     return sound

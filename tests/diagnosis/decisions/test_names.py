@@ -9,11 +9,10 @@ from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, t
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import Candidate
-from pyport.diagnosis.naming import guards, scene
+from pyport.diagnosis.naming import classes, guards, scene
 from pyport.diagnosis.naming import verdict as resampling
 from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.naming.verdict import judged
-from pyport.diagnosis.searching import turns
 from pyport.effects import CATALOGUE, Coefficient
 from pyport.effects.empirical import conditions, driven
 from pyport.effects.telescope import encoders
@@ -22,7 +21,7 @@ from pyport.effects.telescope import encoders
 def members(rivals, winner=None, **alike):
     """Return the class of a winner, refraction, among rivals."""
     winner = winner or trial("refraction", 100.0, gain=1000.0)
-    return turns.name(winner, [winner, *rivals], beside(**alike)).members
+    return classes.name(winner, [winner, *rivals], beside(**alike)).members
 
 
 @pytest.mark.parametrize(
@@ -65,7 +64,7 @@ def test_of_driven_terms_another_term_and_another_condition_count(
     winner = trial(of=follows("tilt", "pressure_hpa"), evidence=100.0)
     rival = trial(of=follows(term, condition), evidence=evidence)
 
-    found = turns.name(winner, [winner, rival], beside())
+    found = classes.name(winner, [winner, rival], beside())
     assert found.members == ("driven_term",)
     assert found.others == ((told,) if other and told else ())
 
@@ -80,7 +79,7 @@ def test_how_often_a_wave_goes_round_may_be_open(evidence, orders):
     winner = trial(of=wave(encoders.elevation_encoder_harmonics, 5), evidence=100.0)
     rival = trial(of=wave(encoders.elevation_encoder_harmonics, 4), evidence=evidence)
     other, more = (trial(of=wave(encoders.azimuth_harmonics, k), evidence=97.0) for k in (3, 7))
-    found = turns.name(winner, [winner, rival, other, more], beside())
+    found = classes.name(winner, [winner, rival, other, more], beside())
 
     assert found.members == ("elevation_encoder_harmonics", "azimuth_harmonics")
     assert (found.orders, found.others) == (orders, ())
@@ -145,7 +144,7 @@ def test_the_runner_up_is_the_best_outside_of_the_class():
     """Of those outside, the one with the most evidence."""
     winner = trial("refraction", 100.0, gain=1000.0)
     rivals = [trial("skew", 20.0), trial("sag_sine", 30.0), trial("tilt", 95.0)]
-    found = turns.name(winner, [winner, *rivals], beside())
+    found = classes.name(winner, [winner, *rivals], beside())
 
     assert found.members == ("refraction", "tilt")
     assert found.runner_up.candidate.effect.id == "sag_sine"
@@ -183,7 +182,7 @@ def known_size(value_arcsec, sigma_arcsec):
 )
 def test_a_size_that_physics_fixes_must_come_out(value, sigma, fits):
     """Within four sigma and a tenth of it, of a sigma that is at most half of it."""
-    assert turns.fits_physics(known_size(value, sigma)) == fits
+    assert classes.fits_physics(known_size(value, sigma)) == fits
 
 
 @pytest.mark.parametrize(
@@ -203,7 +202,7 @@ def test_a_size_that_physics_fixes_must_come_out(value, sigma, fits):
 )
 def test_other_causes_may_bend_a_known_size_by_a_factor_of_two(value, sigma, seen):
     """With its sign, and seen: the sigma at most half of it."""
-    assert turns.seen(known_size(value, sigma)) == seen
+    assert classes.seen(known_size(value, sigma)) == seen
 
 
 @pytest.mark.parametrize(

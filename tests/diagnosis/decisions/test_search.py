@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.candidates import Blocks
 from pyport.diagnosis.case import Chosen
-from pyport.diagnosis.naming import remarks
+from pyport.diagnosis.naming import classes, remarks
 from pyport.diagnosis.searching import (
     changes,
     confirmed_changes,
@@ -20,7 +20,6 @@ from pyport.diagnosis.searching import (
     contenders,
     search,
     settling,
-    turns,
     winner,
 )
 from pyport.diagnosis.searching.contenders import Contender
@@ -365,7 +364,7 @@ def test_of_one_curve_the_first_stands_for_all(forth, back, scope, kept):
     first, second = trial("refraction", 20.0), trial("wet_refraction", 19.0, scope=scope)
     shared = SimpleNamespace(share=lambda one, _: forth if one is first else back)
 
-    assert turns.distinct(shared, [first, second], 4) == [first, second][:kept]
+    assert classes.distinct(shared, [first, second], 4) == [first, second][:kept]
 
 
 def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
@@ -404,7 +403,7 @@ def test_one_of_several_alike_is_likelier_than_that_one(
         "refined",
         lambda _s, _w, _c, one: Contender(one, None, Chosen(one.candidate, "all"), 3.0),
     )
-    monkeypatch.setattr(winner.turns, "distinct", lambda _, trials, __: list(trials))
+    monkeypatch.setattr(winner.classes, "distinct", lambda _, trials, __: list(trials))
     own, other = trial("refraction", 20.0), trial("skew", evidence, scope=scope)
     given = setup(blocks=SimpleNamespace(antennas=antennas))
     found = winner.lasting_effects(given, WEIGHED, (), [own, other], (), 0.0, None)
