@@ -195,7 +195,8 @@ def _misread(
         Fitted(setup.residual - fit.predicted, sum(setup.part(one).size for one in some))
         for fit, some in zip(fits, (named, found), strict=True)
     )
-    return misread(setup.recordings, setup.model, refit, weighed.used, of_names, of_all)
+    other = misread(setup.recordings, setup.model, refit, weighed.used, of_names, of_all)
+    return None if other is None else other.of_findings
 
 
 def searched(setup: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:

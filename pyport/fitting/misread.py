@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array, Codes
 from pyport.effects.base import Circumstances
-from pyport.fitting.fit import expanded
+from pyport.fitting.fit import Fit, expanded
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ
@@ -27,6 +27,41 @@ from pyport.thresholds import MOSTLY, OUT_OF_REACH
 Words = tuple[str, ...]
 #: What is read otherwise; the offsets x and y that it makes (n,), and by how much x is scaled.
 Reading = tuple[Words, Array, Array, Array | float]
+
+
+@dataclass(frozen=True)
+class Misread:
+    """How a file may have been misread: words, and what the model leaves if it was.
+
+    `if_so_arcsec` is that rms, `as_read_arcsec` that of the fit to the file as it stands; where
+    offsets are scaled, both in the scale of the other reading.
+    """
+
+    words: Words
+    if_so_arcsec: float
+    as_read_arcsec: float
+
+    @property
+    def of_findings(self) -> str:
+        """Return it as a diagnosis says it."""
+        return (
+            f"The file may have been misread: if {self._so}, the model alone leaves "
+            f"{self.if_so_arcsec:.3g} arcsec rms, where the model with all effects found leaves "
+            f"{self.as_read_arcsec:.3g}: check that first."
+        )
+
+    @property
+    def of_fit(self) -> str:
+        """Return it as a fit says it, which does not know what the model lacks."""
+        return (
+            f"the file may have been misread, or the model lacks something: if {self._so}, the "
+            f"fit leaves {self.if_so_arcsec:.3g} arcsec rms, where it leaves "
+            f"{self.as_read_arcsec:.3g} as the file stands; pyport diagnose tells which"
+        )
+
+    @property
+    def _so(self) -> str:
+        return ", and ".join(self.words)
 
 
 @dataclass(frozen=True)
@@ -47,7 +82,7 @@ def misread(
     used: NDArray[np.bool_],
     named: Fitted,
     every: Fitted | None = None,
-) -> str | None:
+) -> Misread | None:
     """Return how a file may have been misread, None where no other reading fits much better.
 
     Readings are compared by the likelihood of Laplace's distribution of either axis, that of a
@@ -76,11 +111,14 @@ def misread(
     was, now = (
         float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[numbers.rows] * scale, left)
     )
-    return (
-        f"The file may have been misread: if {', and '.join(words)}, the model alone leaves "
-        f"{now:.3g} arcsec rms, where the model with all effects found leaves {was:.3g}: check "
-        "that first."
-    )
+    return Misread(words, now, was)
+
+
+def of_fit(fit: Fit) -> Misread | None:
+    """Return how the file of a fit may have been misread, as `misread` does."""
+    refit = {one.term.effect.id for one in fit.coefficients}
+    used = fit.noise.used
+    return misread(fit.recordings, fit.model, refit, used, Fitted(np.nan_to_num(fit.residual)))
 
 
 @dataclass(frozen=True)

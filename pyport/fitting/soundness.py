@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.effects.base import Circumstances
 from pyport.effects.degeneracies import BY_ELEVATION
+from pyport.fitting import misread
 from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.two_axes import UNLIKELY
 from pyport.recordings.schema import Stack
@@ -132,6 +133,8 @@ def correlation(fit: Fit) -> Array:
 
 def warnings(fit: Fit) -> Iterator[str]:
     """Yield a sentence for everything that a user should know before trusting the numbers."""
+    if (other := misread.of_fit(fit)) is not None:
+        yield other.of_fit
     everything = named(fit)
     unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
     if unknown:

@@ -9,7 +9,7 @@ from diagnosis.made import recordings
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.fitting.fit import completed, fit
-from pyport.fitting.misread import Fitted, misread
+from pyport.fitting.misread import Fitted, misread, of_fit
 from pyport.formats.models import load
 from pyport.mounts import KINDS
 
@@ -19,7 +19,8 @@ ALTAZ = load("altaz")
 def said(measured, model=ALTAZ):
     """Return what is said of recordings with the model alone fitted to them."""
     found = fit(measured, model)
-    return misread(found.recordings, model, None, found.noise.used, Fitted(found.residual))
+    other = of_fit(found)
+    return None if other is None else other.of_fit
 
 
 def turned(measured, where, **sign):
@@ -36,6 +37,7 @@ def test_a_file_that_is_right_is_not_doubted():
     nodding = recordings(300, 2, y=lambda at: 60 * (np.sin(at.el) - np.cos(at.el)))
 
     assert "zenith" in said(nodding)
+    assert "or the model lacks something" in said(nodding)
     assert diagnose(nodding, ALTAZ).misread is None
 
 
@@ -73,7 +75,8 @@ def test_offsets_are_held_against_a_model_that_is_not_refitted():
     def of(wrong):
         value = found.stack.spread(wrong.x, wrong.y)
         left = value - found.stack.spread(*steering.offsets(wrong.at))
-        return misread(wrong, steering, none, zero == 0, Fitted(left))
+        other = misread(wrong, steering, none, zero == 0, Fitted(left))
+        return None if other is None else other.of_findings
 
     assert of(measured) is None
     assert "all offsets have the other sign" in of(replace(measured, x=-measured.x, y=-measured.y))
@@ -104,7 +107,7 @@ def test_a_reading_that_leaves_more_than_curves_without_a_name_explains_nothing(
         for one in curves
     ]
 
-    assert "counted in the opposite sense" in told[0]
+    assert "counted in the opposite sense" in told[0].of_findings
     assert told[1] is None
 
 
