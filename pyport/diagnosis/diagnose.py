@@ -226,8 +226,10 @@ def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
 
 
 def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
-    """Return the rms size [rad] at which each effect would have been seen in half of the cases."""
-    powers = np.einsum("mk,mk->k", setup.whole, setup.whole)[:-1] / len(setup.whole)
+    """Return the size [rad] at which each effect would have been seen in half of the cases.
+
+    The rms over the readings that it acts on.
+    """
     limits: dict[str, float] = {}
     for trial in outcome.last:
         known = float(np.trace(trial.information))
@@ -236,7 +238,8 @@ def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
             continue
         own = trial.candidate
         gain = gain_needed(trial, CONVINCING + own.price + among(setup, own.effect))
-        power = float(powers[own.columns].sum())
-        size = float(np.sqrt(gain * power / known))
+        columns = setup.picked(own.columns)
+        touched = np.count_nonzero(columns.any(axis=1))
+        size = float(np.sqrt(gain * (columns**2).sum() / (known * touched)))
         limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))
     return limits

@@ -18,6 +18,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.weighing import WhitenedData, weigh
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
+from pyport.least_squares.gram import spanned
 from pyport.runs.stages import stage
 from pyport.thresholds import MOSTLY, SIGNIFICANT
 
@@ -173,7 +174,7 @@ class _Ground:
 
 def _gain(model: Array, more: Array, data: Array) -> float:
     """Return by how much more columns lower the sum of squares that a model leaves."""
-    basis = np.linalg.qr(model / np.maximum(np.linalg.norm(model, axis=0), 1e-300))[0]
+    basis = spanned(model)[0]
     beside = np.concatenate([more, data[:, None]], axis=1)
     beside -= basis @ (basis.T @ beside)
     columns, left = beside[:, :-1], beside[:, -1]

@@ -134,6 +134,14 @@ class Circumstances:
         return replace(self, az=first, el=second, fine=None, mount=ALTAZ, sky=self)
 
     @property
+    def onto_sky(self) -> Array:
+        """Return what brings offsets of the mount's first axis onto the sky, cos E, shape (n,).
+
+        Below zero past the zenith.
+        """
+        return np.asarray(np.cos(self.axes.el) * self.side)
+
+    @property
     def frame(self) -> float:
         """Return the latitude [rad] that the mount's axes depend on; 0 where they do not."""
         return self.latitude() if self.mount.needs_latitude else 0.0

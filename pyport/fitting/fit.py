@@ -114,7 +114,7 @@ def fit(
     left = value - columns @ np.nan_to_num(values)
     white = noise.whiten(np.concatenate([columns, value[:, None]], axis=1))
     across = noise.whiten(columns * ~data.is_y[:, None])
-    compared = _two_axes(white, across, int(np.count_nonzero(noise.weights > 0)), owners)
+    compared = _two_axes(white, across, int(noise.used.sum()), owners)
     return Fit(
         recordings,
         model,
@@ -144,7 +144,7 @@ def _two_axes(
     """Yield what each axis alone says of the terms that act on both.
 
     `white` (n, P + 1) holds the whitened columns and, last, the data, `across` (n, P) what the
-    columns do in cross-elevation alone; `rows` is the number of readings.
+    columns do in cross-elevation alone; `rows` is the number of readings that are no outliers.
     """
     of_column = np.repeat(
         [id(term) for term, _ in owners], [len(term.effect.coefficients) for term, _ in owners]

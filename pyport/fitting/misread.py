@@ -21,6 +21,7 @@ from pyport.fitting.fit import Fit, expanded
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ
+from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.thresholds import MOSTLY, OUT_OF_REACH
 
@@ -123,11 +124,20 @@ def of_fit(fit: Fit) -> Misread | None:
 
 @dataclass(frozen=True)
 class _Numbers:
-    """Which k of the m numbers count, and the number of the axis in a session of each of them."""
+    """Which k of the m readings count.
+
+    `side` is the number of the axis in a session of each of them, `measured` that of the pointing
+    and axis: repeats have the same, shape (k,) each.
+    """
 
     stack: Stack
     rows: Codes
     side: Codes
+    measured: Codes
+
+    def averaged(self, values: Array) -> Array:
+        """Return the mean over repeats of values (k,), one for each pointing and axis."""
+        return np.bincount(self.measured, values) / np.bincount(self.measured)
 
     def centred(self, columns: Array) -> Array:
         """Return columns (k, P), or one (k,), less the mean of each axis in each session."""
@@ -138,19 +148,20 @@ class _Numbers:
 
     def misfit(self, left: Array) -> float:
         """Return minus twice the log-likelihood of residuals (k,), each axis of its own scatter."""
-        sizes = (np.abs(left[self.side % 2 == axis]) for axis in (0, 1))
+        size, axis_of = np.abs(self.averaged(left)), self.averaged((self.side % 2).astype(float))
+        sizes = (size[axis_of == axis] for axis in (0, 1))
         return sum(
             2 * len(one) * float(np.log(max(one.mean(), 1e-12))) for one in sizes if len(one)
         )
 
     def misfit_of(self, fitted: Fitted) -> float:
         """Return the same of a fit to the file as it stands, its coefficients paid for."""
-        price = float(np.log(len(self.rows)))
+        price = float(np.log(self.measured.max() + 1))
         return self.misfit(self.centred(fitted.left[self.rows])) + fitted.coefficients * price
 
 
 def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:
-    """Return the numbers that count: no outliers, which are few.
+    """Return the readings that count: no outliers, which are few.
 
     Where most of an axis in a session are, it is the others that they lie out of.
     """
@@ -158,7 +169,8 @@ def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:
     side = 2 * group(recordings, ("session",))[0][data.row] + data.is_y
     share = np.bincount(side, weights=used) / np.maximum(np.bincount(side), 1)
     rows = np.flatnonzero(used | (share[side] < MOSTLY))
-    return _Numbers(data, rows, side[rows])
+    number = 2 * pointings(recordings)[data.row] + data.is_y
+    return _Numbers(data, rows, side[rows], np.unique(number[rows], return_inverse=True)[1])
 
 
 def _refitted(
@@ -179,7 +191,7 @@ def _refitted(
             scale = np.broadcast_to(scale_x, len(recordings))[data.row[rows]]
             scale = np.where(data.is_y[rows], 1.0, scale)
             # Smaller numbers are likelier by as much as they were made smaller.
-            misfit = numbers.misfit(left) - 2 * float(np.log(scale).sum())
+            misfit = numbers.misfit(left) - 2 * numbers.averaged(np.log(np.abs(scale))).sum()
             yield misfit, (*directions, *words), left, scale
 
 
@@ -193,7 +205,9 @@ def _directions(at: Circumstances) -> Iterator[tuple[Words, Circumstances]]:
 def _offsets(recordings: Recordings, here: Circumstances, model: Model) -> Iterator[Reading]:
     """Yield the offsets as they were read and otherwise, for the directions that are read."""
     x, y, first = recordings.x, recordings.y, recordings.at.mount.first.name
-    cosine, read = (np.maximum(np.cos(one.axes.el), 1e-3) for one in (here, recordings.at))
+    cosine, read = (
+        np.where(np.abs(one) > 1e-3, one, 1e-3) for one in (here.onto_sky, recordings.at.onto_sky)
+    )
     opposite = (
         f"{first} is counted in the opposite sense, or the offsets of one axis, of which these "
         f"recordings cannot tell, have the other sign"

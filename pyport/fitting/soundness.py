@@ -33,8 +33,7 @@ def largest_offset(data: Stack, at: Circumstances) -> float:
 
     Of the first axis that is x over the cosine of the second: x / cos E.
     """
-    cosine = np.cos(at.axes.el) * at.side
-    reading = np.where(data.is_y, 1.0, np.maximum(cosine[data.row], 1e-3))
+    reading = np.where(data.is_y, 1.0, np.maximum(np.abs(at.onto_sky), 1e-3)[data.row])
     return float((np.abs(data.value) / reading).max(initial=0.0))
 
 

@@ -154,7 +154,6 @@ def weights(columns: Array, value: Array, reach: float, floor: float = 0.0) -> W
     """
     if len(value) == 0:
         return Weights(np.ones(0), value, settled=True)
-    residual = value - np.median(value)
     weight = np.ones(len(value))
     refit = Refit(columns, value)
     spare = max(1, len(value) - refit.rank)

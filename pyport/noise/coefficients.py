@@ -70,9 +70,7 @@ def solve(
     products = strict.T @ strict
     best = Solution.of(products, precision)
     soft = tempered(covariance)
-    if soft is covariance:
-        return best
-    white = soft.whiten(data)
+    white = strict if soft is covariance else soft.whiten(data)
     normal = white[:, :-1].T @ white[:, :-1]
     normal += np.diag(np.full(len(normal), precision))
     inverse, _, known = inverse_of(normal)

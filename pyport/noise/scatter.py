@@ -220,18 +220,17 @@ def variance_function(
     every = np.concatenate([np.ones((len(of), 1)), *some], axis=1)
     columns = every[of]
     kind = np.repeat(np.arange(len(some)), [one.shape[1] for one in some])
-    # A square about its mean scatters by 2 for normal deviations, more where tails are left.
-    spread = max(2.0, float(np.var(square / max(square.mean(), 1e-300))) / 2)
     values = np.zeros(columns.shape[1])
     values[0] = np.log(max(float(square.mean()), 1e-300))
     prior = np.full(len(some), 0.1)
-    normal = columns.T @ columns / spread
+    # A square about its mean has a variance of 2 for normal deviations.
+    normal = columns.T @ columns / 2
     for _ in range(ROUNDS):
         log_variance = np.clip(columns @ values - values[0], -MOST, MOST) + values[0]
         working = np.clip(square * np.exp(-log_variance), 0, 20) - 1 + log_variance
         penalty = np.concatenate([[0.0], 1 / np.maximum(prior[kind], 1e-12)])
         covariance = np.linalg.inv(normal + np.diag(penalty))
-        values = covariance @ (columns.T @ working / spread)
+        values = covariance @ (columns.T @ working / 2)
         own = values[1:]
         known = 1 - np.diag(covariance)[1:] * penalty[1:]
         for n in range(len(some)):

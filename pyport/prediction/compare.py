@@ -12,11 +12,13 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.errors import BadInput
+from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.rehearsal import NIGHTS, Rehearsal, left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings, as_input, counted
 from pyport.runs.workers import one_thread
+from pyport.thresholds import OUTLIER_WEIGHT
 
 #: Terms of which one is so many times larger than all of them together cancel each other.
 CANCEL = 3.0
@@ -152,8 +154,6 @@ def as_json(done: Comparison, rehearsals: Sequence[Rehearsal] = ()) -> dict[str,
     }
 
 
-#: Readings of less weight beside the model are outliers and count for nobody.
-OUTLIER = 0.05
 #: What is left of the readings when some are left out must still determine a model.
 KEPT = 0.8
 #: With so many offsets for each term picking costs next to nothing, and is not tried.
@@ -253,7 +253,7 @@ def compare(
 
     return Comparison(
         recordings.file.name,
-        len(recordings),
+        len(night.pointings[0]),
         len(night.stack),
         int(np.count_nonzero(~_counted(night, model))),
         row(first),
@@ -291,7 +291,7 @@ def _counted(night: Night, model: Model) -> np.ndarray[tuple[int], np.dtype[np.b
     """Tell which readings are no outliers beside the model, shape (m,)."""
     everything = np.ones(len(night.stack), bool)
     weight = solved(night.columns(model), night.value(model), night.stack.is_y, everything)[1]
-    return np.asarray(weight >= OUTLIER)
+    return np.asarray(weight >= OUTLIER_WEIGHT)
 
 
 def cancelled(rival: Refitted, model: Refitted) -> float:
@@ -302,7 +302,7 @@ def cancelled(rival: Refitted, model: Refitted) -> float:
     everything = np.ones(len(rival.value), bool)
     values, _ = solved(rival.columns, rival.value, rival.night.stack.is_y, everything)
     terms = rival.columns * values
-    basis = np.linalg.qr(model.columns / np.linalg.norm(model.columns, axis=0))[0]
+    basis = spanned(model.columns)[0]
     whole = terms.sum(axis=1)
     added = whole - basis @ (basis.T @ whole)
     single = terms - basis @ (basis.T @ terms)

@@ -9,6 +9,7 @@ is to predict, it shows what picking costs.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +19,9 @@ from pyport.angles import Array
 from pyport.effects.base import Circumstances
 from pyport.errors import BadInput
 from pyport.least_squares import robust
+from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
+from pyport.noise.pointings import pointings
 from pyport.prediction import shrunk
 from pyport.recordings.schema import Recordings, Stack, stack, term_columns
 
@@ -40,15 +43,13 @@ def listed(at: Circumstances) -> Array:
 def listed_columns(at: Circumstances, row: NDArray[np.intp], is_y: NDArray[np.bool_]) -> Array:
     """Return the terms in azimuth, in cross-elevation and in elevation, shape (m, 3 K)."""
     shapes = listed(at)[row]
-    results = (np.cos(at.axes.el) * at.side)[row] * ~is_y, ~is_y * 1.0, is_y * 1.0
+    results = at.onto_sky[row] * ~is_y, ~is_y * 1.0, is_y * 1.0
     return np.concatenate([shapes * one[:, None] for one in results], axis=1)
 
 
 def pick(model: Array, terms: Array, value: Array, count: int) -> list[int]:
     """Return which terms (m, K) lower the rms most beside a model (m, p), one after another."""
-    basis, _, _ = np.linalg.svd(
-        model / np.maximum(np.linalg.norm(model, axis=0), 1e-300), full_matrices=False
-    )
+    basis = spanned(model)[0]
     left = value - basis @ (basis.T @ value)
     terms = terms / np.maximum(np.linalg.norm(terms, axis=0), 1e-300)
     terms = terms - basis @ (basis.T @ terms)
@@ -108,6 +109,13 @@ class Night:
                 recordings.file,
             )
         return cls(recordings, stack(recordings))
+
+    @cached_property
+    def pointings(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the first row of each pointing, and the pointing of each reading, shape (m,)."""
+        of_row = pointings(self.recordings)
+        first = np.sort(np.unique(of_row, return_index=True)[1])
+        return first, np.argsort(of_row[first])[of_row[self.stack.row]]
 
     def columns(self, model: Model) -> Array:
         """Return the columns of a model's free terms, shape (m, p).

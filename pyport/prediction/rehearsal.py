@@ -51,12 +51,10 @@ def write_grid(recordings: Recordings, model: Model, path: Path) -> None:
     night = Night.of(recordings)
     found = OwnChoice(night, model).whole
     low, high = recordings.at.el.min() / DEG, recordings.at.el.max() / DEG
-    heights = (
-        np.arange(np.ceil(low / ELEVATION_DEG), np.floor(high / ELEVATION_DEG) + 1)
-        * ELEVATION_DEG
-        * DEG
-    )
-    az, el = (one.ravel() for one in np.meshgrid(np.arange(0, 360, AZIMUTH_DEG) * DEG, heights))
+    steps = np.arange(np.ceil(low / ELEVATION_DEG), np.floor(high / ELEVATION_DEG) + 1)
+    heights = steps * ELEVATION_DEG if len(steps) else np.unique([low, high])
+    around = np.arange(0, 360, AZIMUTH_DEG)
+    az, el = (one.ravel() * DEG for one in np.meshgrid(around, heights))
     at = Circumstances(az, el, recordings.at.site, mount=recordings.at.mount)
     given = model.offsets(at)
     try:
@@ -98,12 +96,13 @@ class Scheme:
 
 def schemes(night: Night, seed: int) -> Iterator[Scheme]:
     """Yield the ways to leave readings of a night out."""
-    at, row = night.recordings.at, night.stack.row
-    n = len(at)
+    first, number = night.pointings
+    az, el = (one[first] for one in (night.recordings.at.az, night.recordings.at.el))
     rng = np.random.default_rng(seed)
-    yield Scheme("pointings", tuple((rng.permutation(n) % DEALT)[row] for _ in range(DEALS)))
-    yield Scheme("elevation bands", (_cut(at.el, BANDS)[row],))
-    yield Scheme("azimuth sectors", (_cut(np.mod(at.az, 2 * np.pi), SECTORS)[row],))
+    deals = tuple((rng.permutation(len(first)) % DEALT)[number] for _ in range(DEALS))
+    yield Scheme("pointings", deals)
+    yield Scheme("elevation bands", (_cut(el, BANDS)[number],))
+    yield Scheme("azimuth sectors", (_cut(np.mod(az, 2 * np.pi), SECTORS)[number],))
 
 
 def _cut(values: Array, parts: int) -> Codes:

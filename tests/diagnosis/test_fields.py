@@ -23,6 +23,7 @@ from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site
 from pyport.effects.empirical.fields import from_sun, last_slew
+from pyport.fitting.fit import completed, fit
 from pyport.formats.models import load
 from pyport.mounts import KINDS
 from pyport.recordings.schema import stack
@@ -253,9 +254,12 @@ def test_a_named_effect_keeps_its_name_beside_all_fields():
     assert [one.members for one in nodding.findings] == [("elevation_harmonics",)]
 
 
-def test_the_best_box_is_the_one_that_was_put_there():
-    """The scan over all boxes and the climb of their edges end at the offset."""
-    setup = prepare(recordings(1500, 8, y=patch), load("altaz"))
+@pytest.mark.parametrize("refit", [None, ()])
+def test_the_best_box_is_the_one_that_was_put_there(refit):
+    """The scan over all boxes and the climb of their edges end at the offset, a zero or none."""
+    measured = recordings(1500, 8, y=patch)
+    model = completed(fit(measured, load("altaz")))
+    setup = prepare(replace(measured, y=measured.y + 20 * ARCSEC), model, refit)
     weighed = weigh(setup)
     along = next(one for one in boxes(setup, weighed, ()) if one.variant.startswith("el"))
     az, el = along.region

@@ -124,6 +124,20 @@ def test_white_noise_is_weighed_as_it_is():
     assert tempered(given) is given
 
 
+@pytest.mark.parametrize("known", [4.0, 40.0, np.inf])
+def test_a_scatter_of_few_deviations_widens_errors(known):
+    """Without drift and departures, too: Student's t; a scatter that is given is no estimate."""
+    parts = covariance(1, 0.0).parts
+    noises = (Noise(0.0, 1.0, dof=known),) * 2
+    given = Covariance(parts, noises, np.ones(2 * N), np.ones(2 * N))
+    columns = np.zeros((2 * N, 1))
+    columns[parts[0].rows] = 1.0
+    solution = solve(given, columns, np.zeros(2 * N))
+
+    expected = student.ppf(norm.cdf(1), known) / np.sqrt(N)
+    assert np.sqrt(solution.covariance[0, 0]) == pytest.approx(expected)
+
+
 def _a_shape_that_passes_for_a_drift(rng):
     """Return recordings of a sky observed in the order of azimuth, with a term nobody fits."""
     n = 150

@@ -224,11 +224,67 @@ def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     assert "are an overfit here" in compare.text(done)
 
 
+def test_repeats_of_a_pointing_are_left_out_together():
+    """Ten readings of one direction are one pointing, and foretell each other in no fold."""
+    once = _night(25, 3, time=1e9 + 300.0 * np.arange(25))
+    rows = np.repeat(np.arange(25), 10)
+    at = replace(
+        once.at,
+        az=once.at.az[rows],
+        el=once.at.el[rows],
+        columns={"time": once.at.columns["time"][rows]},
+    )
+    nothing = np.full(250, np.nan)
+    often = Night.of(
+        replace(
+            once,
+            at=at,
+            x=once.x[rows],
+            y=once.y[rows],
+            sigma_x=nothing,
+            sigma_y=nothing,
+            line=np.arange(250),
+        )
+    )
+
+    assert len(often.pointings[0]) == 25
+    for way in rehearsal.schemes(often, 0):
+        parts = way.parts[0].reshape(2, 25, 10)
+        assert (parts == parts[:, :, :1]).all()
+    own, alone = OwnChoice(often, ALTAZ), OwnChoice(Night.of(once), ALTAZ)
+    assert _unseen(own, often) > 0.5 * _unseen(alone, Night.of(once))
+
+
+def test_an_axis_that_was_not_measured_is_no_term_that_cancels():
+    """Of a file of elevation alone some columns are empty."""
+    night = _night(60, 5)
+    alone = Night.of(replace(night, x=np.full(60, np.nan)))
+    more = replace(ALTAZ, name="more", terms=(*ALTAZ.terms, Term(CATALOGUE["sag_sine"])))
+
+    found = compare.cancelled(Refitted(alone, more), Refitted(alone, ALTAZ))
+    assert np.isfinite(found)
+    columns = np.concatenate([alone.columns(ALTAZ), np.zeros((60, 3))], axis=1)
+    terms = np.eye(60)[:, :4]
+    value = alone.value(ALTAZ)
+    assert contenders.pick(columns, terms, value, 2) == contenders.pick(
+        alone.columns(ALTAZ), terms, value, 2
+    )
+
+
 def test_two_nights_of_one_name_are_refused():
     """The table has a column for each."""
     nights = [replace(_night(40, seed), file=Path(f"{seed}/night.csv")) for seed in (5, 6)]
     with pytest.raises(BadInput, match="two nights are called night"):
         compare.compare(_night(40, 4), ALTAZ, others=nights)
+
+
+def test_a_grid_of_a_narrow_band_has_its_two_edges(tmp_path):
+    """Between 41 and 44 deg there is no multiple of five."""
+    night = _night(40, 4)
+    el = np.linspace(41, 44, 40) * DEG
+    rehearsal.write_grid(replace(night, at=replace(night.at, el=el)), ALTAZ, tmp_path / "grid.csv")
+
+    assert np.unique(read(tmp_path / "grid.csv").at.el) / DEG == pytest.approx([41, 44])
 
 
 def test_a_grid_of_another_mount_is_refused(tmp_path):

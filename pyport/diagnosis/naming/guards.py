@@ -126,10 +126,11 @@ def _too_few(scene: Scene, seen: Array) -> Refusal | None:
     rank = scene.joint.solution.rank
     there = measured(scene.setup, scene.weighed.used)
     if lack := lacking(there, rank):
+        axes = len(np.unique(scene.setup.stack.is_y))
         return Refusal(
             f"{there} measured numbers are too few for {rank} coefficients and {ENOUGH} more, by "
             "which one cause is distinguished from another",
-            f"record {-(-lack // 2)} pointings more, or more",
+            f"record at least {-(-lack // axes)} more pointings",
         )
     if (carried := carriers(scene, seen)) < CARRIERS:
         return Refusal(
@@ -248,7 +249,8 @@ def nights(scene: Scene) -> int:
     time = _times(scene)
     if time is None:
         return len(np.unique(scene.setup.session))
-    time = np.sort(time)
+    first = np.unique(scene.setup.pointing, return_index=True)[1]
+    time = np.sort(time[scene.setup.stack.row[first]])
     runs = np.split(time, np.flatnonzero(np.diff(time) > NIGHT_GAP_S) + 1)
     return sum(
         max(1, round(float(run[-1] - run[0]) / DAY_S)) for run in runs if len(run) >= CARRIERS

@@ -248,7 +248,7 @@ def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:
     if "time" in first:
         found["the later half"] = ~first["time"]
     if setup.stack.is_y.any() and not setup.stack.is_y.all():
-        found["elevation"] = setup.stack.is_y
+        found[f"{setup.recordings.at.mount.names[1]} offsets"] = setup.stack.is_y
     return found
 
 

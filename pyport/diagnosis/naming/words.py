@@ -162,10 +162,12 @@ def _place(splits: tuple[Split, ...], name: str, axes: tuple[str, str]) -> str:
         for axis, own in enumerate((split.in_x, split.in_y))
         if own is not None
     ]
-    most = max(apart, key=lambda one: one[0], default=None)
-    if most is None or most[0] < SIGNIFICANT:
-        return "Each axis by itself says the same in either half of the sky and of the time."
-    sigmas, axis, split = most
+    if not apart:
+        return "Neither axis can be compared with itself in halves of the recordings."
+    sigmas, axis, split = max(apart, key=lambda one: one[0])
+    if sigmas < SIGNIFICANT:
+        halves = dict.fromkeys(" and ".join(one.name for one in s.halves) for *_, s in apart)
+        return f"Each axis by itself says the same {', '.join(halves)}."
     here, there = split.halves
     lies = f"It lies in {axes[axis]}, whose {name} {here.name} is not that {there.name}"
     said = [f"{lies} ({sigmas:.1f} sigma)"]

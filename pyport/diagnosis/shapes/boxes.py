@@ -224,6 +224,8 @@ def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> 
         rows = row[seen.rows[of_axis]]
         weight = seen.root[of_axis] ** 2
         pull = seen.root[of_axis] * seen.left[of_axis]
+        # A box is held against what is outside of it, whether a zero is fitted or not.
+        pull -= weight * (pull.sum() / weight.sum())
         start, tried = _scanned(az[rows], el[rows], weight, pull)
         edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
         there = inside(az[row], el[row], edges)

@@ -78,7 +78,7 @@ def _following(at: Circumstances) -> tuple[Array, Array]:
 
 def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:
     """Return b cos E sgn(dA/dt) across, for a telescope that follows the sky."""
-    return stack(at, (np.cos(at.axes.el) * at.side * np.sign(_following(at)[0]), 0))
+    return stack(at, (at.onto_sky * np.sign(_following(at)[0]), 0))
 
 
 def backlash_elevation(at: Circumstances) -> tuple[Array, Array]:

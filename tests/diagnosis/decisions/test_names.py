@@ -440,6 +440,24 @@ def test_a_night_has_four_pointings(rows, counted):
     assert guards.nights(scene_of(np.concatenate([first, second]))) == counted
 
 
+def test_a_pointing_that_is_recorded_often_makes_no_night():
+    """Four readings of it are one pointing."""
+    times = 1e9 + np.append(600.0 * np.arange(10), np.full(4, 90000.0))
+    scene = scene_of(times)
+    scene.setup.pointing = np.append(np.arange(10), np.full(4, 10))
+
+    assert guards.nights(scene) == 1
+
+
+def test_what_is_lacking_is_said_in_pointings():
+    """Of one axis each brings one number, of two it brings two."""
+    one, both = scene_of(np.arange(16)), scene_of(np.arange(16))
+    both.setup.stack.is_y = np.arange(16) % 2 == 1
+    told = [guards._too_few(scene, np.ones(16)).decide_by for scene in (one, both)]
+
+    assert told == ["record at least 11 more pointings", "record at least 6 more pointings"]
+
+
 @pytest.mark.parametrize(("days", "counted"), [(0.3, 1), (1.2, 1), (1.8, 2), (3.4, 3)])
 def test_a_run_without_a_gap_counts_by_days(days, counted):
     """Of recordings that go on day and night each day is one."""

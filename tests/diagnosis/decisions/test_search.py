@@ -986,7 +986,8 @@ def test_the_gain_that_is_needed_has_the_evidence_that_is_asked(dof):
 def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
     """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain of what convinces."""
     one = trial(sigma=scale / np.sqrt(10), noise_dof=10**6)
-    problem = setup(whole=np.full((10, 2), 2.0), candidates=[candidate(n) for n in NAMES[:names]])
+    columns = np.repeat([[2.0], [0.0]], 10, axis=0)  # it acts on one axis, and is read in two
+    problem = setup(picked=lambda _: columns, candidates=[candidate(n) for n in NAMES[:names]])
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
     assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(gain / 10), rel=0.01)
@@ -995,7 +996,7 @@ def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
 def test_what_rounding_alone_sees_has_no_limit():
     """Nor has the part of a single antenna."""
     blind, own = trial("skew", sigma=1e101), trial("tilt", scope="antenna")
-    problem = setup(whole=np.ones((10, 2)), candidates=())
+    problem = setup(picked=lambda _: np.ones((10, 1)), candidates=())
     found = diagnose._limits(problem, SimpleNamespace(last=(trial(), blind, own)))
 
     assert list(found) == ["refraction"]
