@@ -29,7 +29,7 @@ class Evidence:
         block: Codes,
         kind: Codes,
         blocks: Blocks,
-        pointings: int,
+        numbers: int,
         *,
         common: Excess,
         draws: int,
@@ -37,7 +37,7 @@ class Evidence:
         rng: np.random.Generator,
     ):
         self.blocks = blocks
-        self.pointings = pointings
+        self.numbers = numbers
         self.dof = dof
         self.common = common
         self._given = white, block, kind
@@ -235,7 +235,7 @@ class Projection:
                 scope,
                 float(gain[n]),
                 int(dof[n]),
-                float(gain[n] - dof[n] * np.log(max(evidence.pointings, 3))) - candidate.price,
+                float(gain[n] - dof[n] * np.log(max(evidence.numbers, 3))) - candidate.price,
                 float(worth[n]) - candidate.price,
                 deviations if shared else float(np.median(evidence.dof)),
                 values[n],

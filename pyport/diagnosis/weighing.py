@@ -119,7 +119,7 @@ def _weighed(
         np.resize(setup.stack.is_y, len(white)).astype(np.intp),
         setup.blocks,
         common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
-        pointings=len(np.unique(measurements(setup))),
+        numbers=len(np.unique(measurements(setup))),
         draws=draws,
         dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
         rng=np.random.default_rng(setup.seed),

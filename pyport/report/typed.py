@@ -314,7 +314,10 @@ class Report:
     verdict: Annotated[str | None, "what is said where nothing was found"]
     mismatch: Annotated[bool, "whether anything was"]
     p_value: Annotated[float, "chance that noise alone looks like this, over the whole search"]
-    detection_limit_arcsec: Annotated[dict[str, float], "effect -> rms seen in half of all cases"]
+    detection_limit_arcsec: Annotated[
+        dict[str, float],
+        "effect -> rms, over the readings that it acts on, seen in half of all cases",
+    ]
     findings: Annotated[tuple[Finding, ...], "strongest first"]
     fit: Annotated[Fits, "before and after"]
     combinations: Annotated[tuple[Combination, ...], "coefficients that are not known alone"]

@@ -41,7 +41,7 @@ def beside(**alike):
     """Return a projection in which effects share a winner's curve to given squared cosines."""
     return SimpleNamespace(
         share=lambda _, other: alike.get(other.candidate.effect.id, 0.0),
-        evidence=SimpleNamespace(pointings=100),
+        evidence=SimpleNamespace(numbers=100),
     )
 
 
