@@ -32,6 +32,7 @@ def diagnose(
     model: str | Path | Model | PointingModel = "altaz",
     *,
     refit: str | Collection[str] = "all",
+    in_use: bool = False,
     seed: int = 0,
     header: Header | None = None,
 ) -> Diagnosis:
@@ -47,6 +48,8 @@ def diagnose(
     refit
         The model's effects that are fitted together with everything under
         test: "all", "none", or their ids.
+    in_use
+        Whether the offsets are what the model left while it was in use: it is added back.
     seed
         Of everything that is drawn at random: same input and seed, same result.
     header
@@ -64,7 +67,10 @@ def diagnose(
     known = model_of(model)
     held = ids_of(known, ",".join(texts("refit", refit)) or "none")
     drawn = whole("seed", seed, 0)
-    return Diagnosis(diagnose(from_table(table, header), known, refit=held, seed=drawn))
+    recordings = from_table(table, header)
+    if in_use:
+        recordings = known.added_to(recordings)
+    return Diagnosis(diagnose(recordings, known, refit=held, seed=drawn))
 
 
 def fit(
@@ -76,13 +82,14 @@ def fit(
     fix: Mapping[str, Any] | Sequence[str] = (),
     weights: str = "robust",
     per: str | Sequence[str] | None = None,
+    in_use: bool = False,
     header: Header | None = None,
 ) -> Fit:
     """Fit a pointing model to recordings.
 
     Parameters
     ----------
-    table, model, header
+    table, model, in_use, header
         As in `diagnose`.
     add, drop
         Terms by TPOINT's names, P1..P30, ids of effects or names of coefficients.
@@ -109,14 +116,17 @@ def fit(
         told = tuple(_fixed(name, one) for name, one in mapping("fix", fix).items())
     else:
         told = texts("fix", fix)
+    given, recordings = model_of(model), from_table(table, header)
+    if in_use:
+        recordings = given.added_to(recordings)
     chosen = edited(
-        model_of(model),
+        given,
         fix=told,
         add=texts("add", add),
         drop=texts("drop", drop),
         per=None if per is None else texts("per", per),
     )
-    return Fit(fit(from_table(table, header), chosen, weights=weights))
+    return Fit(fit(recordings, chosen, weights=weights))
 
 
 def _fixed(name: str, value: Any) -> str:  # noqa: ANN401 - a Quantity or a number

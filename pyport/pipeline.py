@@ -26,7 +26,10 @@ from pyport.runs.workers import Spread, workers
 
 @dataclass(frozen=True)
 class Request:
-    """One file to diagnose; where its folder and the completed model go, None for nowhere."""
+    """One file to diagnose; where its folder and the completed model go, None for nowhere.
+
+    `in_use` says that its offsets are what the model left.
+    """
 
     file: Path
     model: str
@@ -36,6 +39,7 @@ class Request:
     given: FileOptions = NOTHING
     survey: Survey | None = None
     save: Path | None = None
+    in_use: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,7 @@ def requests(
     given: FileOptions = NOTHING,
     survey: Survey | None = None,
     save: Path | None = None,
+    in_use: bool = False,
 ) -> list[Request]:
     """Check the arguments and return what is to be done.
 
@@ -73,9 +78,10 @@ def requests(
     for stem in stems:
         if stems.count(stem) > 1:
             raise BadInput(f"two files are called {stem}: their results would share a folder", out)
+    folders = [None if out is None else out / stem for stem in stems]
     return [
-        Request(file, model, held, seed, None if out is None else out / stem, given, survey, save)
-        for file, stem in zip(files, stems, strict=True)
+        Request(file, model, held, seed, folder, given, survey, save, in_use)
+        for file, folder in zip(files, folders, strict=True)
     ]
 
 
@@ -145,9 +151,10 @@ def _run_one(
     from pyport.report.typed import as_json
 
     recordings = stage("reading")(read)(request.file, request.given, spread, request.folder)
-    diagnosis = diagnose(
-        recordings, load(request.model), refit=request.refit, seed=request.seed, tell=tell
-    )
+    model = load(request.model)
+    if request.in_use:
+        recordings = model.added_to(recordings)
+    diagnosis = diagnose(recordings, model, refit=request.refit, seed=request.seed, tell=tell)
     array = None
     if diagnosis.setup.blocks.antennas > 1 or request.survey is not None:
         array = report_array(diagnosis.setup, diagnosis.after, request.survey)

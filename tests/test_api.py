@@ -11,8 +11,13 @@ import pyarrow
 import pytest
 from astropy import units
 from astropy.table import Table
+from click.testing import CliRunner
 
 import pyport
+from pyport.angles import ARCSEC
+from pyport.cli.explain import diagnose
+from pyport.cli.fit import command as fit
+from pyport.correction.use import model_of
 from pyport.errors import BadInput
 from pyport.pointing import kernel
 from pyport.recordings import read
@@ -126,6 +131,41 @@ def test_a_file_gives_what_its_columns_give(night, tmp_path):
 
     np.testing.assert_allclose(*values, rtol=1e-9, atol=1e-9)
     assert len(read(path)) == 120
+
+
+def test_what_a_model_left_while_it_was_in_use_is_fitted_as_if_it_had_not_been(night, tmp_path):
+    """From Python and from the command line: values to enter, not changes of them."""
+    file = tmp_path / "in-use.mod"
+    file.write_text("altaz in use\nT 0 1.0 0.0 0.0\nIA 300\nIE -200\nTF 40\nEND\n")
+    model = pyport.load_model(file)
+    raw = from_table(night, SITE)
+    x, y = model_of(model).offsets(raw.at)
+    left = dict(
+        night,
+        d_xel_arcsec=night["d_xel_arcsec"] - x / ARCSEC,
+        d_el_arcsec=night["d_el_arcsec"] - y / ARCSEC,
+    )
+    wanted, found = (
+        list(pyport.fit(table, model, in_use=used, header=SITE).coefficients.values())
+        for table, used in ((night, False), (left, True))
+    )
+    pd.DataFrame(left).to_csv(tmp_path / "left.csv", index=False)
+    arguments = [str(tmp_path / "left.csv"), "--model", str(file), "--in-use", "--json"]
+    told = CliRunner().invoke(fit, arguments)
+    diagnosed = pyport.diagnose(left, model, in_use=True, header=SITE)
+    CliRunner().invoke(
+        diagnose, [*arguments[:-1], "--out", str(tmp_path), "--set", "latitude_deg=53"]
+    )
+    again = json.loads((tmp_path / "left" / "report.json").read_text())
+
+    values = [one.value for one in wanted]
+    assert [one.value for one in found] == pytest.approx(values, abs=1e-3)
+    assert [one["value"] for one in json.loads(told.output)["parameters"]] == pytest.approx(
+        values, abs=1e-3
+    )
+    assert diagnosed.report["misread"] is None
+    assert "refraction" in diagnosed.findings[0].members
+    assert again["findings"][0]["class"] == list(diagnosed.findings[0].members)
 
 
 def test_a_look_is_words_and_a_report(night):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     "all",
     metavar="all|none|NAME,NAME",
 )
+@flag("--in-use", "The offsets are what the model left while it was in use: it is added back.")
 @option("--seed", "Seed of everything random.", 0)
 @option("--jobs", "Processes that share the work.", 1)
 @option("--cluster", "A Dask scheduler whose workers share the work.", metavar="ADDRESS")
@@ -60,6 +61,7 @@ def diagnose(
     save: Path | None,
     antennas: Path | None,
     *,
+    in_use: bool,
     quiet: bool,
     timings: bool,
     as_json: bool,
@@ -83,7 +85,15 @@ def diagnose(
     survey = None if antennas is None else read_survey(antennas)
     names = recordings if each is None else pipeline.apart(recordings, each)
     requests = pipeline.requests(
-        names, model=model, refit=refit, seed=seed, out=out, given=given, survey=survey, save=save
+        names,
+        model=model,
+        refit=refit,
+        seed=seed,
+        out=out,
+        given=given,
+        survey=survey,
+        save=save,
+        in_use=in_use,
     )
     for done in pipeline.run_all(requests, jobs=jobs, cluster=cluster):
         if as_json:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import TypeAlias
 
+    from pyport.fitting.fit import Fit
     from pyport.page.picture import Picture
     from pyport.page.story import Story
     from pyport.recordings.raw import FileOptions
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     0.007,
     type=click.FloatRange(min=0, min_open=True),
 )
+@flag("--in-use", "The offsets are what the model left while it was in use: it is added back.")
 @option("--fix", "Hold a term: IE=0, P7=0.06deg.", multiple=True, metavar="NAME=VALUE")
 @option("--add", "Fit a further term: TF, P11, sag_sine.", multiple=True, metavar="NAME")
 @option("--drop", "Leave a term of the model out.", multiple=True, metavar="NAME")
@@ -69,6 +71,7 @@ def command(
     save: Path | None,
     out: Path | None,
     *,
+    in_use: bool,
     as_json: bool,
 ) -> None:
     """Fit a pointing model to RECORDINGS and print its coefficients with their sigmas.
@@ -76,9 +79,10 @@ def command(
     Terms go by TPOINT's names, the Field System's, or the ids of `pyport dev effects`.
     """
     if method is not None:
-        if fix or add or drop or save or per or weights != "robust":
+        if fix or add or drop or save or per or in_use or weights != "robust":
             raise click.UsageError(
-                "--method fits all twelve: leave --fix, --add, --drop, --per, --weights, --save out"
+                "--method fits all twelve from nothing: leave --fix, --add, --drop, --per, "
+                "--weights, --in-use, --save out"
             )
         if model not in {"rt32-exact", "rt32-approximate"}:
             raise click.UsageError(
@@ -104,6 +108,8 @@ def command(
     unfitted = load(model)
     with working("fitting"):
         measured = read(recordings, given, beside=out)
+        if in_use:
+            measured = unfitted.added_to(measured)
         chosen = edited(unfitted.on(measured.at.mount), fix=fix, add=add, drop=drop, per=labels)
         done = fit(measured, chosen, weights=weights)
     if save is not None:
@@ -118,11 +124,16 @@ def command(
         for kept in pass_files(out):
             kept.unlink(missing_ok=True)
     if not as_json and model == "gmrt-paper":
-        from pyport.studies.gmrt import comparison
-        from pyport.studies.gmrt.refits import beside_table_18
+        _say_beside_paper(done)
 
-        if days := beside_table_18(done):
-            click.echo("\n" + comparison.text(days))
+
+def _say_beside_paper(done: Fit) -> None:
+    """Print what the report gives of the same days, where they are its days."""
+    from pyport.studies.gmrt import comparison
+    from pyport.studies.gmrt.refits import beside_table_18
+
+    if days := beside_table_18(done):
+        click.echo("\n" + comparison.text(days))
 
 
 def _write_page(drawn: Drawn, out: Path | None) -> None:

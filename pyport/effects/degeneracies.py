@@ -316,7 +316,7 @@ DECIDE_BY: dict[frozenset[str], str] = {frozenset(one.ids): one.decide for one i
 #: Terms of a model that elevation alone distinguishes, and what would do it better.
 BY_ELEVATION = {
     frozenset({"azimuth_zero", "collimation", "skew"}): (
-        "only cos E, 1 and sin E part them: observe from the horizon to the zenith"
+        "only cos E, 1 and sin E distinguish them: observe from the horizon to the zenith"
     ),
     frozenset({"elevation_zero", "sag_cosine", "sag_sine", "elevation_scale", "refraction"}): (
         "all are smooth in elevation: observe from the horizon to the zenith"

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,22 @@ from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.thresholds import MOSTLY, OUT_OF_REACH
 
 Words = tuple[str, ...]
-#: What is read otherwise; the offsets x and y that it makes (n,), and by how much x is scaled.
-Reading = tuple[Words, Array, Array, Array | float]
+#: Readings that show where terms are held to what the model gives.
+IN_USE: Words = ("the offsets were measured with this model in use (--in-use)",)
+SIGN: Words = ("all offsets have the other sign",)
+#: Units of angles that are mistaken for each other, the larger over the smaller: mdeg or arcmin
+#: for arcsec, mrad, deg, rad.
+UNITS = (3.6, 60.0, 206.265, 3600.0, 206265.0)
+
+
+class Reading(NamedTuple):
+    """What is read otherwise, the offsets that it makes (n,), and by how much these are scaled."""
+
+    words: Words
+    x: Array
+    y: Array
+    scale_x: Array | float = 1.0
+    scale_y: Array | float = 1.0
 
 
 @dataclass(frozen=True)
@@ -35,16 +50,20 @@ class Misread:
     """How a file may have been misread: words, and what the model leaves if it was.
 
     `if_so_arcsec` is that rms, `as_read_arcsec` that of the fit to the file as it stands; where
-    offsets are scaled, both in the scale of the other reading.
+    offsets are scaled, both in the scale of the other reading. `of_given` says that the model is
+    as it was given, nothing refitted.
     """
 
     words: Words
     if_so_arcsec: float
     as_read_arcsec: float
+    of_given: bool = False
 
     @property
     def of_findings(self) -> str:
         """Return it as a diagnosis says it."""
+        if self.of_given:
+            return f"The file may have been misread: {self._of_given}."
         return (
             f"The file may have been misread: if {self._so}, the model alone leaves "
             f"{self.if_so_arcsec:.3g} arcsec rms, where the model with all effects found leaves "
@@ -54,10 +73,19 @@ class Misread:
     @property
     def of_fit(self) -> str:
         """Return it as a fit says it, which does not know what the model lacks."""
+        if self.of_given:
+            return f"the file may have been misread: {self._of_given}"
         return (
             f"the file may have been misread, or the model lacks something: if {self._so}, the "
             f"fit leaves {self.if_so_arcsec:.3g} arcsec rms, where it leaves "
             f"{self.as_read_arcsec:.3g} as the file stands; pyport diagnose tells which"
+        )
+
+    @property
+    def _of_given(self) -> str:
+        return (
+            f"if {self._so}, the model as it is given leaves {self.if_so_arcsec:.3g} arcsec rms, "
+            f"where it leaves {self.as_read_arcsec:.3g} as the file stands: check that first"
         )
 
     @property
@@ -106,13 +134,30 @@ def misread(
     (as_it_stands, *_), *others = _refitted(recordings, model, refit, numbers)
     misfit, words, left, scale = min(others, key=lambda one: one[0])
     if misfit > min(as_it_stands, numbers.misfit_of(named)) - OUT_OF_REACH:
-        return None
+        return _of_given(recordings, model, numbers)
     if every is not None and misfit > numbers.misfit_of(every):
         return None
     was, now = (
         float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[numbers.rows] * scale, left)
     )
     return Misread(words, now, was)
+
+
+def _of_given(recordings: Recordings, model: Model, numbers: _Numbers) -> Misread | None:
+    """Return how a file may have been misread that refitted terms adapt to, whatever it holds.
+
+    Offsets that the model left while it was in use are small; with the other sign they are small
+    beside the model turned. Either must leave less than half of what the file leaves as it stands.
+    """
+    data, rows = numbers.stack, numbers.rows
+    predicted = data.spread(*model.offsets(recordings.at))
+    readings = ((), data.value - predicted), (IN_USE, data.value), (SIGN, data.value + predicted)
+    left = [(words, numbers.centred(value[rows])) for words, value in readings]
+    (_, stands), *others = left
+    words, best = min(others, key=lambda one: numbers.misfit(one[1]))
+    was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (stands, best))
+    likelier = numbers.misfit(stands) - numbers.misfit(best) > OUT_OF_REACH
+    return Misread(words, now, was, of_given=True) if likelier and now < MOSTLY * was else None
 
 
 def of_fit(fit: Fit) -> Misread | None:
@@ -185,14 +230,14 @@ def _refitted(
         columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
         basis = spanned(numbers.centred(columns))[0]
         predicted = data.spread(*model.offsets(at))
-        for words, x, y, scale_x in _offsets(recordings, at, model):
-            value = numbers.centred((data.spread(x, y) - predicted)[rows])
+        for one in _offsets(recordings, at, model):
+            value = numbers.centred((data.spread(one.x, one.y) - predicted)[rows])
             left = value - basis @ (basis.T @ value)
-            scale = np.broadcast_to(scale_x, len(recordings))[data.row[rows]]
-            scale = np.where(data.is_y[rows], 1.0, scale)
+            scales = (np.broadcast_to(s, len(recordings)) for s in (one.scale_x, one.scale_y))
+            scale = data.spread(*scales)[rows]
             # Smaller numbers are likelier by as much as they were made smaller.
             misfit = numbers.misfit(left) - 2 * numbers.averaged(np.log(np.abs(scale))).sum()
-            yield misfit, (*directions, *words), left, scale
+            yield misfit, (*directions, *one.words), left, scale
 
 
 def _directions(at: Circumstances) -> Iterator[tuple[Words, Circumstances]]:
@@ -213,28 +258,30 @@ def _offsets(recordings: Recordings, here: Circumstances, model: Model) -> Itera
         f"recordings cannot tell, have the other sign"
     )
     for signed, turned in ((x, ()), (-x, (opposite,))):
-        yield turned, signed, y, 1.0
+        yield Reading(turned, signed, y)
         if here is recordings.at:
             lacking = f"the offsets across lack the cosine that brings {first} onto the sky"
-            yield (*turned, lacking), signed * cosine, y, cosine
+            yield Reading((*turned, lacking), signed * cosine, y, cosine)
             already = f"the offsets of {first} are on the sky already"
-            yield (*turned, already), signed * (1 / cosine), y, 1 / cosine
+            yield Reading((*turned, already), signed * (1 / cosine), y, 1 / cosine)
         else:
-            yield turned, signed * (cosine / read), y, cosine / read
+            yield Reading(turned, signed * (cosine / read), y, cosine / read)
         if np.array_equal(np.isfinite(x), np.isfinite(y)):
             swapped = (*turned, "the offsets of the axes are in each other's place")
-            yield swapped, -y if turned else y, x, 1.0
+            yield Reading(swapped, -y if turned else y, x)
     if here is recordings.at:
-        # Shows where the model's terms are not all refitted.
-        yield ("all offsets have the other sign",), -x, -y, 1.0
+        yield Reading(SIGN, -x, -y)
         model_x, model_y = model.offsets(here)
-        in_use = ("the offsets were measured with this model in use",)
-        yield in_use, x + model_x, y + model_y, 1.0
+        yield Reading(IN_USE, x + model_x, y + model_y)
         yield from _of_sessions(recordings)
 
 
 def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
-    """Yield the offsets with the sign of one session turned, in either axis or in both."""
+    """Yield the offsets with the sign of one session turned, or read in another unit.
+
+    In either axis or in both; the unit is the one that makes the session's offsets most like the
+    others' in size.
+    """
     x, y, (across, along) = recordings.x, recordings.y, recordings.at.mount.names
     session, names = group(recordings, ("session",))
     for code, (name,) in enumerate(names if len(names) > 1 else ()):
@@ -242,4 +289,22 @@ def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
         sides = (across, x * sign, y), (along, x, y * sign), ("both axes", x * sign, y * sign)
         for axes, of_x, of_y in sides:
             told = f"the offsets in {axes} of session {name} have the sign opposite to the others'"
-            yield (told,), of_x, of_y, 1.0
+            yield Reading((told,), of_x, of_y)
+        if (times := _unit(x, y, session == code)) != 1.0:
+            scale = np.where(session == code, times, 1.0)
+            size = f"{times:.4g} times as large as" if times > 1 else f"1/{1 / times:.4g} of"
+            told = f"the offsets of session {name} are in a unit {size} the others'"
+            yield Reading((told,), x * scale, y * scale, scale, scale)
+
+
+def _unit(x: Array, y: Array, own: NDArray[np.bool_]) -> float:
+    """Return by which ratio of units a session's offsets are nearest to the others', 1 for none."""
+    each = [
+        np.concatenate([one[rows] - np.nanmedian(one[rows]) for one in (x, y)])
+        for rows in (own, ~own)
+    ]
+    size, usual = (float(np.nanmedian(np.abs(one))) for one in each)
+    if not (size > 0 and usual > 0):
+        return 1.0
+    ratios = [1.0, *UNITS, *(1 / one for one in UNITS)]
+    return min(ratios, key=lambda one: abs(np.log(one * size / usual)))

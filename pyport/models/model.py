@@ -17,6 +17,7 @@ from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 if TYPE_CHECKING:
     from pyport.models.conditions import Completed
+    from pyport.recordings.schema import Recordings
 
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
 PER_ANTENNA = ("antenna",)
@@ -167,6 +168,14 @@ class Model:
         terms = tuple(replace(term, effect=on(term.effect, mount)) for term in self.terms)
         name = mount.model if self.name in BY_MODEL else self.name
         return replace(self, name=name, terms=terms, mount=mount)
+
+    def added_to(self, recordings: Recordings) -> Recordings:
+        """Return recordings with what the model took off while it was in use added back.
+
+        Raises `BadInput` as `offsets` does.
+        """
+        x, y = self.on(recordings.at.mount).offsets(recordings.at)
+        return replace(recordings, x=recordings.x + x, y=recordings.y + y)
 
     def offsets(self, at: Circumstances) -> tuple[Array, Array]:
         """Return the offsets that the model predicts before any fit [rad].

@@ -85,6 +85,40 @@ def test_offsets_are_held_against_a_model_that_is_not_refitted():
     assert "measured with this model in use" in of(in_use)
 
 
+def test_terms_that_are_refitted_hide_no_model_that_was_in_use():
+    """They adapt to what the offsets hold: held to its values the model says what they are."""
+    tilt = {"x": lambda at: 40 * np.sin(at.az) * np.sin(at.el), "y": lambda at: 40 * np.cos(at.az)}
+    measured = recordings(300, 8, **tilt)
+    steering = completed(fit(measured, ALTAZ))
+    x, y = steering.offsets(measured.at)
+    in_use = replace(measured, x=measured.x - x, y=measured.y - y)
+    turned = replace(measured, x=-measured.x, y=-measured.y)
+
+    assert said(measured, steering) is None
+    assert "measured with this model in use (--in-use)" in said(in_use, steering)
+    assert "all offsets have the other sign" in said(turned, steering)
+    added = steering.added_to(in_use)
+    assert np.allclose(added.x, measured.x)
+    assert np.allclose(added.y, measured.y)
+    # A telescope that was rebuilt has offsets of its own: the old model says nothing of them.
+    other = {
+        "x": lambda at: 40 * np.cos(at.az) * np.sin(at.el),
+        "y": lambda at: -40 * np.sin(at.az),
+    }
+    assert said(recordings(300, 9, **other), steering) is None
+
+
+@pytest.mark.parametrize("times", [3.6, 60.0, 1 / 60])
+def test_a_session_in_another_unit_is_named(times):
+    """Thousandths of a degree or minutes of arc under the others' seconds, or the reverse."""
+    measured = recordings(300, 11)
+    odd = np.where(measured.at.column("session") == "s2", 1 / times, 1.0)
+    told = said(replace(measured, x=measured.x * odd, y=measured.y * odd))
+
+    size = "60 times as large as" if times == 60 else "3.6 times as large as"
+    assert f"session s2 are in a unit {size if times > 1 else '1/60 of'} the others'" in told
+
+
 def test_what_has_no_name_is_no_other_explanation():
     """A wave over the sky draws what a circle counted backwards does, and says nothing."""
     tilt = {"x": lambda at: 12 * np.sin(at.az) * np.sin(at.el), "y": lambda at: 12 * np.cos(at.az)}

@@ -193,7 +193,7 @@ def test_warnings_name_what_is_weak_tied_or_open(night):
     assert any(
         re.match(r"azimuth_zero and collimation correlate by -(0\.99|1\.0)", t) for t in tied
     )
-    assert any("only cos E, 1 and sin E part them" in one for one in tied)
+    assert any("only cos E, 1 and sin E distinguish them" in one for one in tied)
     assert any("condition number" in one for one in tied)
     open_ = fit(whole, edited(load("none"), add=["P8"])).model
     both = fit(whole, type(open_)("both", (*open_.terms, *named("TF"))))
