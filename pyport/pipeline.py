@@ -156,8 +156,8 @@ def _run_one(
         recordings = model.added_to(recordings)
     diagnosis = diagnose(recordings, model, refit=request.refit, seed=request.seed, tell=tell)
     array = None
-    if diagnosis.setup.blocks.antennas > 1 or request.survey is not None:
-        array = report_array(diagnosis.setup, diagnosis.after, request.survey)
+    if diagnosis.problem.blocks.antennas > 1 or request.survey is not None:
+        array = report_array(diagnosis.problem, diagnosis.after, request.survey)
         diagnosis = with_site(diagnosis, array)
     told = report_of(diagnosis, array)
     text = in_words(told)

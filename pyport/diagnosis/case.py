@@ -231,14 +231,14 @@ class Problem:
         return np.concatenate(out, axis=1)
 
 
-def confounded(setup: Problem, effect: Effect) -> bool:
+def confounded(problem: Problem, effect: Effect) -> bool:
     """Tell whether the noise may do what an effect does: it changes with time, or is a source's.
 
     In an array a change is each antenna's, and the others show what the noise does.
     """
-    return bool(effect.changes_with or effect.belongs_to) and setup.blocks.antennas == 1
+    return bool(effect.changes_with or effect.belongs_to) and problem.blocks.antennas == 1
 
 
-def measurements(setup: Problem) -> Codes:
+def measurements(problem: Problem) -> Codes:
     """Return the number of the pointing and axis of each reading, (m,): repeats have the same."""
-    return 2 * setup.pointing + setup.stack.is_y
+    return 2 * problem.pointing + problem.stack.is_y

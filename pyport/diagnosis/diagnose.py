@@ -45,7 +45,7 @@ class Diagnosis:
 
     Attributes
     ----------
-    setup, weighed
+    problem, weighed
         The case and its last weighing; noise, weights and blocks are there.
     findings
         Strongest first; empty where nothing is missing.
@@ -80,7 +80,7 @@ class Diagnosis:
         How the file may have been misread, if another reading of it fits much better.
     """
 
-    setup: Problem
+    problem: Problem
     weighed: WhitenedData
     findings: tuple[Finding, ...]
     p_value: float
@@ -106,7 +106,7 @@ class Diagnosis:
 
     def left(self, fit: joint.Joint) -> Array:
         """Return the residuals of a fit [rad], shape (m,)."""
-        return self.setup.residual - fit.predicted
+        return self.problem.residual - fit.predicted
 
 
 @one_thread
@@ -141,91 +141,91 @@ def diagnose(
         There is no recording.
     """
     model = model.on(recordings.at.mount)
-    setup = prepare(recordings, model, refit, seed)
-    if not len(setup.residual):
+    problem = prepare(recordings, model, refit, seed)
+    if not len(problem.residual):
         raise BadInput("no offset that can be used, expected some", recordings.file)
-    few = guards.too_few(setup)
+    few = guards.too_few(problem)
     dropped: tuple[Dropped, ...] = ()
     if few is None:
-        outcome, dropped = searched(setup, tell)
+        outcome, dropped = searched(problem, tell)
     else:
-        outcome = _unsearched(setup, few)
-    setup, weighed = outcome.setup, outcome.weighed
-    alone = weigh_model(setup, (), searching=False) if outcome.chosen else weighed
+        outcome = _unsearched(problem, few)
+    problem, weighed = outcome.problem, outcome.weighed
+    alone = weigh_model(problem, (), searching=False) if outcome.chosen else weighed
     if few is None and not outcome.chosen:
         # Nothing stands: what noise alone does is what the whole noise does.
-        last = tuple(trials_of(setup, projection(setup, alone, ())))
+        last = tuple(trials_of(problem, projection(problem, alone, ())))
         outcome = replace(outcome, p_value=family_p_value(last), last=last)
-    before = joint.fit(setup, alone, ())
-    after = joint.fit(setup, weighed, outcome.chosen)
-    scene = scenes.scene(setup, outcome, after)
+    before = joint.fit(problem, alone, ())
+    after = joint.fit(problem, weighed, outcome.chosen)
+    scene = scenes.scene(problem, outcome, after)
     tell("holding data out")
-    partition = holdout.folds(setup, weighed, outcome.chosen)
-    held = unseen(setup, (alone, weighed), (), outcome.chosen, partition)
+    partition = holdout.folds(problem, weighed, outcome.chosen)
+    held = unseen(problem, (alone, weighed), (), outcome.chosen, partition)
     return Diagnosis(
-        setup=setup,
+        problem=problem,
         weighed=weighed,
         findings=tuple(reading.collect(scene)),
         p_value=outcome.p_value,
-        detection_limits=_limits(setup, outcome),
-        untestable=setup.untestable,
+        detection_limits=_limits(problem, outcome),
+        untestable=problem.untestable,
         before=before,
         after=after,
         share=scene.share,
-        noisy=tuple(scenes.noisy_antennas(setup, scene.floor)),
-        heldout=held.compared(np.ones(len(setup.residual), bool), weighed.covariance.floor),
+        noisy=tuple(scenes.noisy_antennas(problem, scene.floor)),
+        heldout=held.compared(np.ones(len(problem.residual), bool), weighed.covariance.floor),
         unseen=held,
         dropped=dropped,
         steps=outcome.steps,
-        two_axes=() if few else disagreements(setup, weighed, outcome.chosen),
+        two_axes=() if few else disagreements(problem, weighed, outcome.chosen),
         combinations=scene.combinations,
         too_few=few,
-        misread=_misread(setup, weighed, after, refit),
+        misread=_misread(problem, weighed, after, refit),
     )
 
 
 def _misread(
-    setup: Problem, weighed: WhitenedData, after: joint.Joint, refit: Collection[str] | None
+    problem: Problem, weighed: WhitenedData, after: joint.Joint, refit: Collection[str] | None
 ) -> str | None:
     """Return how the file may have been misread; what has no name is no other explanation."""
-    found = after.choices[len(setup.base) :]
+    found = after.choices[len(problem.base) :]
     named = tuple(one for one in found if one.candidate.effect.physical)
-    fits = after if named == found else joint.fit(setup, weighed, named), after
+    fits = after if named == found else joint.fit(problem, weighed, named), after
     of_names, of_all = (
-        Fitted(setup.residual - fit.predicted, sum(setup.part(one).size for one in some))
+        Fitted(problem.residual - fit.predicted, sum(problem.part(one).size for one in some))
         for fit, some in zip(fits, (named, found), strict=True)
     )
-    other = misread(setup.recordings, setup.model, refit, weighed.used, of_names, of_all)
+    other = misread(problem.recordings, problem.model, refit, weighed.used, of_names, of_all)
     return None if other is None else other.of_findings
 
 
-def searched(setup: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:
+def searched(problem: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:
     """Return what was found and stands, and what was dropped.
 
     Names that a field stood in place of get their place back where it is dropped, if data left
     out are predicted better with them.
     """
-    outcome, dropped = settled(averaged(search(setup, tell)))
+    outcome, dropped = settled(averaged(search(problem, tell)))
     if any(one.effect == UNKNOWN for one in dropped):
         again, more = settled(averaged(resumed(outcome, tell)))
         dropped = tuple(dict.fromkeys((*dropped, *more)))
-        partition = holdout.folds(again.setup, again.weighed, again.chosen)
+        partition = holdout.folds(again.problem, again.weighed, again.chosen)
         both = outcome.weighed, again.weighed
-        before, after = unseen(again.setup, both, outcome.chosen, again.chosen, partition).rms()
+        before, after = unseen(again.problem, both, outcome.chosen, again.chosen, partition).rms()
         outcome = again if after < before else outcome
     return outcome, dropped
 
 
-def _unsearched(setup: Problem, few: guards.TooFew) -> Outcome:
+def _unsearched(problem: Problem, few: guards.TooFew) -> Outcome:
     """Return the end of a search that was not made: what would have been seen is known."""
-    weighed = weigh(setup, (), searching=False)
+    weighed = weigh(problem, (), searching=False)
     last: tuple[CandidateFit, ...] = ()
     if few.scatter_known:
-        last = tuple(trials_of(setup, projection(setup, weighed, ())))
-    return Outcome(setup, (), (), weighed, 1.0, last)
+        last = tuple(trials_of(problem, projection(problem, weighed, ())))
+    return Outcome(problem, (), (), weighed, 1.0, last)
 
 
-def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
+def _limits(problem: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the size [rad] at which each effect would have been seen in half of the cases.
 
     The rms over the readings that it acts on.
@@ -237,8 +237,8 @@ def _limits(setup: Problem, outcome: Outcome) -> dict[str, float]:
         if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
         own = trial.candidate
-        gain = gain_needed(trial, CONVINCING + own.price + among(setup, own.effect))
-        columns = setup.picked(own.columns)
+        gain = gain_needed(trial, CONVINCING + own.price + among(problem, own.effect))
+        columns = problem.picked(own.columns)
         touched = np.count_nonzero(columns.any(axis=1))
         size = float(np.sqrt(gain * (columns**2).sum() / (known * touched)))
         limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))

@@ -72,20 +72,22 @@ class Disagreement:
 
 @stage("comparing axes")
 def disagreements(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]
+    problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]
 ) -> tuple[Disagreement, ...]:
     """Return the effects of the model, and of what was named, on which the axes disagree.
 
     Parameters
     ----------
-    setup, weighed
+    problem, weighed
         The case, weighed beside everything chosen.
     chosen
         What the search added to the model; fields without a name are passed over.
     """
     named = tuple(one for one in chosen if one.candidate.effect.physical)
-    choices = (*setup.base, *named)
-    ground = _Ground(setup, weighed if len(named) == len(chosen) else weigh(setup, named), choices)
+    choices = (*problem.base, *named)
+    ground = _Ground(
+        problem, weighed if len(named) == len(chosen) else weigh(problem, named), choices
+    )
     compared = [(one, ground.compare(one)) for one in choices]
     testable = [(one, found) for one, found in compared if found is not None]
     return tuple(
@@ -98,20 +100,20 @@ def disagreements(
 class _Ground:
     """The case weighed beside the model and everything named."""
 
-    def __init__(self, setup: Problem, weighed: WhitenedData, choices: tuple[Chosen, ...]):
-        self.setup, self.weighed, self.choices = setup, weighed, choices
-        self.is_y = setup.stack.is_y
+    def __init__(self, problem: Problem, weighed: WhitenedData, choices: tuple[Chosen, ...]):
+        self.problem, self.weighed, self.choices = problem, weighed, choices
+        self.is_y = problem.stack.is_y
         self.data = self.weighed.white[:, -1]
         self.dof = float(self.weighed.evidence.dof.sum())
 
     def others(self, one: Chosen) -> Array:
         """Return everything but one effect, of unit scatter."""
         rest = [each for each in self.choices if each is not one]
-        return self.setup.expanded(rest, of=self.weighed.white)
+        return self.problem.expanded(rest, of=self.weighed.white)
 
     def compare(self, one: Chosen, others: Array | None = None) -> Difference | None:
         """Return what both axes say of an effect over all recordings; None if it is of one."""
-        acts = self.setup.expanded([one]) != 0
+        acts = self.problem.expanded([one]) != 0
         if not np.any(acts[self.is_y].any(axis=0) & acts[~self.is_y].any(axis=0)):
             return None
         rest = self.others(one) if others is None else others
@@ -120,17 +122,17 @@ class _Ground:
 
     def _acting(self, one: Chosen, *where: Mask) -> list[Array]:
         """Return an effect as it acts on each of some parts of the readings, of unit scatter."""
-        own = self.setup.expanded([one])
+        own = self.problem.expanded([one])
         return [self.weighed.covariance.whiten(own * part[:, None]) for part in where]
 
     def located(self, one: Chosen, found: Difference) -> Disagreement:
         """Return a disagreement with where it is and what would take it away."""
-        names = self.setup.blocks.names(one.scope)
+        names = self.problem.blocks.names(one.scope)
         return Disagreement(
             one,
             tuple(names[place // len(one.candidate.columns)] for place in found.of),
             found,
-            tuple(self._split(one, *cut) for cut in cuts(self.setup).values()),
+            tuple(self._split(one, *cut) for cut in cuts(self.problem).values()),
             tuple(self._causes(one, found)),
         )
 
@@ -154,11 +156,11 @@ class _Ground:
     def _causes(self, one: Chosen, found: Difference) -> Iterator[tuple[str, Difference]]:
         """Yield what takes most of a disagreement away and is worth its coefficients."""
         others, white = self.others(one), self.weighed.white
-        own = self.setup.expanded([one], of=white)
+        own = self.problem.expanded([one], of=white)
         alone = np.concatenate([others, own], axis=1)
         told: dict[str, tuple[float, Difference]] = {}
-        for candidate in self.setup.candidates:
-            more = self.setup.expanded([Chosen(candidate, "all")], of=white)
+        for candidate in self.problem.candidates:
+            more = self.problem.expanded([Chosen(candidate, "all")], of=white)
             gain = _gain(alone, more, self.data)
             if gain < SIGNIFICANT**2 * more.shape[1]:
                 continue
@@ -181,12 +183,12 @@ def _gain(model: Array, more: Array, data: Array) -> float:
     return float(left @ columns @ np.linalg.lstsq(columns, left, rcond=1e-9)[0])
 
 
-def cuts(setup: Problem) -> dict[str, tuple[tuple[str, str], Mask]]:
+def cuts(problem: Problem) -> dict[str, tuple[tuple[str, str], Mask]]:
     """Return the names of two halves of the readings and which are of the first, shape (m,).
 
     By what they are cut: elevation, azimuth and, where that is known, time.
     """
-    at, row = setup.recordings.at, setup.stack.row
+    at, row = problem.recordings.at, problem.stack.row
     middle = float(np.median(at.el))
     degrees = f"{np.degrees(middle):.0f} deg of elevation"
     found = {

@@ -41,7 +41,7 @@ class Folds:
     departing: bool = False
 
 
-def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Folds:
+def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Folds:
     """Choose what is left out together.
 
     Whole sessions where there are enough of them and nothing that is fitted
@@ -51,8 +51,8 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
     predicted from its others; but a change among them must do better than the
     model alone, for any change could be called departures.
     """
-    sessions = setup.session
-    choices = (*setup.base, *chosen)
+    sessions = problem.session
+    choices = (*problem.base, *chosen)
     own = any("session" in one.scope for one in choices)
     epochs = any(one.candidate.effect.is_change or one.candidate.of_time for one in choices)
     departing = any(one.of == "session" for one in weighed.covariance.departures)
@@ -62,14 +62,16 @@ def folds(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Fo
         if count <= MOST_FOLDS:
             return Folds("leave one session out", sessions)
         return Folds("leave whole sessions out, twenty folds", sessions * MOST_FOLDS // count)
-    rng = np.random.default_rng(setup.seed)
-    at = setup.recordings.at
-    time = clock(at)[setup.stack.row]
+    rng = np.random.default_rng(problem.seed)
+    at = problem.recordings.at
+    time = clock(at)[problem.stack.row]
     if any(one.candidate.effect.changes_with == "stretch" for one in choices):
-        return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing=True)
+        return Folds(
+            "leave pointings out, ten folds", _dealt(problem.pointing, rng), departing=True
+        )
     if not np.isfinite(time).all():
-        return Folds("leave pointings out, ten folds", _dealt(setup.pointing, rng), departing)
-    if "scan_direction" in at and setup.blocks.antennas > 1:
+        return Folds("leave pointings out, ten folds", _dealt(problem.pointing, rng), departing)
+    if "scan_direction" in at and problem.blocks.antennas > 1:
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
     fold = np.zeros(len(time), np.intp)
@@ -93,7 +95,7 @@ def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:
 
 @stage("holding data out")
 def residuals(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: Sequence[Chosen],
     partition: Folds,
@@ -107,32 +109,32 @@ def residuals(
     whole = whole or chosen
     identities = tuple(map(id, chosen)), tuple(map(id, whole)), id(weighed.covariance)
     key = *identities, partition.fold.tobytes(), partition.departing
-    if key not in setup.unseen:
+    if key not in problem.unseen:
         # What the key's identities belong to is kept as long as the key.
         kept = *chosen, *whole, weighed.covariance
-        setup.unseen[key] = _residuals(setup, weighed, chosen, partition, whole), kept
-    return setup.unseen[key][0]
+        problem.unseen[key] = _residuals(problem, weighed, chosen, partition, whole), kept
+    return problem.unseen[key][0]
 
 
 def _residuals(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: Sequence[Chosen],
     partition: Folds,
     whole: Sequence[Chosen],
 ) -> Array:
-    left = np.full(len(setup.residual), np.nan)
-    if setup.blocks.antennas > 1:
-        solutions = _of_products(setup, weighed, chosen, partition)
+    left = np.full(len(problem.residual), np.nan)
+    if problem.blocks.antennas > 1:
+        solutions = _of_products(problem, weighed, chosen, partition)
     else:
-        solutions = _of_others(setup, weighed, chosen, partition, whole)
+        solutions = _of_others(problem, weighed, chosen, partition, whole)
     for one, columns, solution, covariance, curve in solutions:
         rows = np.flatnonzero(partition.fold == one)
         unknown = _left_open(solution, columns[rows])
         predicted = columns @ solution.values + curve
         if partition.departing and covariance is not None:
-            predicted += covariance.departed(setup.residual - predicted)
-        left[rows] = np.where(unknown, np.nan, (setup.residual - predicted)[rows])
+            predicted += covariance.departed(problem.residual - predicted)
+        left[rows] = np.where(unknown, np.nan, (problem.residual - predicted)[rows])
     return left
 
 
@@ -142,63 +144,63 @@ _Solutions = Iterator[tuple[int, Array, Solution, Covariance | None, Array]]
 
 
 def _of_products(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
+    problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
 ) -> _Solutions:
     """Yield the solutions of an array: a fold is taken off the products of the whole.
 
     Its readings hang together too little for it to matter that those left out were there when
     the others were whitened.
     """
-    columns = setup.expanded((*setup.base, *chosen))
+    columns = problem.expanded((*problem.base, *chosen))
     noise = tempered(weighed.covariance)
-    white, choices = whitened(setup, noise, (*setup.base, *chosen))
-    for one, solution, _ in _without_each(setup, white, choices, partition):
+    white, choices = whitened(problem, noise, (*problem.base, *chosen))
+    for one, solution, _ in _without_each(problem, white, choices, partition):
         yield one, columns, solution, None, np.zeros(len(columns))
 
 
 def _of_others(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: Sequence[Chosen],
     partition: Folds,
     whole: Sequence[Chosen],
 ) -> _Solutions:
     """Yield the solutions of a single antenna: a fold has no weight in them, nor in the choices."""
-    base = setup.expanded(setup.base)
+    base = problem.expanded(problem.base)
     for one in np.unique(partition.fold):
         weights = np.where(partition.fold == one, 0.0, weighed.weights)
         covariance = replace(weighed.covariance, weights=weights)
         key = *map(id, whole), id(weighed.covariance), partition.fold.tobytes(), int(one)
-        if chosen and key not in setup.anew:
+        if chosen and key not in problem.anew:
             # What the key's identities belong to is kept as long as the key.
-            found = columns_anew(setup, covariance, whole)
-            setup.anew[key] = found, (*whole, weighed.covariance)
-        anew = dict(zip(map(id, whole), setup.anew[key][0], strict=True)) if chosen else {}
-        parts = [(setup.base, base), *(((each,), anew[id(each)].columns) for each in chosen)]
+            found = columns_anew(problem, covariance, whole)
+            problem.anew[key] = found, (*whole, weighed.covariance)
+        anew = dict(zip(map(id, whole), problem.anew[key][0], strict=True)) if chosen else {}
+        parts = [(problem.base, base), *(((each,), anew[id(each)].columns) for each in chosen)]
         columns = np.concatenate([own for _, own in parts], axis=1)
-        known = [np.resize(setup.precision(some), own.shape[1]) for some, own in parts]
+        known = [np.resize(problem.precision(some), own.shape[1]) for some, own in parts]
         curves = [anew[id(each)].curve for each in chosen]
         curve = np.sum(
             [np.zeros(len(base)), *(some for some in curves if some is not None)], axis=0
         )
-        data = np.concatenate([columns, (setup.residual - curve)[:, None]], axis=1)
+        data = np.concatenate([columns, (problem.residual - curve)[:, None]], axis=1)
         products = tempered(covariance).products(data)
         yield int(one), columns, Solution.of(products, np.concatenate(known)), covariance, curve
 
 
 @stage("holding data out")
 def unseen_misfit(
-    setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
+    problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen], partition: Folds
 ) -> float:
     """Return the whitened sum of squares of predictions of data left out, each at most `CLIP`.
 
     Noise and outliers weigh in it as they do in the fit, and what cannot be
     predicted counts as far off.
     """
-    white, choices = whitened(setup, weighed.covariance, (*setup.base, *chosen))
-    columns = setup.expanded(choices, of=white)
+    white, choices = whitened(problem, weighed.covariance, (*problem.base, *chosen))
+    columns = problem.expanded(choices, of=white)
     total = 0.0
-    for _, solution, rows in _without_each(setup, white, choices, partition):
+    for _, solution, rows in _without_each(problem, white, choices, partition):
         left = white[rows, -1] - columns[rows] @ solution.values
         unknown = _left_open(solution, columns[rows])
         total += float(np.where(unknown, CLIP, np.minimum(left**2, CLIP)).sum())
@@ -218,20 +220,20 @@ def _left_open(solution: Solution, columns: Array) -> NDArray[np.bool_]:
 
 
 def _without_each(
-    setup: Problem, white: Array, choices: Sequence[Chosen], partition: Folds
+    problem: Problem, white: Array, choices: Sequence[Chosen], partition: Folds
 ) -> Iterator[tuple[int, Solution, Codes]]:
     """Yield each fold, the solution without it, and the fold's rows of the whitened columns.
 
     A fold is taken off the sufficient statistics of the whole; nothing is fitted anew.
     """
-    parts = [setup.part(one) for one in choices]
-    block = np.resize(setup.block, len(white))
+    parts = [problem.part(one) for one in choices]
+    block = np.resize(problem.block, len(white))
     fold = np.resize(partition.fold, len(white))
-    whole = Gram.of(white, block, len(setup.blocks)).matrices
-    known = setup.precision(choices)
+    whole = Gram.of(white, block, len(problem.blocks)).matrices
+    known = problem.precision(choices)
     for one in np.unique(partition.fold):
         rows = np.flatnonzero(fold == one)
-        own = Gram.of(white[rows], block[rows], len(setup.blocks)).matrices
+        own = Gram.of(white[rows], block[rows], len(problem.blocks)).matrices
         yield int(one), Gram(whole - own).solve(parts, known), rows
 
 
@@ -283,7 +285,7 @@ class Unseen:
 
 
 def unseen(
-    setup: Problem,
+    problem: Problem,
     weighed: tuple[WhitenedData, WhitenedData],
     before: tuple[Chosen, ...],
     after: tuple[Chosen, ...],
@@ -295,18 +297,18 @@ def unseen(
     scatter that the readings of the other folds have about theirs.
     """
     added = {*map(id, before)} <= {*map(id, after)}
-    first = residuals(setup, weighed[0], before, partition, after if before and added else ())
-    second = residuals(setup, weighed[1], after, partition)
+    first = residuals(problem, weighed[0], before, partition, after if before and added else ())
+    second = residuals(problem, weighed[1], after, partition)
     finite = np.isfinite(first) & np.isfinite(second)
     nearest = np.where(finite, np.minimum(np.abs(first), np.abs(second)), np.inf)
     counted = finite.copy()
-    for series in np.unique(setup.series):
-        inside = setup.series == series
+    for series in np.unique(problem.series):
+        inside = problem.series == series
         for fold in np.unique(partition.fold[inside]):
             own = inside & (partition.fold == fold)
             others = inside & (partition.fold != fold) & finite
             if others.any():
                 counted[own] &= nearest[own] <= GROSS * robust.scale(nearest[others])
-    number = setup.session * (partition.fold.max() + 1) + partition.fold
+    number = problem.session * (partition.fold.max() + 1) + partition.fold
     stretch = np.unique(number, return_inverse=True)[1]
     return Unseen(partition, stretch, first, second, counted)

@@ -44,13 +44,13 @@ class Joint:
         return slice(int(self.starts[choice]), int(self.starts[choice + 1]))
 
 
-def fit(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Joint:
+def fit(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Joint:
     """Fit the base and the chosen effects together."""
-    choices = (*setup.base, *chosen)
-    columns = setup.expanded(choices)
-    known = setup.precision(choices)
-    solution = solve(weighed.covariance, columns, setup.residual, known)
-    starts = np.cumsum([0, *(setup.part(one).size for one in choices)])
+    choices = (*problem.base, *chosen)
+    columns = problem.expanded(choices)
+    known = problem.precision(choices)
+    solution = solve(weighed.covariance, columns, problem.residual, known)
+    starts = np.cumsum([0, *(problem.part(one).size for one in choices)])
     return Joint(choices, solution, starts, columns @ solution.values)
 
 
@@ -78,7 +78,7 @@ def excess_of(joint: Joint) -> float:
     return max(1.0, joint.solution.residual / max(1, len(joint.predicted) - joint.solution.rank))
 
 
-def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
+def combined(problem: Problem, joint: Joint) -> tuple[Combination, ...]:
     """Return what a joint fit knows of coefficients that it does not know alone.
 
     What a search drew freely (fields, curves of no name) has coefficients that nobody reads.
@@ -86,10 +86,10 @@ def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
     kept: list[int] = []
     names, coefficients = [], []
     for n, chosen in enumerate(joint.choices):
-        if n >= len(setup.base) and not chosen.candidate.effect.physical:
+        if n >= len(problem.base) and not chosen.candidate.effect.physical:
             continue
         width = len(chosen.candidate.columns)
-        for group, label in enumerate(setup.blocks.names(chosen.scope)):
+        for group, label in enumerate(problem.blocks.names(chosen.scope)):
             for k, which in enumerate(chosen.candidate.coefficients):
                 coefficient = chosen.candidate.effect.coefficients[which]
                 kept.append(int(joint.starts[n]) + group * width + k)
@@ -101,27 +101,27 @@ def combined(setup: Problem, joint: Joint) -> tuple[Combination, ...]:
     found = combinations(
         names,
         coefficients,
-        setup.expanded(joint.choices)[:, kept],
+        problem.expanded(joint.choices)[:, kept],
         joint.solution.values[kept],
         joint.solution.covariance[np.ix_(kept, kept)] * excess,
-        largest_offset(setup),
+        largest_offset(problem),
     )
     return tuple(replace(one, places=tuple(kept[n] for n in one.places)) for one in found)
 
 
-def largest_offset(setup: Problem) -> float:
+def largest_offset(problem: Problem) -> float:
     """Return the largest offset that was measured [rad]: no effect is said to be larger."""
-    return soundness.largest_offset(setup.stack, setup.recordings.at)
+    return soundness.largest_offset(problem.stack, problem.recordings.at)
 
 
-def contribution(setup: Problem, joint: Joint, choice: int) -> Array:
+def contribution(problem: Problem, joint: Joint, choice: int) -> Array:
     """Return what one choice adds to each reading [rad], shape (m,)."""
-    return setup.expanded([joint.choices[choice]]) @ joint.solution.values[joint.slice(choice)]
+    return problem.expanded([joint.choices[choice]]) @ joint.solution.values[joint.slice(choice)]
 
 
-def visible(setup: Problem, weighed: WhitenedData, curve: Array) -> Array:
+def visible(problem: Problem, weighed: WhitenedData, curve: Array) -> Array:
     """Return what is left of a curve (m,) after the base took its share."""
-    base = setup.expanded(setup.base)
+    base = problem.expanded(problem.base)
     if base.shape[1] == 0:
         return curve
     used = weighed.used

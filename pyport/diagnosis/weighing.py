@@ -66,79 +66,81 @@ class WhitenedData:
 
 
 @stage("whitening")
-def weigh(setup: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True) -> WhitenedData:
+def weigh(
+    problem: Problem, chosen: Sequence[Chosen] = (), *, searching: bool = True
+) -> WhitenedData:
     """Fit the noise that is left beside the model and some effects, and weigh everything by it.
 
     See `noise` for `searching`. Beside what stands in the end nobody asks what noise alone would
     do: none is drawn.
     """
-    covariance = noise(setup, chosen, searching=searching)
+    covariance = noise(problem, chosen, searching=searching)
     draws = DRAWS if searching or not chosen else 0
-    return _weighed(setup, chosen, covariance, covariance.whiten(setup.whole), draws)
+    return _weighed(problem, chosen, covariance, covariance.whiten(problem.whole), draws)
 
 
 @stage("whitening")
 def weigh_model(
-    setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True
+    problem: Problem, chosen: Sequence[Chosen], *, searching: bool = True
 ) -> WhitenedData:
     """Return what `weigh` does for what looks at the model and the data alone.
 
     No other column is whitened: they are zero. An array's common mode asks for all.
     """
-    if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return weigh(setup, chosen, searching=searching)
-    covariance = noise(setup, chosen, searching=searching)
-    choices = (*setup.base, *chosen)
-    own, _ = whitened(setup, covariance, choices)
+    if problem.blocks.antennas >= ENOUGH_ANTENNAS:
+        return weigh(problem, chosen, searching=searching)
+    covariance = noise(problem, chosen, searching=searching)
+    choices = (*problem.base, *chosen)
+    own, _ = whitened(problem, covariance, choices)
     # Column by column in memory: no page of those that stay zero is touched.
-    white = np.zeros((len(own), setup.size + 1), order="F")
-    white[:, np.concatenate([*(one.candidate.columns for one in choices), [setup.size]])] = own
-    return _weighed(setup, chosen, covariance, white, DRAWS)
+    white = np.zeros((len(own), problem.size + 1), order="F")
+    white[:, np.concatenate([*(one.candidate.columns for one in choices), [problem.size]])] = own
+    return _weighed(problem, chosen, covariance, white, DRAWS)
 
 
 def whitened(
-    setup: Problem, covariance: Covariance, choices: Sequence[Chosen]
+    problem: Problem, covariance: Covariance, choices: Sequence[Chosen]
 ) -> tuple[Array, list[Chosen]]:
     """Return some choices' columns and the data, whitened, and the choices of those columns."""
     needed = [one.candidate.columns for one in choices]
-    columns = setup.picked(np.concatenate([np.zeros(0, np.intp), *needed]))
+    columns = problem.picked(np.concatenate([np.zeros(0, np.intp), *needed]))
     starts = np.cumsum([0, *map(len, needed)])
     own = [
         replace(one, candidate=replace(one.candidate, columns=np.arange(low, high)))
         for one, (low, high) in zip(choices, pairwise(starts), strict=True)
     ]
-    return covariance.whiten(np.concatenate([columns, setup.residual[:, None]], axis=1)), own
+    return covariance.whiten(np.concatenate([columns, problem.residual[:, None]], axis=1)), own
 
 
 def _weighed(
-    setup: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array, draws: int
+    problem: Problem, chosen: Sequence[Chosen], covariance: Covariance, white: Array, draws: int
 ) -> WhitenedData:
     evidence = Evidence(
         white,
-        np.resize(setup.block, len(white)),
-        np.resize(setup.stack.is_y, len(white)).astype(np.intp),
-        setup.blocks,
-        common=_common_excess(setup, (*setup.base, *chosen), white, covariance),
-        numbers=len(np.unique(measurements(setup))),
+        np.resize(problem.block, len(white)),
+        np.resize(problem.stack.is_y, len(white)).astype(np.intp),
+        problem.blocks,
+        common=_common_excess(problem, (*problem.base, *chosen), white, covariance),
+        numbers=len(np.unique(measurements(problem))),
         draws=draws,
-        dof=np.array([covariance.dof[one] for one in np.unique(setup.blocks.antenna)]),
-        rng=np.random.default_rng(setup.seed),
+        dof=np.array([covariance.dof[one] for one in np.unique(problem.blocks.antenna)]),
+        rng=np.random.default_rng(problem.seed),
     )
     return WhitenedData(covariance, white, evidence)
 
 
-def projection(setup: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Projection:
+def projection(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Projection:
     """Return the evidence with the model and what is chosen projected out."""
-    return weighed.evidence.beside([setup.part(one) for one in (*setup.base, *chosen)])
+    return weighed.evidence.beside([problem.part(one) for one in (*problem.base, *chosen)])
 
 
 @stage("whitening")
-def weigh_alike(setup: Problem, chosen: Sequence[Chosen], known: Covariance) -> WhitenedData:
+def weigh_alike(problem: Problem, chosen: Sequence[Chosen], known: Covariance) -> WhitenedData:
     """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
-    design = setup.expanded([*setup.base, *chosen])
-    covariance = reweighed(known, setup.residual, design, setup.frame)
-    setup.known[key_of(chosen, searching=True)] = tuple(chosen), covariance
-    return weigh(setup, chosen)
+    design = problem.expanded([*problem.base, *chosen])
+    covariance = reweighed(known, problem.residual, design, problem.frame)
+    problem.known[key_of(chosen, searching=True)] = tuple(chosen), covariance
+    return weigh(problem, chosen)
 
 
 def in_order(chosen: Sequence[Chosen]) -> list[Chosen]:
@@ -152,33 +154,33 @@ def key_of(chosen: Sequence[Chosen], *, searching: bool) -> tuple[object, ...]:
 
 
 @stage("fitting noise")
-def noise(setup: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
+def noise(problem: Problem, chosen: Sequence[Chosen], *, searching: bool = True) -> Covariance:
     """Estimate the noise beside some effects, or remember it.
 
     Columns that join the design later do not touch it. While a search goes on, what its
     candidates could explain is no noise; in a final fit (`searching` false) it is.
     """
     key = key_of(chosen, searching=searching)
-    if key not in setup.known:
-        design = setup.expanded([*setup.base, *in_order(chosen)])
-        shapes = setup.possible if searching else None
-        covariance = estimate(setup.residual, design, setup.frame, shapes)
+    if key not in problem.known:
+        design = problem.expanded([*problem.base, *in_order(chosen)])
+        shapes = problem.possible if searching else None
+        covariance = estimate(problem.residual, design, problem.frame, shapes)
         # The choices are kept as long as the key that their identities make.
-        setup.known[key] = tuple(chosen), covariance
-    return setup.known[key][1]
+        problem.known[key] = tuple(chosen), covariance
+    return problem.known[key][1]
 
 
 def _common_excess(
-    setup: Problem, fitted: Sequence[Chosen], white: Array, covariance: Covariance
+    problem: Problem, fitted: Sequence[Chosen], white: Array, covariance: Covariance
 ) -> common_mode.Excess:
     """Return how much more scans scatter in common than independent antennas would."""
-    if setup.blocks.antennas < ENOUGH_ANTENNAS:
+    if problem.blocks.antennas < ENOUGH_ANTENNAS:
         return common_mode.Excess()
-    columns = setup.expanded(fitted, of=white)
+    columns = problem.expanded(fitted, of=white)
     left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
     means = covariance.means
-    one = covariance.whiten(np.ones((len(setup.residual), 1)))[means, 0]
-    return common_mode.excess(left[means], one, white[means, :-1], setup.scan)
+    one = covariance.whiten(np.ones((len(problem.residual), 1)))[means, 0]
+    return common_mode.excess(left[means], one, white[means, :-1], problem.scan)
 
 
 @dataclass(frozen=True)
@@ -203,52 +205,52 @@ class View:
     left: Array
 
 
-def plain_view(setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> View:
+def plain_view(problem: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model, outliers left out."""
     rows = np.flatnonzero(covariance.used)
     root = np.sqrt(covariance.weights[rows]) / covariance.scatter[rows]
-    model = setup.expanded((*setup.base, *chosen))[rows] * root[:, None]
+    model = problem.expanded((*problem.base, *chosen))[rows] * root[:, None]
     basis = spanned(model)[0]
-    data = setup.residual[rows] * root
+    data = problem.residual[rows] * root
     return View(rows, root, basis, data - basis @ (basis.T @ data))
 
 
 def left_beside(
-    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], columns: Array
+    problem: Problem, covariance: Covariance, chosen: Sequence[Chosen], columns: Array
 ) -> tuple[Array, Array]:
     """Return columns (m, k) whitened, and what the model leaves of them and of the data.
 
     The model is the base and what is chosen; both are of M rows, the data the last column.
     """
-    white, choices = whitened(setup, covariance, (*setup.base, *chosen))
-    model = setup.expanded(choices, of=white)
+    white, choices = whitened(problem, covariance, (*problem.base, *chosen))
+    model = problem.expanded(choices, of=white)
     own = covariance.whiten(columns)
     both = np.concatenate([own, white[:, -1:]], axis=1)
     return own, both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
 
 
 def shown_beside(
-    setup: Problem,
+    problem: Problem,
     covariance: Covariance,
     chosen: Sequence[Chosen],
     candidates: Sequence[Candidate],
 ) -> list[tuple[Array, Array]]:
     """Return what the data show of each candidate beside the model and what is chosen: `shown`."""
     places = [one.columns for one in candidates]
-    own, left = left_beside(setup, covariance, chosen, setup.picked(np.concatenate(places)))
+    own, left = left_beside(problem, covariance, chosen, problem.picked(np.concatenate(places)))
     length = np.linalg.norm(own, axis=0)
     starts = np.cumsum([0, *map(len, places)])
     return [shown(left[:, low:up], length[low:up], left[:, -1]) for low, up in pairwise(starts)]
 
 
 def best_shown(
-    setup: Problem,
+    problem: Problem,
     covariance: Covariance,
     chosen: Sequence[Chosen],
     candidates: Sequence[Candidate],
 ) -> tuple[Candidate, float]:
     """Return the candidate that shows best beside the model, and its evidence, its price paid."""
-    seen = shown_beside(setup, covariance, chosen, candidates)
+    seen = shown_beside(problem, covariance, chosen, candidates)
     worth = [
         at_best(*each)[0] - one.price if len(each[0]) else -np.inf
         for each, one in zip(seen, candidates, strict=True)

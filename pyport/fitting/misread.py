@@ -299,12 +299,15 @@ def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
 
 def _unit(x: Array, y: Array, own: NDArray[np.bool_]) -> float:
     """Return by which ratio of units a session's offsets are nearest to the others', 1 for none."""
-    each = [
-        np.concatenate([one[rows] - np.nanmedian(one[rows]) for one in (x, y)])
-        for rows in (own, ~own)
-    ]
-    size, usual = (float(np.nanmedian(np.abs(one))) for one in each)
+    size, usual = (_spread(x, y, rows) for rows in (own, ~own))
     if not (size > 0 and usual > 0):
         return 1.0
     ratios = [1.0, *UNITS, *(1 / one for one in UNITS)]
     return min(ratios, key=lambda one: abs(np.log(one * size / usual)))
+
+
+def _spread(x: Array, y: Array, rows: NDArray[np.bool_]) -> float:
+    """Return the median distance of offsets from their axis' median, 0 where there are none."""
+    measured = (one[rows & np.isfinite(one)] for one in (x, y))
+    away = [np.abs(one - np.median(one)) for one in measured if len(one)]
+    return float(np.median(np.concatenate(away))) if away else 0.0

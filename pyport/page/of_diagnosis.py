@@ -31,19 +31,19 @@ def of_diagnosis(diagnosis: Diagnosis, report: Report | None = None) -> tuple[Pi
     report = report or report_of(diagnosis)
     curves = visible(diagnosis)
     found, of_finding = layers(diagnosis, curves)
-    setup = diagnosis.setup
+    problem = diagnosis.problem
     noise = {one: diagnosis_noise(diagnosis, is_y=one) for one in (False, True)}
     x, y = sides(
-        setup.recordings,
-        setup.stack,
+        problem.recordings,
+        problem.stack,
         diagnosis.left(diagnosis.before),
         curves,
         diagnosis.share,
         (noise[False], noise[True]),
     )
     whole = completed(diagnosis)
-    again = linear(whole, setup.recordings)
-    picture = picture_of(setup.recordings, tuple(found), x, y, again=again)
+    again = linear(whole, problem.recordings)
+    picture = picture_of(problem.recordings, tuple(found), x, y, again=again)
     return picture, _story(diagnosis, report, picture, of_finding, whole)
 
 
@@ -76,7 +76,7 @@ def picture_of(
 
 def diagnosis_noise(diagnosis: Diagnosis, *, is_y: bool) -> float | None:
     """Return the noise of one axis [rad]: the median over the series on it."""
-    pairs = zip(diagnosis.setup.parts, diagnosis.weighed.covariance.shown, strict=True)
+    pairs = zip(diagnosis.problem.parts, diagnosis.weighed.covariance.shown, strict=True)
     floors = [noise.floor for part, noise in pairs if part.is_y == is_y]
     return float(np.median(floors)) if floors else None
 
@@ -92,7 +92,7 @@ def _story(
     headline, lead = _verdict(report)
     return Story(
         kind="diagnosis",
-        source=source_of(diagnosis.setup.recordings),
+        source=source_of(diagnosis.problem.recordings),
         model=report.model.name,
         headline=headline,
         lead=lead,
@@ -266,7 +266,7 @@ def off_by(recordings: Recordings, stack: Stack, n: np.intp, residual: float) ->
 
 
 def _outliers(diagnosis: Diagnosis) -> tuple[tuple[int, str], ...]:
-    setup = diagnosis.setup
+    problem = diagnosis.problem
     left = diagnosis.left(diagnosis.after)
     rows = np.flatnonzero(~diagnosis.weighed.used)
-    return tuple(off_by(setup.recordings, setup.stack, n, left[n]) for n in rows)
+    return tuple(off_by(problem.recordings, problem.stack, n, left[n]) for n in rows)

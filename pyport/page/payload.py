@@ -21,17 +21,17 @@ def visible(diagnosis: Diagnosis) -> list[Array]:
     model alone is fitted under a noise of its own; what that changes is shared out evenly, so that
     together they lead exactly from the residuals of the model alone to those of the joint fit.
     """
-    setup, joint = diagnosis.setup, diagnosis.after
+    problem, joint = diagnosis.problem, diagnosis.after
     gram = diagnosis.weighed.evidence.gram
-    model = [setup.part(one) for one in setup.base]
+    model = [problem.part(one) for one in problem.base]
     inverse = inverted(gram.cross(model, model))[0]
-    base = setup.expanded(setup.base)
+    base = problem.expanded(problem.base)
     found = []
-    for n in range(len(setup.base), len(joint.choices)):
+    for n in range(len(problem.base), len(joint.choices)):
         chosen = joint.choices[n]
         values = joint.solution.values[joint.slice(n)]
-        shift = inverse @ (gram.cross(model, [setup.part(chosen)]) @ values)
-        found.append(setup.expanded([chosen]) @ values - base @ shift)
+        shift = inverse @ (gram.cross(model, [problem.part(chosen)]) @ values)
+        found.append(problem.expanded([chosen]) @ values - base @ shift)
     if not found:
         return found
     rest = diagnosis.left(diagnosis.before) - diagnosis.left(diagnosis.after) - sum(found)
@@ -43,7 +43,7 @@ def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list
 
     A layer is called what its findings call it: an effect without a name by its shape.
     """
-    chosen = diagnosis.after.choices[len(diagnosis.setup.base) :]
+    chosen = diagnosis.after.choices[len(diagnosis.problem.base) :]
     of_finding = [_layer_of(finding, diagnosis, curves) for finding in diagnosis.findings]
     found = []
     for n, one in enumerate(chosen):
@@ -62,7 +62,7 @@ def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list
 
 def _layer_of(finding: Finding, diagnosis: Diagnosis, curves: list[Array]) -> int | None:
     """Return the number of the chosen effect that a finding is read from, None of a survey."""
-    chosen = diagnosis.after.choices[len(diagnosis.setup.base) :]
+    chosen = diagnosis.after.choices[len(diagnosis.problem.base) :]
     effects = [one.candidate.effect for one in chosen]
     if not effects:
         return None

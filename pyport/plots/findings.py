@@ -70,7 +70,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     first.set_ylabel(f"offset that the model leaves [{name}]")
     reach = 1.15 * float(np.quantile(np.abs(curve + left)[rows], 0.985)) / unit
     first.set_ylim(-reach, reach)
-    if finding.effect.startswith("scan") and "scan_direction" in diagnosis.setup.recordings.at:
+    if finding.effect.startswith("scan") and "scan_direction" in diagnosis.problem.recordings.at:
         first.legend(fontsize=8, loc="upper left", ncols=2, framealpha=0.8)
     below = figure.add_subplot(grid[1, :])
     if 1 < len(names) <= MOST_BARS:
@@ -86,16 +86,16 @@ def _rows(diagnosis: Diagnosis, finding: Finding) -> NDArray[np.intp]:
     counts = diagnosis.share > 0
     antennas = finding.where.subset.get("antenna")
     if antennas:
-        counts &= np.isin(diagnosis.setup.antenna, antennas)
+        counts &= np.isin(diagnosis.problem.antenna, antennas)
     axes = [axis == "el" for axis in finding.where.axes]
-    return np.flatnonzero(counts & np.isin(diagnosis.setup.stack.is_y, axes))
+    return np.flatnonzero(counts & np.isin(diagnosis.problem.stack.is_y, axes))
 
 
 def _follows(
     diagnosis: Diagnosis, finding: Finding, curve: Array, rows: NDArray[np.intp]
 ) -> tuple[str, Array]:
     """Return the column that drives the effect, or that it follows best: label and values (m,)."""
-    at, row = diagnosis.setup.recordings.at, diagnosis.setup.stack.row
+    at, row = diagnosis.problem.recordings.at, diagnosis.problem.stack.row
     driver = _driver(diagnosis, finding)
     choices = {"el": at.el, "az": at.az}
     more = [name for name in ("hour_angle", "time", driver) if name in at]
@@ -140,11 +140,11 @@ def _cloud(
     axes: Axes, diagnosis: Diagnosis, finding: Finding, rows: NDArray[np.intp], x: Array, y: Array
 ) -> None:
     """Draw residuals, by direction of the scan where the effect is one of scanning."""
-    at = diagnosis.setup.recordings.at
+    at = diagnosis.problem.recordings.at
     axes.axhline(0, color=GREY, lw=0.8)
     groups: list[tuple[NDArray[np.intp], str, str | None]] = [(rows, BLUE, None)]
     if finding.effect.startswith("scan") and "scan_direction" in at:
-        direction = np.asarray(at.column("scan_direction"))[diagnosis.setup.stack.row[rows]]
+        direction = np.asarray(at.column("scan_direction"))[diagnosis.problem.stack.row[rows]]
         groups = [(rows[direction > 0], BLUE, "forward"), (rows[direction < 0], ORANGE, "reverse")]
     for some, colour, label in groups:
         axes.plot(x[some], y[some], ".", ms=3.5, alpha=0.45, color=colour, mew=0, label=label)
@@ -224,7 +224,6 @@ def _held_out(axes: Axes, diagnosis: Diagnosis, rows: NDArray[np.intp]) -> None:
 
 def _title(diagnosis: Diagnosis, finding: Finding) -> str:
     variant = f" ({finding.variant})" if finding.variant else ""
-    file = diagnosis.setup.recordings.file.stem
-    return (
-        f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {diagnosis.setup.model.name}"
-    )
+    file = diagnosis.problem.recordings.file.stem
+    model = diagnosis.problem.model.name
+    return f"{file}: {finding.effect}{variant}, {finding.verdict}, beside {model}"

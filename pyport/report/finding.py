@@ -72,7 +72,7 @@ def combination_of(one: combinations.Combination) -> Combination:
 
 def completed(diagnosis: Diagnosis) -> Model:
     """Return the model that leaves what the diagnosis leaves; see `pyport.models`."""
-    setup, fit = diagnosis.setup, diagnosis.after
+    problem, fit = diagnosis.problem, diagnosis.after
     plain = np.sqrt(np.maximum(np.diag(fit.solution.covariance), 0.0))
     sigma = sigmas(fit)
     for choice, chosen in enumerate(fit.choices):
@@ -84,24 +84,24 @@ def completed(diagnosis: Diagnosis) -> Model:
     solved = [
         one
         for choice, term in enumerate(_terms(diagnosis))
-        for one in _solved(diagnosis, choice, term, sigma, base=choice < len(setup.base))
+        for one in _solved(diagnosis, choice, term, sigma, base=choice < len(problem.base))
     ]
     return complete(
-        setup.model,
-        setup.recordings,
+        problem.model,
+        problem.recordings,
         solved,
         covariance,
         by="diagnose",
-        left=Left(diagnosis.left(fit), diagnosis.weighed.used, setup.stack),
+        left=Left(diagnosis.left(fit), diagnosis.weighed.used, problem.stack),
         findings=[as_json(finding_of(one)) for one in diagnosis.findings],
     )
 
 
 def _terms(diagnosis: Diagnosis) -> list[Term]:
     """Return the term of every choice: the model's, then one for each that was found."""
-    setup = diagnosis.setup
-    fitted = [chosen.candidate.effect for chosen in setup.base]
-    own = [term for term in setup.model.terms if any(term.effect is one for one in fitted)]
+    problem = diagnosis.problem
+    fitted = [chosen.candidate.effect for chosen in problem.base]
+    own = [term for term in problem.model.terms if any(term.effect is one for one in fitted)]
     found = diagnosis.after.choices[len(own) :]
     return [*own, *(_found(one, _number(diagnosis, len(own) + n)) for n, one in enumerate(found))]
 
@@ -124,15 +124,15 @@ def _number(diagnosis: Diagnosis, choice: int) -> int | None:
 def _solved(
     diagnosis: Diagnosis, choice: int, term: Term, sigma: Array, *, base: bool
 ) -> Iterator[Solved]:
-    setup, fit = diagnosis.setup, diagnosis.after
+    problem, fit = diagnosis.problem, diagnosis.after
     chosen = fit.choices[choice]
     start = int(fit.starts[choice])
     k, width = len(term.effect.coefficients), len(chosen.candidate.columns)
     rest = [label for label in term.per if label not in ("antenna", "session")] if base else []
-    others = group(setup.recordings, rest)[1]
-    groups = setup.blocks.groups(chosen.scope)
+    others = group(problem.recordings, rest)[1]
+    groups = problem.blocks.groups(chosen.scope)
     for number, block in enumerate(np.unique(groups, return_index=True)[1]):
-        told = {"antenna": setup.blocks.antenna[block], "session": setup.blocks.session[block]}
+        told = {"antenna": problem.blocks.antenna[block], "session": problem.blocks.session[block]}
         for n, other in enumerate(others):
             told |= dict(zip(rest, other, strict=True))
             which = [

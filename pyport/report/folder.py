@@ -215,14 +215,14 @@ def _named(report: Path) -> dict[str, str]:
 
 def write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a text file
     """Write one line for each measured number: residuals before and after, and its weight."""
-    setup = diagnosis.setup
-    at, row = setup.recordings.at, setup.stack.row
+    problem = diagnosis.problem
+    at, row = problem.recordings.at, problem.stack.row
     writer = csv.writer(file, lineterminator="\n")
     labels = [name for name in ("antenna", "session", "source", "channel") if name in at]
     quantities = ("residual_before", "residual_after", "heldout_before", "heldout_after")
     in_arcsec = [f"{name}_arcsec" for name in quantities]
     writer.writerow(["line", "axis", *labels, "az_deg", "el_deg", *in_arcsec, "weight"])
-    order = np.lexsort((setup.stack.is_y, row))
+    order = np.lexsort((problem.stack.is_y, row))
     of = row[order]
 
     def shown(values: Array, digits: int) -> list[str]:
@@ -235,8 +235,8 @@ def write_rows(diagnosis: Diagnosis, file: Any) -> None:  # noqa: ANN401 - a tex
         diagnosis.unseen.after,
     )
     columns = [
-        setup.recordings.line[of].tolist(),
-        np.where(setup.stack.is_y[order], "el", "xel").tolist(),
+        problem.recordings.line[of].tolist(),
+        np.where(problem.stack.is_y[order], "el", "xel").tolist(),
         *(np.asarray(at.column(name))[of].tolist() for name in labels),
         *(shown(angle[of] / DEG, 6) for angle in (at.az, at.el)),
         *(shown(one[order] / ARCSEC, 3) for one in offsets),

@@ -49,13 +49,13 @@ from pyport.report.typed import (
 
 def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
     """Return what a diagnosis says; of several antennas with what they share."""
-    setup, mount = diagnosis.setup, diagnosis.setup.recordings.at.mount
+    problem, mount = diagnosis.problem, diagnosis.problem.recordings.at.mount
     whole, noise = completed(diagnosis), remarks.noise_remarks(diagnosis)
     open_ = whole.completed is not None and whole.completed.undetermined
     return Report(
         schema=SCHEMA,
-        input=_input(setup.recordings, diagnosis),
-        model=Held(setup.model.name, tuple(c.candidate.effect.id for c in setup.base)),
+        input=_input(problem.recordings, diagnosis),
+        model=Held(problem.model.name, tuple(c.candidate.effect.id for c in problem.base)),
         mount=MountOf(mount.id, dict(zip(("xel", "el"), mount.names, strict=True))),
         noise=_noise(diagnosis, noise),
         verdict=None if diagnosis.mismatch else nothing(diagnosis, noise),
@@ -137,7 +137,7 @@ def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
 
 def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
     """Return the noise per axis: the median over the antennas, and the longest drift time."""
-    parts = list(zip(diagnosis.setup.parts, diagnosis.weighed.covariance.shown, strict=True))
+    parts = list(zip(diagnosis.problem.parts, diagnosis.weighed.covariance.shown, strict=True))
     across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
     times = [noise.time_s for _, noise in parts if noise.time_s is not None]
     return Noise(
@@ -148,7 +148,7 @@ def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
         tuple(Departure(**one) for one in does.departing),
         tuple(Drift(**one) for one in does.drifting),
         tuple(Growth(**one) for one in does.growing),
-        tuple(remarks.sentences(does, diagnosis.setup.recordings.meta)),
+        tuple(remarks.sentences(does, diagnosis.problem.recordings.meta)),
     )
 
 
@@ -157,20 +157,20 @@ def _median_floor(noises: list[Any]) -> float | None:
 
 
 def _rms(diagnosis: Diagnosis, fit: Joint) -> Rms:
-    sizes = rms_of(diagnosis.setup.stack, diagnosis.left(fit), diagnosis.share > 0)
+    sizes = rms_of(diagnosis.problem.stack, diagnosis.left(fit), diagnosis.share > 0)
     return Rms(*(None if one is None else one[0] / ARCSEC for one in sizes))
 
 
 def _antennas(diagnosis: Diagnosis) -> tuple[Antenna, ...]:
     """Return for each antenna of an array its rms before and after, in the fit and held out."""
-    setup = diagnosis.setup
-    names = np.unique(setup.antenna)
+    problem = diagnosis.problem
+    names = np.unique(problem.antenna)
     in_fit = diagnosis.left(diagnosis.before), diagnosis.left(diagnosis.after)
     held_out = diagnosis.unseen.before, diagnosis.unseen.after
     found = []
     for name in names if len(names) > 1 else ():
-        rows = (setup.antenna == name) & diagnosis.weighed.used
-        both = (setup.antenna == name) & diagnosis.unseen.counted
+        rows = (problem.antenna == name) & diagnosis.weighed.used
+        both = (problem.antenna == name) & diagnosis.unseen.counted
         found.append(
             Antenna(
                 str(name),
@@ -189,10 +189,10 @@ def correlation(diagnosis: Diagnosis) -> Correlation:
     Coefficients of other antennas are independent of these, so one block, the
     one with the most readings, shows what hangs together.
     """
-    setup, fit = diagnosis.setup, diagnosis.after
+    problem, fit = diagnosis.problem, diagnosis.after
     if not fit.choices:
         return Correlation((), ())
-    block = int(np.argmax(np.bincount(setup.block)))
+    block = int(np.argmax(np.bincount(problem.block)))
     gram = diagnosis.weighed.evidence.gram.matrices[block]
     columns = np.concatenate([c.candidate.columns for c in fit.choices])
     names = [

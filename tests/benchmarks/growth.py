@@ -150,7 +150,7 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
         setattr(candidates, name, cut(getattr(candidates, name), every))
     begin, worked = time.perf_counter(), time.process_time()
     done = run(recordings, load("altaz"))
-    tried = sum(len(one.columns) for one in (*done.setup.candidates, *done.setup.shapes))
+    tried = sum(len(one.columns) for one in (*done.problem.candidates, *done.problem.shapes))
     return {
         "rows": rows,
         "columns": tried,

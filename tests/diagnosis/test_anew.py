@@ -31,12 +31,14 @@ def outcome(request):
 @pytest.mark.slow
 def test_what_is_left_out_chooses_nothing(outcome):
     """Readings of no weight may say what they like."""
-    setup, weighed = outcome.setup, outcome.weighed
-    hidden = setup.session == 2
+    problem, weighed = outcome.problem, outcome.weighed
+    hidden = problem.session == 2
     covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
-    data = np.where(hidden, 4000 * ARCSEC, setup.residual)
-    absurd = replace(setup, data=np.column_stack([setup.whole[:, :-1], data]), added=None, anew={})
-    as_it_is = columns_anew(setup, covariance, outcome.chosen)
+    data = np.where(hidden, 4000 * ARCSEC, problem.residual)
+    absurd = replace(
+        problem, data=np.column_stack([problem.whole[:, :-1], data]), added=None, anew={}
+    )
+    as_it_is = columns_anew(problem, covariance, outcome.chosen)
     beside_absurd = columns_anew(absurd, covariance, outcome.chosen)
 
     for one, other in zip(as_it_is, beside_absurd, strict=True):
@@ -45,10 +47,10 @@ def test_what_is_left_out_chooses_nothing(outcome):
 
 def test_predictions_are_made_with_what_the_others_choose(outcome):
     """No better than with what all chose, and near it where the effect is there."""
-    setup, weighed = outcome.setup, outcome.weighed
-    partition = holdout.folds(setup, weighed, outcome.chosen)
-    left = holdout.residuals(setup, weighed, outcome.chosen, partition)
+    problem, weighed = outcome.problem, outcome.weighed
+    partition = holdout.folds(problem, weighed, outcome.chosen)
+    left = holdout.residuals(problem, weighed, outcome.chosen, partition)
     found = np.sqrt(np.nanmean(left**2))
-    alone = np.sqrt(np.nanmean(holdout.residuals(setup, weighed, (), partition) ** 2))
+    alone = np.sqrt(np.nanmean(holdout.residuals(problem, weighed, (), partition) ** 2))
 
     assert 4.5 * ARCSEC < found < alone

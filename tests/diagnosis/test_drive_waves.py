@@ -41,9 +41,9 @@ def case(*args, **options):
     return prepare(hidden(*args, **options), load("altaz"), seed=1)
 
 
-def proposed(setup):
+def proposed(problem):
     """Return the wave that is proposed beside the noise of a case, if any."""
-    return drive_waves.proposed(setup, weigh(setup).covariance, ())
+    return drive_waves.proposed(problem, weigh(problem).covariance, ())
 
 
 def reported(*args, **options):
@@ -117,9 +117,9 @@ def test_an_angle_holds_two_periods(change, families):
     """Over a few degrees of an angle nothing that follows it comes back."""
     made = hidden()
     at = replace(made.at, **{name: of(made.at) for name, of in change.items()})
-    setup = prepare(replace(made, at=at), load("altaz"), seed=1)
+    problem = prepare(replace(made, at=at), load("altaz"), seed=1)
 
-    assert len(list(drive_waves.ways_of(setup))) == families
+    assert len(list(drive_waves.ways_of(problem))) == families
 
 
 def test_arrays_have_none():
@@ -133,15 +133,15 @@ def test_arrays_have_none():
 
 def test_readings_left_out_choose_no_period():
     """Readings of no weight may say what they like."""
-    setup = case(azimuth_harmonics(24))
-    one = proposed(setup)
-    setup, covariance = oscillations.widened(setup, one), weigh(setup).covariance
-    without = np.arange(len(setup.residual)) % 10 != 3
+    problem = case(azimuth_harmonics(24))
+    one = proposed(problem)
+    problem, covariance = oscillations.widened(problem, one), weigh(problem).covariance
+    without = np.arange(len(problem.residual)) % 10 != 3
     blind = replace(covariance, weights=covariance.weights * without)
-    data = setup.data.copy()
-    wild = 60 * ARCSEC * np.sin(57 * np.resize(setup.recordings.at.az, len(data)))
+    data = problem.data.copy()
+    wild = 60 * ARCSEC * np.sin(57 * np.resize(problem.recordings.at.az, len(data)))
     data[:, -1] += np.where(without, 0.0, wild)
-    other = replace(setup, data=data)
+    other = replace(problem, data=data)
 
     assert drive_waves.again(other, blind, (), one.candidate.effect).member["k"] == 24
     assert drive_waves.again(other, covariance, (), one.candidate.effect).member["k"] != 24

@@ -100,13 +100,13 @@ def test_a_field_is_worth_what_it_should_gain_on_data_left_out():
 
 def test_a_field_has_the_evidence_of_its_prior_wherever_it_is_weighed():
     """As a candidate beside others, and beside noise estimated anew, whatever was left out."""
-    setup = prepare(recordings(300, 5, y=dent), load("altaz"))
-    weighed = weigh(setup)
-    best = max(Ground(setup, weighed, ()).worths((False,)), key=lambda one: one.evidence)
+    problem = prepare(recordings(300, 5, y=dent), load("altaz"))
+    weighed = weigh(problem)
+    best = max(Ground(problem, weighed, ()).worths((False,)), key=lambda one: one.evidence)
     columns = best.field.columns @ best.directions
     unit = np.sqrt(np.mean(columns**2, axis=0))
-    places = np.arange(setup.size, setup.size + len(unit))
-    wider = setup.with_columns(columns / unit)
+    places = np.arange(problem.size, problem.size + len(unit))
+    wider = problem.with_columns(columns / unit)
     one = Chosen(as_candidate(best, places, unit), "all")
     trial = projection(wider, weigh(wider), ()).trials([(one.candidate, "all")])[0]
     own, known = wider.expanded([one]), wider.precision([one])
@@ -169,7 +169,7 @@ def test_what_goes_with_the_distance_from_the_sun_is_found_as_one_finding():
     assert [one.variant for one in found.findings] == ["el: follows sun_distance_deg"]
     assert only.verdict == "unknown"
     assert only.visible_rms == pytest.approx(
-        np.std(ring(found.setup.recordings.at)) * ARCSEC, rel=0.3
+        np.std(ring(found.problem.recordings.at)) * ARCSEC, rel=0.3
     )
 
 
@@ -190,8 +190,8 @@ def test_the_distance_from_the_sun_is_an_angle_between_directions():
 
 def test_what_the_same_bumps_draw_in_a_second_turn_joins_the_first():
     """On one axis first and on both then: one field, whose columns draw both."""
-    setup = prepare(recordings(200, 3), load("altaz"))
-    form = next(one for _, one in families(setup) if one.variant == "follows temperature_c")
+    problem = prepare(recordings(200, 3), load("altaz"))
+    form = next(one for _, one in families(problem) if one.variant == "follows temperature_c")
     first = replace(form, axes=(1, 1, 1), which=(0, 4, 9), variant="el: a")
     second = replace(form, axes=(0, 0, 1, 1, 1), which=(2, 3, 0, 4, 9), variant="both axes: a")
     rng = np.random.default_rng(0)
@@ -259,20 +259,20 @@ def test_the_best_box_is_the_one_that_was_put_there(refit):
     """The scan over all boxes and the climb of their edges end at the offset, a zero or none."""
     measured = recordings(1500, 8, y=patch)
     model = completed(fit(measured, load("altaz")))
-    setup = prepare(replace(measured, y=measured.y + 20 * ARCSEC), model, refit)
-    weighed = weigh(setup)
-    along = next(one for one in boxes(setup, weighed, ()) if one.variant.startswith("el"))
+    problem = prepare(replace(measured, y=measured.y + 20 * ARCSEC), model, refit)
+    weighed = weigh(problem)
+    along = next(one for one in boxes(problem, weighed, ()) if one.variant.startswith("el"))
     az, el = along.region
 
     assert (az.low, az.high) == pytest.approx((100, 190), abs=6)
     assert (el.low, el.high) == pytest.approx((25, 50), abs=3)
-    assert Ground(setup, weighed, ()).worth_of(along).evidence > 50
+    assert Ground(problem, weighed, ()).worth_of(along).evidence > 50
 
 
 def test_noise_alone_is_worth_no_field():
     """Averaged over all forms that it could take, no field explains white noise."""
-    setup = prepare(recordings(800, 9), load("altaz"))
-    worths = list(Ground(setup, weigh(setup), ()).worths())
+    problem = prepare(recordings(800, 9), load("altaz"))
+    worths = list(Ground(problem, weigh(problem), ()).worths())
 
     assert len(worths) > 50
     assert max(one.evidence for one in worths) < 10
@@ -280,8 +280,8 @@ def test_noise_alone_is_worth_no_field():
 
 def test_fields_of_time_are_left_out_where_only_lasting_ones_are_asked_for():
     """All others are the same."""
-    setup = prepare(recordings(200, 9), load("altaz"))
-    ground = Ground(setup, weigh(setup), ())
+    problem = prepare(recordings(200, 9), load("altaz"))
+    ground = Ground(problem, weigh(problem), ())
     every, lasting = list(ground.worths()), list(ground.worths([False]))
     kept = [one.evidence for one in every if not one.field.of_time]
 
@@ -330,14 +330,14 @@ def test_a_blank_cell_hides_no_column(blank, known):
 
 def test_how_many_columns_go_together_decides_nothing(monkeypatch):
     """One at a time or all at once: the same evidence of every field and every candidate."""
-    setup = prepare(recordings(120, 12), load("altaz"))
-    weighed = weigh(setup)
+    problem = prepare(recordings(120, 12), load("altaz"))
+    weighed = weigh(problem)
     found = []
     for size in (1, 1 << 30):
         monkeypatch.setattr(fields, "WHITENED", size)
         monkeypatch.setattr(evidence, "TOGETHER", size)
-        worths = Ground(setup, weighed, ()).worths()
-        trials = trials_of(setup, projection(setup, weighed, ()))
+        worths = Ground(problem, weighed, ()).worths()
+        trials = trials_of(problem, projection(problem, weighed, ()))
         found.append([one.evidence for one in (*worths, *trials)])
 
     assert len(found[0]) > 300

@@ -26,7 +26,7 @@ def cygnus():
 def test_most_antennas_scan_differently_up_and_down(first_june):
     """An effect that the paper has no term for is named for most antennas."""
     finding = next(f for f in first_june.findings if f.verdict == "named")
-    antennas = {str(name) for name in first_june.setup.blocks.antenna}
+    antennas = {str(name) for name in first_june.problem.blocks.antenna}
 
     assert finding.effect == "scan_direction"
     assert len(finding.where.subset["antenna"]) > len(antennas) / 2

@@ -116,7 +116,7 @@ def test_a_drift_that_widens_the_scatter_by_a_tenth_is_reported(excess, reported
         used=np.ones(40, bool),
         precision=np.ones(40),
     )
-    setup = SimpleNamespace(
+    problem = SimpleNamespace(
         blocks=SimpleNamespace(antennas=1),
         recordings=SimpleNamespace(
             meta={}, at=SimpleNamespace(mount=SimpleNamespace(names=("cross-elevation",)))
@@ -124,7 +124,7 @@ def test_a_drift_that_widens_the_scatter_by_a_tenth_is_reported(excess, reported
         parts=[SimpleNamespace(rows=np.arange(40), is_y=0)],
         session_names=np.repeat(["a", "b"], 20),
     )
-    diagnosis = SimpleNamespace(setup=setup, weighed=SimpleNamespace(covariance=covariance))
+    diagnosis = SimpleNamespace(problem=problem, weighed=SimpleNamespace(covariance=covariance))
     found = drifts(diagnosis, np.sqrt(1 + excess) * np.resize([1.0, -1.0], 40))
 
     assert bool(found) == reported

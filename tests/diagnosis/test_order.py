@@ -15,14 +15,14 @@ def test_the_noise_is_the_same_whoever_of_the_chosen_comes_first(alike):
     """To the last digit, for threads that ask for it remember the answer of the first."""
     found = []
     for way in (1, -1):
-        setup = prepare(recordings(200, 3), load("altaz"), seed=1)
+        problem = prepare(recordings(200, 3), load("altaz"), seed=1)
         ids = ("azimuth_eccentricity", "elevation_scale", "backlash_azimuth")
-        some = [one for one in setup.candidates if one.effect.id in ids][:3]
+        some = [one for one in problem.candidates if one.effect.id in ids][:3]
         chosen = [Chosen(one, "all") for one in some][::way]
         if alike:
-            found.append(_noise_alike(setup, chosen, chosen).noises)
+            found.append(_noise_alike(problem, chosen, chosen).noises)
         else:
-            found.append(noise(setup, chosen, searching=False).noises)
+            found.append(noise(problem, chosen, searching=False).noises)
 
     assert len(some) > 1
     assert found[0] == found[1]

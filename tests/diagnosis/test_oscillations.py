@@ -74,10 +74,10 @@ def case(y=None, **columns):
 @pytest.fixture(scope="module", params=SWINGS)
 def swinging(request):
     """Return the kind of an oscillation, the case it is hidden in, and what is proposed."""
-    setup = case(SWINGS[request.param])
-    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+    problem = case(SWINGS[request.param])
+    one = oscillations.proposed(problem, weigh(problem).covariance, ())
     assert one is not None
-    return request.param, setup, one
+    return request.param, problem, one
 
 
 def test_the_period_is_found(swinging):
@@ -94,14 +94,14 @@ def test_the_period_is_found(swinging):
 
 def test_what_is_left_out_chooses_no_period(swinging):
     """Readings of no weight may say what they like, and are predicted by the others."""
-    _, setup, one = swinging
-    setup, covariance = oscillations.widened(setup, one), weigh(setup).covariance
-    hidden = np.arange(len(setup.residual)) % 10 == 3
+    _, problem, one = swinging
+    problem, covariance = oscillations.widened(problem, one), weigh(problem).covariance
+    hidden = np.arange(len(problem.residual)) % 10 == 3
     seen = replace(covariance, weights=np.where(hidden, 0.0, covariance.weights))
-    data = np.where(hidden, 0.01, setup.residual)
-    absurd = replace(setup, data=np.column_stack([setup.whole[:, :-1], data]), added=None)
+    data = np.where(hidden, 0.01, problem.residual)
+    absurd = replace(problem, data=np.column_stack([problem.whole[:, :-1], data]), added=None)
     effect = one.candidate.effect
-    fresh, other = (oscillations.again(each, seen, (), effect) for each in (setup, absurd))
+    fresh, other = (oscillations.again(each, seen, (), effect) for each in (problem, absurd))
 
     assert fresh.parameter == pytest.approx(other.parameter, rel=1e-5)
     assert fresh.parameter == pytest.approx(PERIOD_S, rel=0.1)
@@ -109,13 +109,13 @@ def test_what_is_left_out_chooses_no_period(swinging):
 
 def test_a_wandering_phase_is_predicted_between_its_readings():
     """Pointings are dealt out, for a block of time may hold a stretch; what is left is less."""
-    setup = case(SWINGS["wandering"])
-    one = oscillations.proposed(setup, weigh(setup).covariance, ())
-    setup = oscillations.widened(setup, one)
-    weighed = weigh(setup, (one,), searching=False)
-    partition = holdout.folds(setup, weighed, (one,))
-    left = [holdout.residuals(setup, weighed, some, partition) for some in ((), (one,))]
-    before, after = (np.sqrt(np.mean(some[setup.stack.is_y] ** 2)) for some in left)
+    problem = case(SWINGS["wandering"])
+    one = oscillations.proposed(problem, weigh(problem).covariance, ())
+    problem = oscillations.widened(problem, one)
+    weighed = weigh(problem, (one,), searching=False)
+    partition = holdout.folds(problem, weighed, (one,))
+    left = [holdout.residuals(problem, weighed, some, partition) for some in ((), (one,))]
+    before, after = (np.sqrt(np.mean(some[problem.stack.is_y] ** 2)) for some in left)
 
     assert partition.scheme == "leave pointings out, ten folds"
     assert after < 0.92 * before
@@ -124,9 +124,9 @@ def test_a_wandering_phase_is_predicted_between_its_readings():
 @pytest.mark.parametrize("kind", NOTHING)
 def test_nothing_else_is_an_oscillation(kind):
     """Drifts of any memory, steps and what takes days are no oscillation within a session."""
-    setup = case(NOTHING[kind])
+    problem = case(NOTHING[kind])
 
-    assert oscillations.proposed(setup, weigh(setup).covariance, ()) is None
+    assert oscillations.proposed(problem, weigh(problem).covariance, ()) is None
 
 
 @pytest.mark.parametrize(
@@ -145,13 +145,13 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
         "pulses": lambda _: 12.0 * (TIME / PERIOD_S % 1 < 0.1),
         "square": lambda _: 6.0 * (TIME / PERIOD_S % 1 < 0.4),
     }
-    setup = case((bent | SWINGS)[kind])
+    problem = case((bent | SWINGS)[kind])
     near = oscillation(PERIOD_S / times)
-    place = np.arange(setup.size, setup.size + 4)
+    place = np.arange(problem.size, problem.size + 4)
     one = Chosen(Candidate(near, place, (0, 1, 2, 3)), "all")
-    setup = oscillations.widened(setup, one)
+    problem = oscillations.widened(problem, one)
     scene = SimpleNamespace(
-        setup=setup, weighed=weigh(setup, (one,)), outcome=SimpleNamespace(chosen=(one,))
+        problem=problem, weighed=weigh(problem, (one,)), outcome=SimpleNamespace(chosen=(one,))
     )
     check = waves.own_period(scene, one)
 
@@ -161,10 +161,10 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
 
 def test_one_is_enough(swinging):
     """Beside an oscillation no other is looked for."""
-    _, setup, one = swinging
+    _, problem, one = swinging
 
     assert (
-        oscillations.proposed(setup, weigh(setup).covariance, (Chosen(one.candidate, "all"),))
+        oscillations.proposed(problem, weigh(problem).covariance, (Chosen(one.candidate, "all"),))
         is None
     )
 
@@ -180,18 +180,18 @@ def test_one_is_enough(swinging):
 )
 def test_where_no_period_could_be_seen(columns):
     """Nothing is looked for."""
-    setup = prepare(recordings(480, 5, **{"time": TIME, **columns}), load("altaz"), seed=1)
+    problem = prepare(recordings(480, 5, **{"time": TIME, **columns}), load("altaz"), seed=1)
 
-    assert scans.scan_of(setup, reversing=False) is None
+    assert scans.scan_of(problem, reversing=False) is None
 
 
 def test_a_single_session_holds_two_periods():
     """A longer one is a drift."""
     night = np.array(["night"] * 480)
     time = 1.2e9 + np.linspace(0, 10 * HOUR, 480)
-    setup = prepare(recordings(480, 5, time=time, session=night), load("altaz"), seed=1)
+    problem = prepare(recordings(480, 5, time=time, session=night), load("altaz"), seed=1)
 
-    assert scans.scan_of(setup, reversing=False).longest == pytest.approx(5 * HOUR)
+    assert scans.scan_of(problem, reversing=False).longest == pytest.approx(5 * HOUR)
 
 
 @pytest.mark.parametrize(("sure", "wins"), [(6.5, True), (5.5, False)])
@@ -199,12 +199,12 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
     """As every change with time, its period paid for."""
     asked = []
     monkeypatch.setattr(contenders, "confirmed", lambda *given: asked.append(given[-1]) or sure)
-    setup = case(SWINGS["held"])
-    proposal = oscillations.proposed(setup, weigh(setup).covariance, ())
-    found = contenders.waves_of(setup, (), proposal)
+    problem = case(SWINGS["held"])
+    proposal = oscillations.proposed(problem, weigh(problem).covariance, ())
+    found = contenders.waves_of(problem, (), proposal)
 
     assert [one.trial.evidence for one in found] == ([sure] if wins else [])
-    independent = 2 * np.log(scans.scan_of(setup, reversing=False).coherent)
+    independent = 2 * np.log(scans.scan_of(problem, reversing=False).coherent)
     assert len(asked) == 1
     assert independent + 2 < asked[0] < independent + 6
 
@@ -212,10 +212,10 @@ def test_an_oscillation_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure,
 def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
     """Its columns stand in the case of the step, where its name is resampled."""
     both = lambda at: SWINGS["held"](at) + 9.0 * (NIGHT > 1)  # noqa: E731
-    setup = case(both)
-    weighed = weigh(setup)
-    beside = weighed.evidence.beside([setup.part(one) for one in setup.base])
-    trials = winner.trials_of(setup, beside)
+    problem = case(both)
+    weighed = weigh(problem)
+    beside = weighed.evidence.beside([problem.part(one) for one in problem.base])
+    trials = winner.trials_of(problem, beside)
     monkeypatch.setattr(
         contenders,
         "confirmed",
@@ -223,13 +223,13 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
             one.candidate.effect.id, 0.0
         ),
     )
-    wins = winner.winner_of(setup, weighed, (), trials, 0.0, beside=beside, banned=())
+    wins = winner.winner_of(problem, weighed, (), trials, 0.0, beside=beside, banned=())
     (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
-    own = setup.stack.columns(rival.candidate.effect, setup.recordings.at)
+    own = problem.stack.columns(rival.candidate.effect, problem.recordings.at)
 
     assert wins.chosen.candidate.effect.id == "epoch_offset"
     np.testing.assert_array_equal(
-        wins.setup.picked(rival.candidate.columns), own[:, list(rival.candidate.coefficients)]
+        wins.problem.picked(rival.candidate.columns), own[:, list(rival.candidate.coefficients)]
     )
     assert wins.beside.share(wins.trial, rival) < 0.5
 
@@ -257,10 +257,10 @@ def test_waves_of_other_periods_explain_little_of_an_oscillation(monkeypatch, ha
 @pytest.mark.parametrize(("line", "waves"), [(True, 1), (False, 0)])
 def test_what_is_no_line_is_no_wave(monkeypatch, swinging, line, waves):
     """Whatever its evidence: the noise has power there."""
-    _, setup, one = swinging
+    _, problem, one = swinging
     monkeypatch.setattr(contenders, "is_line", lambda *_: line)
 
-    assert len(contenders.waves_of(setup, (), one)) == waves
+    assert len(contenders.waves_of(problem, (), one)) == waves
 
 
 @pytest.mark.parametrize("seed", [1, 3, 7])
@@ -268,10 +268,10 @@ def test_readings_repeated_at_a_multiple_of_a_period_show_no_wave(seed):
     """A phase that holds is a constant there, which drifts know; a free one gained hundreds."""
     n = np.arange(900)
     time = 1.2e9 + n // 3 * 7200.0 + n % 3 * 5.0
-    setup = prepare(recordings(900, seed, time=time, session=np.full(900, "s")), load("altaz"))
-    covariance = weigh(setup).covariance
-    scan = scans.scan_of(setup, reversing=False)
-    (peaks,) = periods.peaks_of(scan, [scans.view_of(setup, scan, covariance, ())])
+    problem = prepare(recordings(900, seed, time=time, session=np.full(900, "s")), load("altaz"))
+    covariance = weigh(problem).covariance
+    scan = scans.scan_of(problem, reversing=False)
+    (peaks,) = periods.peaks_of(scan, [scans.view_of(problem, scan, covariance, ())])
 
     assert max(one.worth for one in peaks) < CONVINCING
 
@@ -283,8 +283,8 @@ def test_a_period_of_months_is_found():
     period = 21 * 86400.0
     session = np.char.add("s", np.repeat(np.arange(10), 40).astype(str))
     swing = lambda _: 5 * np.sin(2 * np.pi * time / period)  # noqa: E731 - a wave
-    setup = prepare(recordings(400, 5, time=time, session=session, y=swing), load("altaz"))
-    one = oscillations.proposed(setup, weigh(setup).covariance, ())
+    problem = prepare(recordings(400, 5, time=time, session=session, y=swing), load("altaz"))
+    one = oscillations.proposed(problem, weigh(problem).covariance, ())
 
     assert one.candidate.effect.parameter == pytest.approx(period, rel=0.01)
 
@@ -295,9 +295,9 @@ def test_nights_at_equal_intervals_leave_the_period_open():
     sigma = {}
     for name, time in (("equal", equal), ("unequal", TIME)):
         swing = lambda _, time=time: 5 * np.sin(2 * np.pi * (time % 1800.0) / 1800.0)  # noqa: E731
-        setup = prepare(recordings(480, 5, y=swing, time=time), load("altaz"), seed=1)
+        problem = prepare(recordings(480, 5, y=swing, time=time), load("altaz"), seed=1)
         effect = oscillation(1800.0)
-        sigma[name] = wave_fits.likeliest_period(setup, weigh(setup).covariance, (), effect)[1]
+        sigma[name] = wave_fits.likeliest_period(problem, weigh(problem).covariance, (), effect)[1]
 
     assert sigma["unequal"] < 0.001 * 1800 < 0.01 * 1800 < sigma["equal"]
 
@@ -341,17 +341,17 @@ def test_where_a_mount_turns_over_a_wave_may_keep_its_sign_or_change_it(monkeypa
     given = made(pier_side=np.where(over, OVER, "east"))
     x, y = 5 * rng.normal(size=(2, 480)) * ARCSEC
     given = replace(given, at=replace(given.at, mount=KINDS["german"]), x=x, y=y + wave * ARCSEC)
-    setup = prepare(given, load("equatorial"), seed=1)
-    one = oscillations.proposed(setup, weigh(setup).covariance, ())
-    x, y = setup.stack.columns(one.candidate.effect, setup.recordings.at)[:, 2:].T
+    problem = prepare(given, load("equatorial"), seed=1)
+    one = oscillations.proposed(problem, weigh(problem).covariance, ())
+    x, y = problem.stack.columns(one.candidate.effect, problem.recordings.at)[:, 2:].T
 
     assert one.candidate.effect.member["period_s"] == pytest.approx(PERIOD_S, rel=0.01)
     assert ("reversing" in one.candidate.effect.member) == reversing
-    assert one.candidate.choices >= 2 * round(scans.scan_of(setup, reversing=False).coherent)
-    of_y = setup.stack.is_y
+    assert one.candidate.choices >= 2 * round(scans.scan_of(problem, reversing=False).coherent)
+    of_y = problem.stack.is_y
     both = np.stack([x[of_y], y[of_y]], axis=1)
     left = wave - both @ np.linalg.lstsq(both, wave, rcond=None)[0]
     assert left.std() < 0.2 * wave.std()
     monkeypatch.setattr(oscillations, "_ways", lambda _: (reversing,))
-    alone = oscillations.proposed(setup, weigh(setup).covariance, ())
+    alone = oscillations.proposed(problem, weigh(problem).covariance, ())
     assert one.candidate.choices == pytest.approx(2 * alone.candidate.choices, abs=1)

@@ -30,7 +30,7 @@ def scene(size_of_night, seed=0, per_night=12, sigma=1.0, session=None):
     residual = curve * np.asarray(size_of_night)[night] + sigma * rng.normal(size=len(night))
     time = DAY_S * night + 600.0 * np.tile(np.arange(per_night), nights)
     at = Circumstances(np.zeros(len(night)), np.zeros(len(night)), None, {"time": time})
-    setup = SimpleNamespace(
+    problem = SimpleNamespace(
         residual=residual,
         session=np.zeros(len(night), int) if session is None else session,
         stack=SimpleNamespace(row=np.arange(len(night)), is_y=np.zeros(len(night), bool)),
@@ -39,7 +39,7 @@ def scene(size_of_night, seed=0, per_night=12, sigma=1.0, session=None):
     )
     return (
         SimpleNamespace(
-            setup=setup,
+            problem=problem,
             weighed=SimpleNamespace(used=np.ones(len(night), bool)),
             joint=SimpleNamespace(predicted=curve, solution=SimpleNamespace(rank=3)),
             floor=np.full(len(night), sigma),
@@ -97,8 +97,8 @@ def test_a_long_session_has_its_nights():
 
     sessions = np.repeat([0, 1], 12)
     two, *_ = scene((1.0, 1.0), session=sessions)
-    at = two.setup.recordings.at
-    two.setup.recordings.at = replace(at, columns={})
+    at = two.problem.recordings.at
+    two.problem.recordings.at = replace(at, columns={})
     assert np.array_equal(night_of(two), sessions)
 
 

@@ -88,10 +88,10 @@ def test_a_large_step_makes_no_outliers(step_arcsec, seed):
 @cache
 def found_with_drifts():
     """Return the scene of a step, its place among the choices, and its turn."""
-    outcome, _ = settling.settled(searching.search(told(12, 1).setup))
-    fit = joint.fit(outcome.setup, outcome.weighed, outcome.chosen)
-    where = scenes.scene(outcome.setup, outcome, fit)
-    return where, len(outcome.setup.base), outcome.steps[0]
+    outcome, _ = settling.settled(searching.search(told(12, 1).problem))
+    fit = joint.fit(outcome.problem, outcome.weighed, outcome.chosen)
+    where = scenes.scene(outcome.problem, outcome, fit)
+    return where, len(outcome.problem.base), outcome.steps[0]
 
 
 def drawn(evidence):
@@ -138,14 +138,14 @@ def test_draws_in_which_the_noise_does_as_well_are_told():
 
 def test_only_steps_have_a_moment_to_move():
     """Other numbers of an effect, the order of a harmonic or an edge, are none."""
-    setup = told(12, 0).setup
+    problem = told(12, 0).problem
     harmonic = next(
         one
-        for one in setup.candidates
+        for one in problem.candidates
         if one.effect.parameter is not None and not one.effect.is_change
     )
 
-    assert changes.past_outliers(setup, None, Chosen(harmonic, "all")) == (setup, [])
+    assert changes.past_outliers(problem, None, Chosen(harmonic, "all")) == (problem, [])
 
 
 @pytest.mark.slow

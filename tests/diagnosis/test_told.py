@@ -58,7 +58,7 @@ def test_a_finding_of_an_array_without_a_significant_part_is_reported_as_it_was_
     """No finding of the search is lost on the way to the reader."""
     chosen = SimpleNamespace(scope="antenna")
     outcome = SimpleNamespace(chosen=(chosen,), step_of=lambda _: None)
-    scene = SimpleNamespace(setup=SimpleNamespace(base=()), outcome=outcome)
+    scene = SimpleNamespace(problem=SimpleNamespace(base=()), outcome=outcome)
     monkeypatch.setattr(findings, "taken_apart", lambda *_: SimpleNamespace())
     monkeypatch.setattr(findings, "of_array", lambda *_: [])
     monkeypatch.setattr(findings, "_single", lambda *_: finding())
@@ -82,11 +82,11 @@ def test_the_model_has_its_own_combinations():
 def test_a_mean_is_no_size():
     """A curve's size is that about its mean in each axis: a zero takes the mean."""
     done = diagnose(recordings(60, 4), load("none"))
-    scene = type("Scene", (), {"setup": done.setup, "share": done.share})
-    curve = 7.0 + 3.0 * done.setup.stack.is_y + np.sin(np.arange(len(done.share)))
+    scene = type("Scene", (), {"problem": done.problem, "share": done.share})
+    curve = 7.0 + 3.0 * done.problem.stack.is_y + np.sin(np.arange(len(done.share)))
 
     for is_y in (False, True):
-        rows = done.setup.stack.is_y == is_y
+        rows = done.problem.stack.is_y == is_y
         left = centred(scene, curve)[rows]
         assert np.average(left, weights=done.share[rows]) == pytest.approx(0, abs=1e-12)
         assert np.std(left) == pytest.approx(np.std(curve[rows]))

@@ -35,8 +35,8 @@ def test_a_wave_in_one_axis_alone_is_reported_with_its_place_and_its_cause():
     from pyport.diagnosis.preparing import prepare
     from pyport.diagnosis.weighing import weigh
 
-    setup = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))
-    (one,) = disagreements(setup, weigh(setup), ())
+    problem = prepare(recordings(200, 4, noise_arcsec=2.0, x=_eccentric), load("altaz"))
+    (one,) = disagreements(problem, weigh(problem), ())
     said = words.two_axes_sentence(one)
 
     assert one.chosen.candidate.effect.id == "tilt"
@@ -85,13 +85,13 @@ def test_a_coefficient_of_one_axis_is_compared_with_nothing(monkeypatch):
     moved = both + 40 * (np.arange(200) >= 100)
     time, night = 1.2e9 + 300.0 * np.arange(200), np.full(200, "night")
     data = recordings(200, 1, 1.5, lambda _: moved, lambda _: both, time=time, session=night)
-    setup = prepare(data, load("altaz"))
-    step = next(one for one in setup.candidates if one.effect.id == "epoch_offset")
+    problem = prepare(data, load("altaz"))
+    step = next(one for one in problem.candidates if one.effect.id == "epoch_offset")
     chosen = (Chosen(step, "all"),)
-    weighed = weigh(setup, chosen)
+    weighed = weigh(problem, chosen)
 
     assert weighed.covariance.coupling[""] > 0.5
-    told = disagreements.disagreements(setup, weighed, chosen)
+    told = disagreements.disagreements(problem, weighed, chosen)
     assert [one.chosen.candidate.effect.id for one in told] == ["tilt"]
 
 

@@ -128,11 +128,11 @@ def test_every_effect_can_be_added_by_its_id():
 @pytest.mark.slow
 def test_a_diagnosis_holds_what_is_fixed(night):
     """Its base are the terms that are fitted; fixed ones are taken off."""
-    setup = prepare(read(night), edited(load("altaz"), fix=["IE=-55", "NPAE=0"]))
+    problem = prepare(read(night), edited(load("altaz"), fix=["IE=-55", "NPAE=0"]))
 
-    names = [one.candidate.effect.coefficients[0].name for one in setup.base]
+    names = [one.candidate.effect.coefficients[0].name for one in problem.base]
     assert names == ["azimuth_zero", "collimation", "tilt_north", "tilt_east", "sag_cosine"]
-    elevation = setup.residual[setup.stack.is_y]
+    elevation = problem.residual[problem.stack.is_y]
     assert elevation.mean() / ARCSEC == pytest.approx(44 * 0.7, abs=15)
 
 

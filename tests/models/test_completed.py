@@ -60,16 +60,18 @@ def searched(old):
 )
 def test_whatever_is_chosen_is_carried(effect, scope, searched, tmp_path):
     """A step in time, coefficients by session and antenna: every member, as if it were found."""
-    setup, given = searched.setup, searched.setup.model
-    for candidate in (one for one in setup.candidates if one.effect.id == effect):
-        after = joint.fit(setup, searched.weighed, [Chosen(candidate, scope)])
+    problem, given = searched.problem, searched.problem.model
+    for candidate in (one for one in problem.candidates if one.effect.id == effect):
+        after = joint.fit(problem, searched.weighed, [Chosen(candidate, scope)])
         new = completed(replace(searched, after=after))
         toml.write(new, tmp_path / "new.toml")
         back = load(str(tmp_path / "new.toml"))
-        at = setup.recordings.at
+        at = problem.recordings.at
         x, y = (n - o for n, o in zip(back.offsets(at), given.offsets(at), strict=True))
 
-        np.testing.assert_allclose(setup.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0)
+        np.testing.assert_allclose(
+            problem.stack.spread(x, y), after.predicted, atol=PROMISED, rtol=0
+        )
 
 
 @pytest.mark.slow
@@ -150,10 +152,10 @@ def test_the_rt32s_parameters_are_absolute(tmp_path):
     toml.write(completed(found), path)
     back = load(str(path))
     new_x, new_y = back.offsets(measured.at)
-    told = found.setup.stack.spread(new_x - x, new_y - y)
+    told = found.problem.stack.spread(new_x - x, new_y - y)
     values = {one.name: one for one in back.completed.values}
     np.testing.assert_allclose(
-        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
+        told, found.problem.residual - found.left(found.after), atol=PROMISED, rtol=0
     )
     assert values["p2"].before == pytest.approx(printed()[1] / ARCSEC)
     assert values["p2"].change == pytest.approx(found.after.solution.values[1] / ARCSEC)
@@ -235,11 +237,11 @@ def test_coefficients_known_in_combination_only_are_saved_and_applied(tmp_path):
     found, path = diagnose(measured, load("altaz")), tmp_path / "together.toml"
     toml.write(completed(found), path)
     model = api.load_model(path)
-    told = found.setup.stack.spread(*model.model.offsets(measured.at))
+    told = found.problem.stack.spread(*model.model.offsets(measured.at))
 
     assert not all(one.determined for one in model.values)
     np.testing.assert_allclose(
-        told, found.setup.residual - found.left(found.after), atol=PROMISED, rtol=0
+        told, found.problem.residual - found.left(found.after), atol=PROMISED, rtol=0
     )
 
 

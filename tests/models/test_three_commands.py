@@ -105,8 +105,8 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
     assert "enter this into the control system" in told
     assert "change against the file" in told
     np.testing.assert_allclose(
-        found.setup.stack.spread(*moved),
-        found.setup.residual - found.left(found.after),
+        found.problem.stack.spread(*moved),
+        found.problem.residual - found.left(found.after),
         atol=PROMISED,
         rtol=0,
     )
@@ -155,8 +155,8 @@ def test_a_real_night_is_carried_to_tpoint(tmp_path, monkeypatch):
 
     assert [refused for _, refused in told] == ["", "", ""]
     np.testing.assert_allclose(
-        found.setup.stack.spread(*np.subtract(after, before)),
-        found.setup.residual - found.left(found.after),
+        found.problem.stack.spread(*np.subtract(after, before)),
+        found.problem.residual - found.left(found.after),
         atol=PROMISED,
         rtol=0,
     )

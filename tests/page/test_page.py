@@ -95,7 +95,7 @@ def test_layers_lead_exactly_from_before_to_after(diagnosis):
     """Residuals of the model less what is visible of every effect are those of the joint fit."""
     picture, _ = page.of_diagnosis(diagnosis)
     left = diagnosis.left(diagnosis.after)
-    is_y = diagnosis.setup.stack.is_y
+    is_y = diagnosis.problem.stack.is_y
 
     np.testing.assert_allclose(picture.x.after, left[~is_y], atol=1e-12)
     np.testing.assert_allclose(picture.y.after, left[is_y], atol=1e-12)

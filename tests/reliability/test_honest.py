@@ -110,7 +110,7 @@ def test_equal_shares_are_counted(pointings, readings, size):
     scene = SimpleNamespace(
         weighed=SimpleNamespace(used=np.ones(len(place), bool)),
         floor=np.ones(len(place)),
-        setup=SimpleNamespace(pointing=place),
+        problem=SimpleNamespace(pointing=place),
     )
 
     assert carriers(scene, seen) == pytest.approx(pointings)
@@ -120,23 +120,23 @@ def test_equal_shares_are_counted(pointings, readings, size):
 
 def test_a_name_in_noise_does_not_come_back():
     """Chosen though nothing is hidden, it is the best in few draws and is called unstable."""
-    setup = diagnose(recordings(300, 5), load("altaz")).setup
-    nothing = search(setup)
+    problem = diagnose(recordings(300, 5), load("altaz")).problem
+    nothing = search(problem)
     rich = search(
-        diagnose(recordings(300, 5, y=lambda at: 30 / np.tan(at.el)), load("altaz")).setup
+        diagnose(recordings(300, 5, y=lambda at: 30 / np.tan(at.el)), load("altaz")).problem
     )
     kept = {}
     for name, outcome, effect in (("noise", nothing, "sag_sine"), ("there", rich, "refraction")):
         if outcome.steps:
             step, chosen = outcome.steps[0], outcome.chosen
         else:
-            beside = outcome.weighed.evidence.beside([setup.part(one) for one in setup.base])
+            beside = outcome.weighed.evidence.beside([problem.part(one) for one in problem.base])
             winner = next(one for one in outcome.last if one.candidate.effect.id == effect)
             chosen = (scenes.Chosen(winner.candidate, winner.scope),)
             step = scenes.Step(winner, chosen[0], outcome.last, beside, 1.0)
-        fit = joint.fit(outcome.setup, outcome.weighed, chosen)
-        scene = scenes.scene(outcome.setup, outcome, fit)
-        kept[name] = stability(scene, len(outcome.setup.base), step, (effect,))
+        fit = joint.fit(outcome.problem, outcome.weighed, chosen)
+        scene = scenes.scene(outcome.problem, outcome, fit)
+        kept[name] = stability(scene, len(outcome.problem.base), step, (effect,))
 
     assert kept["there"].stable
     assert not kept["noise"].stable

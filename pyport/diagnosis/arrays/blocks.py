@@ -97,40 +97,40 @@ class Block:
         return np.asarray(rest - self.zeros @ level)
 
 
-def lasting_shapes(setup: Problem) -> tuple[Shape, ...]:
+def lasting_shapes(problem: Problem) -> tuple[Shape, ...]:
     """Return the lasting shapes that these recordings show."""
-    return _shown(setup, _that_are(LASTING))
+    return _shown(problem, _that_are(LASTING))
 
 
 def _that_are(kind: str) -> list[Effect]:
     return [one for one in CATALOGUE.values() if one.in_arrays == kind]
 
 
-def model_shapes(setup: Problem) -> tuple[Shape, ...]:
+def model_shapes(problem: Problem) -> tuple[Shape, ...]:
     """Return the shapes of the model itself, zeros apart."""
-    return _shown(setup, [one.candidate.effect for one in setup.base])
+    return _shown(problem, [one.candidate.effect for one in problem.base])
 
 
-def _shown(setup: Problem, effects: Sequence[Effect]) -> tuple[Shape, ...]:
+def _shown(problem: Problem, effects: Sequence[Effect]) -> tuple[Shape, ...]:
     """Return the coefficients of some effects that move anything here, zeros apart."""
     found = []
     for effect in effects:
         if effect.in_arrays == ZERO:
             continue
         try:
-            columns = setup.stack.columns(effect, setup.recordings.at)
+            columns = problem.stack.columns(effect, problem.recordings.at)
         except MissingColumn:
             continue
         found += [Shape(effect, int(n)) for n in np.flatnonzero(np.any(columns != 0, axis=0))]
     return tuple(found)
 
 
-def shared(setup: Problem, fit: joint.Joint) -> Array:
+def shared(problem: Problem, fit: joint.Joint) -> Array:
     """Return what the whole array shares of the effects found, but for clocks and zeros, (m,)."""
-    total = np.zeros(len(setup.residual))
-    for n, one in enumerate(fit.choices[len(setup.base) :], len(setup.base)):
+    total = np.zeros(len(problem.residual))
+    for n, one in enumerate(fit.choices[len(problem.base) :], len(problem.base)):
         if "antenna" not in one.scope and not one.candidate.effect.in_arrays:
-            total += joint.contribution(setup, fit, n)
+            total += joint.contribution(problem, fit, n)
     return total
 
 
@@ -140,24 +140,24 @@ def steps(fit: joint.Joint) -> list[float]:
     return [e.parameter for e in effects if e.in_arrays == STEP and e.parameter is not None]
 
 
-def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
+def blocks(problem: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Block]:
     """Return every antenna's session that has enough pointings.
 
     Parameters
     ----------
-    setup, fit
+    problem, fit
         The case, and the fit of all that was found: the steps in it part the zeros, and what
         the whole array shares is taken out.
     shapes
         What each block is asked for.
     """
-    stack, at = setup.stack, setup.recordings.at
+    stack, at = problem.stack, problem.recordings.at
     columns = [stack.columns(one.effect, at)[:, one.coefficient] for one in shapes]
     zeros = np.concatenate([stack.columns(one, at) for one in _that_are(ZERO)], axis=1)
-    since = _since(setup, steps(fit))
+    since = _since(problem, steps(fit))
     zeros = np.concatenate([zeros * (since == k)[:, None] for k in np.unique(since)], axis=1)
-    value = setup.residual - shared(setup, fit)
-    antenna, session, number = setup.antenna, setup.session_names, measurements(setup)
+    value = problem.residual - shared(problem, fit)
+    antenna, session, number = problem.antenna, problem.session_names, measurements(problem)
     everything = np.stack([value, *columns, *zeros.T], axis=1)
     found = []
     for name, when in dict.fromkeys(zip(antenna.tolist(), session.tolist(), strict=True)):
@@ -175,11 +175,11 @@ def blocks(setup: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[Bl
     return _told(found)
 
 
-def _since(setup: Problem, moments: Sequence[float]) -> Codes:
+def _since(problem: Problem, moments: Sequence[float]) -> Codes:
     """Return for each reading how many of some moments, or rows, were past, shape (m,)."""
     if not moments:
-        return np.zeros(len(setup.stack), np.intp)
-    time = clock(setup.recordings.at)[setup.stack.row]
+        return np.zeros(len(problem.stack), np.intp)
+    time = clock(problem.recordings.at)[problem.stack.row]
     return np.searchsorted(np.sort(moments), np.nan_to_num(time), side="right")
 
 

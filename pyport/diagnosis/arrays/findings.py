@@ -150,7 +150,7 @@ def _own(
     scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: Split
 ) -> Finding | None:
     """Return the part of each antenna; None where no antenna stands out."""
-    setup, chosen = scene.setup, scene.joint.choices[choice]
+    problem, chosen = scene.problem, scene.joint.choices[choice]
     effect = chosen.candidate.effect
     several = len(parts.sessions) > 1
     value = parts.own if several else parts.own + parts.common[0]
@@ -161,18 +161,18 @@ def _own(
     labels = [f"[{name}]" for name in parts.antennas]
     coefficient = effect.coefficients[chosen.candidate.coefficients[0]]
     parameters = scaled(coefficient, labels, value, parts.own_sigma)
-    rows = np.isin(setup.antenna, standing)
+    rows = np.isin(problem.antenna, standing)
     of_antenna = dict(zip(parts.antennas, value, strict=True))
-    column = setup.picked(chosen.candidate.columns[:1])[:, 0]
-    curve = column * np.array([of_antenna.get(str(name), 0.0) for name in setup.antenna])
-    seen = visible(setup, scene.weighed, curve)
-    checks = halves(setup, scene.weighed, scene.joint, choice)
+    column = problem.picked(chosen.candidate.columns[:1])[:, 0]
+    curve = column * np.array([of_antenna.get(str(name), 0.0) for name in problem.antenna])
+    seen = visible(problem, scene.weighed, curve)
+    checks = halves(problem, scene.weighed, scene.joint, choice)
     return Finding(
         effect=effect.id,
         members=step.called.members,
         verdict="named" if len(step.called.members) == 1 else "ambiguous",
         sentence=words.own(effect, parameters, standing, len(parts.antennas)),
-        where=Where(axes(setup, seen), {"antenna": standing}),
+        where=Where(axes(problem, seen), {"antenna": standing}),
         parameters=tuple(parameters),
         evidence=evidence_of(step),
         visible_rms=size(scene, seen, rows),
@@ -189,14 +189,16 @@ def _shared(
     scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: Split
 ) -> Finding:
     """Return the part that all antennas share, under the name of what they would share it for."""
-    setup, chosen = scene.setup, scene.joint.choices[choice]
+    problem, chosen = scene.problem, scene.joint.choices[choice]
     several = len(parts.sessions) > 1
-    sessions = setup.blocks.session[setup.block] if several else np.zeros(len(setup.block), int)
+    sessions = (
+        problem.blocks.session[problem.block] if several else np.zeros(len(problem.block), int)
+    )
     amount = parts.common[np.unique(sessions, return_inverse=True)[1]]
-    curve = setup.picked(chosen.candidate.columns[:1])[:, 0] * amount
-    seen = visible(setup, scene.weighed, curve)
+    curve = problem.picked(chosen.candidate.columns[:1])[:, 0] * amount
+    seen = visible(problem, scene.weighed, curve)
     partner = _partner(scene, chosen.candidate)
-    ratio = _ratio(setup, partner, chosen.candidate)
+    ratio = _ratio(problem, partner, chosen.candidate)
     parameters = scaled(
         partner.effect.coefficients[partner.coefficients[0]],
         [f"[{name}]" if name else "" for name in parts.sessions],
@@ -212,7 +214,7 @@ def _shared(
         members=members,
         verdict="named" if len(members) == 1 else "ambiguous",
         sentence=words.common(partner.effect, parameters, several=several),
-        where=Where(axes(setup, seen)),
+        where=Where(axes(problem, seen)),
         parameters=tuple(parameters),
         evidence=_gain_of(step, common),
         visible_rms=size(scene, seen, curve != 0),
@@ -225,23 +227,23 @@ def _shared(
 
 def taken_apart(scene: Scene, choice: int) -> Split | None:
     """Take what each antenna has of its own apart; None where that makes no sense."""
-    chosen, setup = scene.joint.choices[choice], scene.setup
+    chosen, problem = scene.joint.choices[choice], scene.problem
     if len(chosen.candidate.columns) != 1:
         return None
-    groups = setup.blocks.groups(chosen.scope)
+    groups = problem.blocks.groups(chosen.scope)
     blocks = np.unique(groups, return_index=True)[1]
     where = scene.joint.slice(choice)
     sigma = sigmas(scene.joint)[where]
-    noisy = noisy_antennas(setup, scene.floor)
+    noisy = noisy_antennas(problem, scene.floor)
     good = scene.joint.solution.known[where] & (sigma > 0)
-    good &= ~np.isin(setup.blocks.antenna[blocks], noisy)
-    if len(np.unique(setup.blocks.antenna[blocks][good])) < SEVERAL:
+    good &= ~np.isin(problem.blocks.antenna[blocks], noisy)
+    if len(np.unique(problem.blocks.antenna[blocks][good])) < SEVERAL:
         return None
-    session = setup.blocks.session[blocks]
+    session = problem.blocks.session[blocks]
     if "session" not in chosen.scope:
         session = np.full(len(blocks), "")
     return split(
-        setup.blocks.antenna[blocks][good],
+        problem.blocks.antenna[blocks][good],
         session[good],
         scene.joint.solution.values[where][good],
         sigma[good],
@@ -250,21 +252,21 @@ def taken_apart(scene: Scene, choice: int) -> Split | None:
 
 def _partner(scene: Scene, candidate: Candidate) -> Candidate:
     """Return the effect that all antennas would share and that draws the same curve, if any."""
-    column = scene.setup.picked(candidate.columns[:1])[:, 0]
-    for other in scene.setup.candidates:
+    column = scene.problem.picked(candidate.columns[:1])[:, 0]
+    for other in scene.problem.candidates:
         if other.effect.common == "antenna" or len(other.columns) != 1:
             continue
-        rival = scene.setup.picked(other.columns[:1])[:, 0]
+        rival = scene.problem.picked(other.columns[:1])[:, 0]
         product = abs(float(column @ rival))
         if product > PARALLEL * np.linalg.norm(column) * np.linalg.norm(rival):
             return other
     return candidate
 
 
-def _ratio(setup: Problem, partner: Candidate, candidate: Candidate) -> float:
+def _ratio(problem: Problem, partner: Candidate, candidate: Candidate) -> float:
     """Return how many of the candidate's units one unit of the partner's coefficient is worth."""
-    column = setup.picked(candidate.columns[:1])[:, 0]
-    return float(setup.picked(partner.columns[:1])[:, 0] @ column / (column @ column))
+    column = problem.picked(candidate.columns[:1])[:, 0]
+    return float(problem.picked(partner.columns[:1])[:, 0] @ column / (column @ column))
 
 
 def _gain_of(step: Step, chosen: Chosen) -> Evidence:

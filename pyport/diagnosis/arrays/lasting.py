@@ -81,7 +81,7 @@ class Lasting:
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _BlockData:
     """The blocks as arrays: whose, when, and what they say; shared shapes, A and S."""
 
     antenna: Codes
@@ -98,8 +98,8 @@ class _Problem:
         width = len(self.shared)
         return self.session[:, None] * width + np.arange(width)
 
-    def without(self, block: int) -> _Problem:
-        """Return the problem with one block less."""
+    def without(self, block: int) -> _BlockData:
+        """Return them with one block less."""
         kept = np.arange(len(self.antenna)) != block
         return replace(
             self,
@@ -124,18 +124,18 @@ class _Fit:
     lever: Array
     shared: Array
 
-    def expected(self, problem: _Problem) -> Array:
+    def expected(self, data: _BlockData) -> Array:
         """Return what is expected of each block, shape (B, k)."""
-        out = self.own[problem.antenna].copy()
-        out[:, problem.shared] += self.common[problem.places]
+        out = self.own[data.antenna].copy()
+        out[:, data.shared] += self.common[data.places]
         return out
 
-    def spread(self, problem: _Problem) -> Array:
+    def spread(self, data: _BlockData) -> Array:
         """Return the covariance of what is expected of each block, shape (B, k, k)."""
         follows = self.lever @ self.shared
-        out = (self.alone + follows @ self.lever.transpose(0, 2, 1))[problem.antenna]
-        places, which = problem.places, problem.shared
-        cross = np.take_along_axis(follows[problem.antenna], places[:, None, :], axis=2)
+        out = (self.alone + follows @ self.lever.transpose(0, 2, 1))[data.antenna]
+        places, which = data.places, data.shared
+        cross = np.take_along_axis(follows[data.antenna], places[:, None, :], axis=2)
         out[:, :, which] -= cross
         out[:, which, :] -= cross.transpose(0, 2, 1)
         rows = np.ix_(np.arange(len(out)), which, which)
@@ -153,27 +153,27 @@ def lasting(blocks: Sequence[Block], shared: Collection[int] = ()) -> Lasting:
     shared
         The shapes that have a part common to a session's antennas.
     """
-    problem, antennas, sessions = _problem(blocks, shared)
-    count, k = problem.score.shape
+    data, antennas, sessions = _together(blocks, shared)
+    count, k = data.score.shape
     tails = np.ones((count, k))
-    repeated = np.bincount(problem.antenna).max() > 1
+    repeated = np.bincount(data.antenna).max() > 1
     variance = np.full(k, (ARCMIN / 2) ** 2 if repeated else 0.0)
-    fit, square = _round(problem, variance, tails)
+    fit, square = _round(data, variance, tails)
     for _ in range(ROUNDS if repeated else 0):
         before = variance, tails
         variance = np.maximum((tails * square).mean(axis=0), (1e-3 * ARCMIN) ** 2)
         tails = (TAILS + 1) / (TAILS + square / variance)
-        fit, square = _round(problem, variance, tails)
+        fit, square = _round(data, variance, tails)
         same = zip((variance, tails), before, strict=True)
         if all(np.allclose(now, was, rtol=SETTLED, atol=0) for now, was in same):
             break
-    own, common, covariance = _levelled(problem, fit)
+    own, common, covariance = _levelled(data, fit)
     everywhere = np.zeros((len(sessions), k))
-    everywhere[:, problem.shared] = common.reshape(len(sessions), -1)
+    everywhere[:, data.shared] = common.reshape(len(sessions), -1)
     return Lasting(
         antennas,
         sessions,
-        tuple(problem.shared.tolist()),
+        tuple(data.shared.tolist()),
         own,
         everywhere,
         covariance,
@@ -196,28 +196,28 @@ def expected_without(blocks: Sequence[Block], whole: Lasting, held: int) -> Arra
     if not whole.shared:  # then other antennas have no say
         some = [n for n in some if blocks[n].antenna == blocks[held].antenna]
         held = some.index(held)
-    full, *_ = _problem([blocks[n] for n in some], whole.shared)
-    problem = full.without(held)
+    full, *_ = _together([blocks[n] for n in some], whole.shared)
+    data = full.without(held)
     variance = whole.scatter**2
     tails = np.delete(whole.tails[some], held, axis=0)
     # weights that the block itself had a say in
-    tails[problem.antenna == full.antenna[held]] = 1.0
-    fit, square = _round(problem, variance, tails)
+    tails[data.antenna == full.antenna[held]] = 1.0
+    fit, square = _round(data, variance, tails)
     for _ in range(FEW_ROUNDS if variance.any() else 0):
         tails = (TAILS + 1) / (TAILS + square / variance)
-        fit, square = _round(problem, variance, tails)
+        fit, square = _round(data, variance, tails)
     out = fit.own[full.antenna[held]].copy()
     out[full.shared] += fit.common[full.places[held]]
     return out
 
 
-def _problem(
+def _together(
     blocks: Sequence[Block], shared: Collection[int]
-) -> tuple[_Problem, tuple[str, ...], tuple[str, ...]]:
+) -> tuple[_BlockData, tuple[str, ...], tuple[str, ...]]:
     """Return blocks as arrays, and the names of antennas and sessions."""
     antennas, antenna = np.unique([one.antenna for one in blocks], return_inverse=True)
     sessions, session = np.unique([one.session for one in blocks], return_inverse=True)
-    problem = _Problem(
+    data = _BlockData(
         antenna,
         session,
         np.stack([one.information for one in blocks]),
@@ -226,33 +226,33 @@ def _problem(
         len(antennas),
         len(sessions),
     )
-    return problem, tuple(map(str, antennas)), tuple(map(str, sessions))
+    return data, tuple(map(str, antennas)), tuple(map(str, sessions))
 
 
-def _round(problem: _Problem, variance: Array, tails: Array) -> tuple[_Fit, Array]:
+def _round(data: _BlockData, variance: Array, tails: Array) -> tuple[_Fit, Array]:
     """Fit with given passing parts' variances; return it and their expected squares (B, k)."""
     power = variance / tails
-    free = np.eye(power.shape[1]) + problem.information * power[:, None, :]
-    gain = np.asarray(np.linalg.solve(free, problem.information), float)
-    pull = np.asarray(np.linalg.solve(free, problem.score[:, :, None])[:, :, 0], float)
-    fit = _solve(problem, gain, pull)
-    part = power * (pull - (gain @ fit.expected(problem)[:, :, None])[:, :, 0])
-    inner = gain - gain @ fit.spread(problem) @ gain
+    free = np.eye(power.shape[1]) + data.information * power[:, None, :]
+    gain = np.asarray(np.linalg.solve(free, data.information), float)
+    pull = np.asarray(np.linalg.solve(free, data.score[:, :, None])[:, :, 0], float)
+    fit = _solve(data, gain, pull)
+    part = power * (pull - (gain @ fit.expected(data)[:, :, None])[:, :, 0])
+    inner = gain - gain @ fit.spread(data) @ gain
     left = power - power**2 * np.einsum("bii->bi", inner)
     return fit, part**2 + np.maximum(left, 0.0)
 
 
-def _solve(problem: _Problem, gain: Array, pull: Array) -> _Fit:
+def _solve(data: _BlockData, gain: Array, pull: Array) -> _Fit:
     """Solve the normal equations, own parts eliminated antenna by antenna."""
-    k, which, places = gain.shape[1], problem.shared, problem.places
-    many = problem.sessions * len(which)
+    k, which, places = gain.shape[1], data.shared, data.places
+    many = data.sessions * len(which)
     tie = BOUND**-2
-    own = np.zeros((problem.antennas, k, k)) + tie * np.eye(k)
-    np.add.at(own, problem.antenna, gain)
-    own_right = np.zeros((problem.antennas, k))
-    np.add.at(own_right, problem.antenna, pull)
-    cross = np.zeros((problem.antennas, k, many))
-    at = (problem.antenna[:, None, None], np.arange(k)[None, :, None], places[:, None, :])
+    own = np.zeros((data.antennas, k, k)) + tie * np.eye(k)
+    np.add.at(own, data.antenna, gain)
+    own_right = np.zeros((data.antennas, k))
+    np.add.at(own_right, data.antenna, pull)
+    cross = np.zeros((data.antennas, k, many))
+    at = (data.antenna[:, None, None], np.arange(k)[None, :, None], places[:, None, :])
     np.add.at(cross, at, gain[:, :, which])
     both = tie * np.eye(many)
     inner = gain[:, which][:, :, which]
@@ -267,7 +267,7 @@ def _solve(problem: _Problem, gain: Array, pull: Array) -> _Fit:
     return _Fit(value - lever @ common, common, alone, lever, shared)
 
 
-def _levelled(problem: _Problem, fit: _Fit) -> tuple[Array, Array, Array]:
+def _levelled(data: _BlockData, fit: _Fit) -> tuple[Array, Array, Array]:
     """Return own (A, k), common (S c,) and covariance, own parts of shared shapes about zero."""
     antennas, k = fit.own.shape
     size = antennas * k
@@ -278,10 +278,10 @@ def _levelled(problem: _Problem, fit: _Fit) -> tuple[Array, Array, Array]:
         at = slice(n * k, (n + 1) * k)
         covariance[at, at] += fit.alone[n]
     value = np.concatenate([fit.own.ravel(), fit.common])
-    width = len(problem.shared)
-    for n, shape in enumerate(problem.shared):
+    width = len(data.shared)
+    for n, shape in enumerate(data.shared):
         own = np.arange(antennas) * k + shape
-        common = size + np.arange(problem.sessions) * width + n
+        common = size + np.arange(data.sessions) * width + n
         well = told_well(covariance[np.ix_(own, own)])
         turn = np.eye(len(value))
         turn[np.ix_(own, own)] -= well / well.sum()

@@ -118,12 +118,12 @@ def shared_shapes(shapes: Sequence[Shape]) -> list[int]:
 
 
 @one_thread
-def report(setup: Problem, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
+def report(problem: Problem, fit: Joint, survey: Survey | None = None) -> ArrayReport | None:
     """Return what an array's recordings say; None where they are no array's.
 
     Parameters
     ----------
-    setup, fit
+    problem, fit
         The case of a diagnosis, and its fit of all that was found.
     survey
         Where the antennas stand, to compare with.
@@ -133,8 +133,8 @@ def report(setup: Problem, fit: Joint, survey: Survey | None = None) -> ArrayRep
     BadInput
         There is a survey, and nothing or nobody to compare it with.
     """
-    recordings, shapes, form = setup.recordings, lasting_shapes(setup), model_shapes(setup)
-    found, fitted = (tuple(blocks(setup, fit, some)) for some in (shapes, form))
+    recordings, shapes, form = problem.recordings, lasting_shapes(problem), model_shapes(problem)
+    found, fitted = (tuple(blocks(problem, fit, some)) for some in (shapes, form))
     lean = number_of(shapes, LEAN)
     if len({one.antenna for one in found}) < SEVERAL or lean is None:
         if survey is not None:
@@ -233,17 +233,17 @@ def with_site(diagnosis: Diagnosis, found: ArrayReport | None) -> Diagnosis:
 
 
 def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
-    setup, one = diagnosis.setup, found.comparison
-    site, implied = setup.recordings.at.site, found.places
+    problem, one = diagnosis.problem, found.comparison
+    site, implied = problem.recordings.at.site, found.places
     if one is None or site is None or implied is None:
         raise ValueError("no survey was compared")
     # of longitude, as the effect's coefficient is
     radius = implied.radius_m * np.cos(site.latitude)
     shift = dict(zip(one.antennas, one.slope * one.surveyed_m / radius, strict=True))
-    column = setup.stack.columns(CATALOGUE["site_longitude"], setup.recordings.at)[:, 0]
-    curve = column * np.array([shift.get(str(name), 0.0) for name in setup.antenna])
-    seen = visible(setup, diagnosis.weighed, curve)
-    moved = np.isin(setup.antenna, one.antennas)
+    column = problem.stack.columns(CATALOGUE["site_longitude"], problem.recordings.at)[:, 0]
+    curve = column * np.array([shift.get(str(name), 0.0) for name in problem.antenna])
+    seen = visible(problem, diagnosis.weighed, curve)
+    moved = np.isin(problem.antenna, one.antennas)
     standing = np.abs(one.implied_m) > SIGNIFICANT * one.sigma_m
     lean = one.lean_m / implied.radius_m / ARCMIN
     return Finding(
@@ -258,7 +258,7 @@ def _finding(diagnosis: Diagnosis, found: ArrayReport) -> Finding:
             f"{lean:.2f} arcmin of its own"
         ),
         where=Where(
-            axes(setup, curve),
+            axes(problem, curve),
             {"antenna": [n for n, there in zip(one.antennas, standing, strict=True) if there]},
         ),
         parameters=(

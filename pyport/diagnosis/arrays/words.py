@@ -217,7 +217,7 @@ def _wrapped(line: str) -> list[str]:
 
 
 @one_thread
-def predict(known: ArrayReport, setup: Problem, fit: Joint) -> Unseen:
+def predict(known: ArrayReport, problem: Problem, fit: Joint) -> Unseen:
     """Predict other recordings of an array from recordings that are known.
 
     Own parts come from the known recordings alone, what a session's antennas
@@ -228,12 +228,12 @@ def predict(known: ArrayReport, setup: Problem, fit: Joint) -> Unseen:
     ----------
     known
         What is known of the array.
-    setup, fit
+    problem, fit
         The case of the recordings to predict, by the same model, and the fit of all found in it.
     """
-    taken, stem = set(known.parts.sessions), setup.recordings.file.stem
+    taken, stem = set(known.parts.sessions), problem.recordings.file.stem
     fitted, others = (
-        _renamed(blocks(setup, fit, some), taken, stem) for some in (known.form, known.shapes)
+        _renamed(blocks(problem, fit, some), taken, stem) for some in (known.form, known.shapes)
     )
     return unseen(
         [*known.fitted, *fitted],

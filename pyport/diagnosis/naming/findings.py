@@ -42,7 +42,7 @@ def collect(scene: Scene) -> list[Finding]:
     """Return the findings, strongest first."""
     found: list[Finding] = []
     bend_of = cache(partial(waves.bend, scene))
-    first = len(scene.setup.base)
+    first = len(scene.problem.base)
     for n, chosen in enumerate(scene.outcome.chosen):
         step = scene.outcome.step_of(chosen)
         earlier = scene.outcome.chosen[:n]
@@ -55,9 +55,9 @@ def collect(scene: Scene) -> list[Finding]:
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 
-def _partial(setup: Problem, curve: Array) -> bool:
+def _partial(problem: Problem, curve: Array) -> bool:
     """Tell whether a curve (m,) acts on some of the readings of its axes only."""
-    of_axes = [curve[setup.stack.is_y == is_y] != 0 for is_y in (False, True)]
+    of_axes = [curve[problem.stack.is_y == is_y] != 0 for is_y in (False, True)]
     acting = np.concatenate([one for one in of_axes if one.any()] or of_axes)
     return not acting.all()
 
@@ -69,9 +69,9 @@ def _single(
 
     `bend_of` is `waves.bend`, asked once for each kind of effect.
     """
-    setup, chosen = scene.setup, scene.joint.choices[choice]
-    curve = contribution(setup, scene.joint, choice)
-    seen = visible(setup, scene.weighed, curve)
+    problem, chosen = scene.problem, scene.joint.choices[choice]
+    curve = contribution(problem, scene.joint, choice)
+    seen = visible(problem, scene.weighed, curve)
     effect = chosen.candidate.effect
     of_time = effect.id == OSCILLATION
     of_drive = drive_waves.is_short(effect)
@@ -79,9 +79,9 @@ def _single(
     like = None
     if of_drive:
         parameters = waves.of_drive(scene, choice, parameters)
-        like = waves.alias(effect, drive_waves.way_of(setup, effect).step)
+        like = waves.alias(effect, drive_waves.way_of(problem, effect).step)
     called = step.called
-    checks = halves(setup, scene.weighed, scene.joint, choice)
+    checks = halves(problem, scene.weighed, scene.joint, choice)
     if of_time:
         checks.append(waves.own_period(scene, chosen))
     if of_drive:
@@ -95,8 +95,8 @@ def _single(
     whole = scene.outcome.chosen
     heldout = held_out(scene, scene.outcome.others(chosen), whole, np.ones(len(curve), bool))
     together = None if of_time else scene.combination(choice)
-    mounts = declared(setup.recordings.meta)
-    largest = largest_offset(setup)
+    mounts = declared(problem.recordings.meta)
+    largest = largest_offset(problem)
     if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= MOST_MEMBERS
@@ -107,10 +107,10 @@ def _single(
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(
         # Where other terms move to make room for it, it is not.
-        axes(setup, np.where(curve != 0, seen, 0.0)),
+        axes(problem, np.where(curve != 0, seen, 0.0)),
         moved_antennas(scene, curve),
         chosen.candidate.region,
-        curve=curve_points(setup, effect),
+        curve=curve_points(problem, effect),
         since=words.since(effect),
     )
     return Finding(
@@ -118,7 +118,7 @@ def _single(
         members=called.members if named else ("unknown",),
         verdict=verdict,
         sentence=words.sentence(
-            effect, parameters, where, together, mounts, setup.recordings.at.mount.names
+            effect, parameters, where, together, mounts, problem.recordings.at.mount.names
         )
         if named
         else words.UNKNOWN,
@@ -129,7 +129,7 @@ def _single(
         true_rms=size(scene, centred(scene, curve), curve != 0),
         largest=largest,
         combination=together,
-        partial=_partial(setup, curve),
+        partial=_partial(problem, curve),
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called, refuting),

@@ -70,18 +70,18 @@ def lacking(numbers: int, coefficients: int) -> int:
     return max(0, coefficients + ENOUGH - numbers)
 
 
-def measured(setup: Problem, rows: NDArray[np.bool_] | None = None) -> int:
+def measured(problem: Problem, rows: NDArray[np.bool_] | None = None) -> int:
     """Return how many numbers some readings (m,) measured; repeats of a pointing are one."""
-    number = measurements(setup)
+    number = measurements(problem)
     return len(np.unique(number if rows is None else number[rows]))
 
 
-def too_few(setup: Problem) -> TooFew | None:
+def too_few(problem: Problem) -> TooFew | None:
     """Return how few recordings there are beside the model's own terms; None for enough."""
-    design = setup.expanded(setup.base)
+    design = problem.expanded(problem.base)
     rank = int(np.linalg.matrix_rank(design)) if design.size else 0
-    numbers, terms = measured(setup), design.shape[1]
-    found = TooFew(len(np.unique(setup.pointing)), numbers, rank if numbers >= terms else terms)
+    numbers, terms = measured(problem), design.shape[1]
+    found = TooFew(len(np.unique(problem.pointing)), numbers, rank if numbers >= terms else terms)
     return found if found.lacking else None
 
 
@@ -124,9 +124,9 @@ def refusal(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
 
 def _too_few(scene: Scene, seen: Array) -> Refusal | None:
     rank = scene.joint.solution.rank
-    there = measured(scene.setup, scene.weighed.used)
+    there = measured(scene.problem, scene.weighed.used)
     if lack := lacking(there, rank):
-        axes = len(np.unique(scene.setup.stack.is_y))
+        axes = len(np.unique(scene.problem.stack.is_y))
         return Refusal(
             f"{there} measured numbers are too few for {rank} coefficients and {ENOUGH} more, by "
             "which one cause is distinguished from another",
@@ -147,7 +147,7 @@ def carriers(scene: Scene, seen: Array) -> float:
     1965, Survey Sampling: the effective size of a sample).
     """
     size = scene.weighed.used * seen / np.maximum(scene.floor, 1e-300)
-    weight: Array = np.bincount(scene.setup.pointing, size**2).astype(float)
+    weight: Array = np.bincount(scene.problem.pointing, size**2).astype(float)
     weight /= max(float(weight.max(initial=0.0)), 1e-300)
     return float(weight.sum() ** 2 / max(float(weight @ weight), 1e-300))
 
@@ -155,11 +155,11 @@ def carriers(scene: Scene, seen: Array) -> float:
 def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
     if effect.changes_with != "session":
         return None
-    at = scene.setup.recordings.at
+    at = scene.problem.recordings.at
     if "order" in at and "session" not in at:
         # Nothing tells one session from the next: the step itself does.
         return None
-    sessions = len(np.unique(scene.setup.session))
+    sessions = len(np.unique(scene.problem.session))
     if max(sessions, nights(scene)) > 1:
         return None
     return Refusal(
@@ -189,8 +189,8 @@ def _once_only(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
     label = effect.belongs_to
     if not label:
         return None
-    row = scene.setup.stack.row
-    names = np.asarray(scene.setup.recordings.label(label)).astype(str)[row]
+    row = scene.problem.stack.row
+    names = np.asarray(scene.problem.recordings.label(label)).astype(str)[row]
     power = scene.weighed.used * (seen / np.maximum(scene.floor, 1e-300)) ** 2
     moved = [one for one in np.unique(names) if power[names == one].any()]
     again = sum(power[names == one].sum() for one in moved if comes_back(scene, names == one, seen))
@@ -215,7 +215,7 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
     seen
         The curve [rad], shape (m,).
     """
-    left = scene.setup.residual - scene.joint.predicted + seen
+    left = scene.problem.residual - scene.joint.predicted + seen
     weight = scene.weighed.used / np.maximum(scene.floor, 1e-300) ** 2
     found = 0
     for night in np.unique(night_of(scene)[rows]):
@@ -231,7 +231,7 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
 
 def night_of(scene: Scene) -> NDArray[np.intp]:
     """Return a number for the night of each reading, shape (m,): sessions, and gaps in them."""
-    session, row = scene.setup.session, scene.setup.stack.row
+    session, row = scene.problem.session, scene.problem.stack.row
     time = _times(scene)
     if time is None:
         return np.unique(session, return_inverse=True)[1].ravel()
@@ -248,9 +248,9 @@ def nights(scene: Scene) -> int:
     """
     time = _times(scene)
     if time is None:
-        return len(np.unique(scene.setup.session))
-    first = np.unique(scene.setup.pointing, return_index=True)[1]
-    time = np.sort(time[scene.setup.stack.row[first]])
+        return len(np.unique(scene.problem.session))
+    first = np.unique(scene.problem.pointing, return_index=True)[1]
+    time = np.sort(time[scene.problem.stack.row[first]])
     runs = np.split(time, np.flatnonzero(np.diff(time) > NIGHT_GAP_S) + 1)
     return sum(
         max(1, round(float(run[-1] - run[0]) / DAY_S)) for run in runs if len(run) >= CARRIERS
@@ -262,7 +262,7 @@ def goes_with_the_hour(scene: Scene, column: str) -> bool:
     time = _times(scene)
     if time is None or len(time) < NIGHT_ORDER + 2 or np.ptp(time) == 0:
         return True
-    values = np.asarray(scene.setup.recordings.at.column(column), float)
+    values = np.asarray(scene.problem.recordings.at.column(column), float)
     known = np.isfinite(values)
     if known.sum() < NIGHT_ORDER + 2:
         return True
@@ -274,7 +274,7 @@ def goes_with_the_hour(scene: Scene, column: str) -> bool:
 
 def _times(scene: Scene) -> Array | None:
     """Return the time of each row [s], None where any is unknown."""
-    at = scene.setup.recordings.at
+    at = scene.problem.recordings.at
     if "time" not in at:
         return None
     time = np.asarray(at.column("time"), float)

@@ -89,11 +89,11 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
     Of the fifth of the readings at either end; only where it differs by a quarter and more.
     """
-    setup, floor = diagnosis.setup, diagnosis.weighed.covariance.floor
-    el = setup.recordings.at.el[setup.stack.row]
+    problem, floor = diagnosis.problem, diagnosis.weighed.covariance.floor
+    el = problem.recordings.at.el[problem.stack.row]
     found = []
-    for is_y, name in zip((False, True), setup.recordings.at.mount.names, strict=True):
-        rows = np.flatnonzero((setup.stack.is_y == is_y) & diagnosis.weighed.used)
+    for is_y, name in zip((False, True), problem.recordings.at.mount.names, strict=True):
+        rows = np.flatnonzero((problem.stack.is_y == is_y) & diagnosis.weighed.used)
         end = int(END * len(rows))
         if end == 0:
             continue
@@ -120,15 +120,15 @@ def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
     `left` (m,) of the lowest and the highest session, departures predicted; only where that widens
     the scatter by a tenth and more, for means of sessions it may widen several times.
     """
-    setup = diagnosis.setup
-    if setup.blocks.antennas > 1:
+    problem = diagnosis.problem
+    if problem.blocks.antennas > 1:
         return []
-    of_order = ORDER in setup.recordings.meta
+    of_order = ORDER in problem.recordings.meta
     covariance = diagnosis.weighed.covariance
     moved = left - covariance.departed(left)
-    session = setup.session_names
+    session = problem.session_names
     found = []
-    for part, noise in zip(setup.parts, covariance.shown, strict=True):
+    for part, noise in zip(problem.parts, covariance.shown, strict=True):
         rows = part.rows[covariance.used[part.rows]]
         white = np.hypot(noise.within, noise.between) / np.sqrt(covariance.precision[rows])
         excess = float((moved[rows] ** 2 - white**2).mean())
@@ -139,7 +139,7 @@ def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
         low, high = (end(means, key=lambda one: (means[one], one)) for end in (min, max))
         found.append(
             {
-                "axis": setup.recordings.at.mount.names[part.is_y],
+                "axis": problem.recordings.at.mount.names[part.is_y],
                 "rms_arcsec": float(np.sqrt(excess)) / ARCSEC,
                 "memory_s": None if of_order else noise.time_s,
                 "memory_rows": noise.time_s if of_order else None,
@@ -158,13 +158,13 @@ def uneven(diagnosis: Diagnosis, left: Array) -> list[str]:
     Of the residuals `left` (m,) by everything found; only where its scatter is larger by a quarter,
     and by more than chance.
     """
-    setup = diagnosis.setup
-    session, axis = setup.session, setup.stack.is_y.astype(int)
-    if setup.blocks.antennas > 1 or len(np.unique(session)) < 2:
+    problem = diagnosis.problem
+    session, axis = problem.session, problem.stack.is_y.astype(int)
+    if problem.blocks.antennas > 1 or len(np.unique(session)) < 2:
         return []
-    names = setup.session_names
+    names = problem.session_names
     found = []
-    for is_y, name in enumerate(setup.recordings.at.mount.names):
+    for is_y, name in enumerate(problem.recordings.at.mount.names):
         own = (axis == is_y) & diagnosis.weighed.used
         there, counts = np.unique(session[own], return_counts=True)
         counted = dict(zip(there[counts >= FEWEST], counts[counts >= FEWEST], strict=True))
@@ -243,7 +243,7 @@ def warnings(diagnosis: Diagnosis) -> list[str]:
             f"the search did not come to its end: it stopped at {MOST_FINDINGS} effects, and more "
             "may be left"
         )
-    if left := untried(conditions(diagnosis.setup.recordings)):
+    if left := untried(conditions(diagnosis.problem.recordings)):
         found.append(
             f"{MOST_DRIVERS} conditions at most are tried as what a term follows: not "
             f"{', '.join(left)}"
@@ -255,8 +255,8 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
     """Yield what is wrong with one fit."""
     solution = fit.solution
     known = solution.known
-    free = np.count_nonzero(diagnosis.setup.precision(fit.choices) == 0)
-    if wrong := undetermined(len(diagnosis.setup.residual), int(free)):
+    free = np.count_nonzero(diagnosis.problem.precision(fit.choices) == 0)
+    if wrong := undetermined(len(diagnosis.problem.residual), int(free)):
         yield wrong
         return
     if not known.all():

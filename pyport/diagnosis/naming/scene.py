@@ -33,7 +33,7 @@ class Scene:
     less where an antenna is noisier than is usual.
     """
 
-    setup: Problem
+    problem: Problem
     outcome: Outcome
     joint: Joint
     share: Array
@@ -47,7 +47,7 @@ class Scene:
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
         """Return what the joint fit knows of coefficients that it does not know alone."""
-        return combined(self.setup, self.joint)
+        return combined(self.problem, self.joint)
 
     def combination(self, choice: int) -> Combination | None:
         """Return the combination that a choice's coefficients are known in, None if alone."""
@@ -56,13 +56,13 @@ class Scene:
         return next((c for c in self.combinations if any(n in own for n in c.places)), None)
 
 
-def scene(setup: Problem, outcome: Outcome, joint: Joint) -> Scene:
+def scene(problem: Problem, outcome: Outcome, joint: Joint) -> Scene:
     """Return the scene of a finished search."""
     floor = outcome.weighed.covariance.scatter
-    quiet = np.isin(setup.antenna, noisy_antennas(setup, floor), invert=True)
+    quiet = np.isin(problem.antenna, noisy_antennas(problem, floor), invert=True)
     counted = outcome.weighed.used & quiet
     # Plain within an antenna: only one that is noisier than usual counts less in an array's rms.
-    antenna = setup.blocks.groups("antenna")[setup.block]
+    antenna = problem.blocks.groups("antenna")[problem.block]
     own = np.array([np.median(floor[antenna == n]) for n in range(antenna.max(initial=-1) + 1)])
     usual = np.median(floor[counted]) if counted.any() else 1.0
     if len(own) > 1:
@@ -70,13 +70,13 @@ def scene(setup: Problem, outcome: Outcome, joint: Joint) -> Scene:
     else:
         share = np.ones(len(floor))
     share = np.where(counted, share, 0.0)
-    return Scene(setup, outcome, joint, share, floor)
+    return Scene(problem, outcome, joint, share, floor)
 
 
-def noisy_antennas(setup: Problem, floor: Array) -> list[str]:
+def noisy_antennas(problem: Problem, floor: Array) -> list[str]:
     """Name the antennas whose noise drowns whatever the others show."""
-    names = np.unique(setup.antenna)
-    own = np.array([np.median(floor[setup.antenna == name]) for name in names])
+    names = np.unique(problem.antenna)
+    own = np.array([np.median(floor[problem.antenna == name]) for name in names])
     return [str(name) for name in names[own > GROSS * np.median(own)]]
 
 
@@ -87,7 +87,7 @@ def parameters_of(scene: Scene, choice: int) -> list[Parameter]:
     value = scene.joint.solution.values[where]
     sigma = np.hypot(sigmas(scene.joint)[where], chosen.spread)
     known = scene.joint.solution.known[where]
-    names = scene.setup.blocks.names(chosen.scope)
+    names = scene.problem.blocks.names(chosen.scope)
     width = len(chosen.candidate.columns)
     found = []
     for group, name in enumerate(names):
@@ -123,16 +123,16 @@ def size(scene: Scene, curve: Array, rows: NDArray[np.bool_]) -> float:
 
 def centred(scene: Scene, curve: Array) -> Array:
     """Return a curve (m,) less its mean in each axis of each antenna: a zero would take that."""
-    setup, out = scene.setup, curve.copy()
-    count = np.bincount(setup.series, scene.share)
-    total = np.bincount(setup.series, scene.share * curve)
-    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[setup.series]
+    problem, out = scene.problem, curve.copy()
+    count = np.bincount(problem.series, scene.share)
+    total = np.bincount(problem.series, scene.share * curve)
+    out -= np.divide(total, count, out=np.zeros_like(total), where=count > 0)[problem.series]
     return out
 
 
-def axes(setup: Problem, seen: Array) -> tuple[str, ...]:
+def axes(problem: Problem, seen: Array) -> tuple[str, ...]:
     """Name the axes in which a curve shows."""
-    across, along = rms(seen[~setup.stack.is_y]), rms(seen[setup.stack.is_y])
+    across, along = rms(seen[~problem.stack.is_y]), rms(seen[problem.stack.is_y])
     most = max(across, along)
     shown = (("xel", across), ("el", along))
     return tuple(name for name, size in shown if size > AXIS_SHARE * most)
@@ -140,7 +140,7 @@ def axes(setup: Problem, seen: Array) -> tuple[str, ...]:
 
 def moved_antennas(scene: Scene, curve: Array) -> dict[str, list[str]]:
     """Name the antennas that a curve moves, where it does not move all."""
-    antennas = scene.setup.antenna
+    antennas = scene.problem.antenna
     moved = np.unique(antennas[curve != 0])
     return {} if len(moved) == len(np.unique(antennas)) else {"antenna": [str(m) for m in moved]}
 
@@ -160,10 +160,10 @@ def held_out(
     scene: Scene, before: Sequence[Chosen], after: Sequence[Chosen], rows: NDArray[np.bool_]
 ) -> HeldOut:
     """Compare predictions of unseen readings with and without an effect."""
-    setup, weighed = scene.setup, scene.weighed
+    problem, weighed = scene.problem, scene.weighed
     new = [one for one in after if not any(one is old for old in before)]
-    partition = holdout.folds(setup, weighed, new)
-    found = unseen(setup, (weighed, weighed), tuple(before), tuple(after), partition)
+    partition = holdout.folds(problem, weighed, new)
+    found = unseen(problem, (weighed, weighed), tuple(before), tuple(after), partition)
     return found.compared(rows, weighed.covariance.floor)
 
 
@@ -175,10 +175,10 @@ class Check:
     words: str
 
 
-def halves(setup: Problem, weighed: WhitenedData, joint: Joint, choice: int) -> list[Check]:
+def halves(problem: Problem, weighed: WhitenedData, joint: Joint, choice: int) -> list[Check]:
     """Compare an effect's strength in halves of the data, and in the session that differs most."""
-    split, sessions = _halves(setup), _sessions(setup)
-    found = _strengths(setup, weighed, joint, choice, split | sessions)
+    split, sessions = _halves(problem), _sessions(problem)
+    found = _strengths(problem, weighed, joint, choice, split | sessions)
     apart = sorted(sessions.keys() & found, key=lambda one: (-found[one].sigmas, one))
     told = [*(one for one in split if one in found), *apart[:1]]
     return [_compared(label, found[label]) for label in told]
@@ -198,7 +198,7 @@ class Strength:
 
 
 def _strengths(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     joint: Joint,
     choice: int,
@@ -209,11 +209,11 @@ def _strengths(
     The fitted curve of the effect gets a second coefficient that acts in one part only; of the
     same strength, that is zero.
     """
-    curve = contribution(setup, joint, choice)
+    curve = contribution(problem, joint, choice)
     parts = {one: curve * mask for one, mask in masks.items() if curve[mask].any()}
     parts = {one: part for one, part in parts.items() if (part != curve).any()}
-    others = setup.expanded([c for n, c in enumerate(joint.choices) if n != choice])
-    columns = [others, np.stack([curve, *parts.values(), setup.residual], axis=1)]
+    others = problem.expanded([c for n, c in enumerate(joint.choices) if n != choice])
+    columns = [others, np.stack([curve, *parts.values(), problem.residual], axis=1)]
     white = weighed.covariance.whiten(np.concatenate(columns, axis=1))
     gram = Gram.of(white, np.zeros(len(white), np.intp), 1)
     base = np.arange(others.shape[1] + 1)
@@ -232,23 +232,23 @@ def _compared(label: str, found: Strength) -> Check:
     return Check(not differs, words)
 
 
-def _sessions(setup: Problem) -> dict[str, NDArray[np.bool_]]:
+def _sessions(problem: Problem) -> dict[str, NDArray[np.bool_]]:
     """Return the readings of each session."""
-    session, names = setup.session, setup.session_names
+    session, names = problem.session, problem.session_names
     return {f"session {names[session == one][0]}": session == one for one in np.unique(session)}
 
 
-def _halves(setup: Problem) -> dict[str, NDArray[np.bool_]]:
+def _halves(problem: Problem) -> dict[str, NDArray[np.bool_]]:
     """Return the halves that the readings can be split into."""
-    first = {by: rows for by, (_, rows) in cuts(setup).items()}
+    first = {by: rows for by, (_, rows) in cuts(problem).items()}
     found = {
         "the upper half in elevation": ~first["elevation"],
         "the eastern half of the sky": first["azimuth"],
     }
     if "time" in first:
         found["the later half"] = ~first["time"]
-    if setup.stack.is_y.any() and not setup.stack.is_y.all():
-        found[f"{setup.recordings.at.mount.names[1]} offsets"] = setup.stack.is_y
+    if problem.stack.is_y.any() and not problem.stack.is_y.all():
+        found[f"{problem.recordings.at.mount.names[1]} offsets"] = problem.stack.is_y
     return found
 
 

@@ -53,33 +53,33 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     members
         Ids of the effects that the data cannot tell from it: they count as the name itself.
     """
-    setup, choices = scene.setup, scene.joint.choices
+    problem, choices = scene.problem, scene.joint.choices
     own = choices[choice]
     others = [one for n, one in enumerate(choices) if n != choice]
     taken = {one.candidate.effect.id for one in others} | set(members)
     competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
     prices = [step.price, *(one.candidate.price for one in competing[1:])]
     white = scene.weighed.white
-    parts = [setup.expanded([one], of=white) for one in competing]
-    model = setup.expanded(others, of=white)
+    parts = [problem.expanded([one], of=white) for one in competing]
+    model = problem.expanded(others, of=white)
     columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
     if columns.shape[1] > MOST_COLUMNS:
         columns = columns[:, model.shape[1] :] - model @ _fitted(
             model, columns[:, model.shape[1] :]
         )
         model = model[:, :0]
-    resampled, unit = _units(setup, own)
+    resampled, unit = _units(problem, own)
     products = _products(columns, np.resize(unit, len(columns)))
     starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
     slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]
-    rng = np.random.default_rng([setup.seed, choice])
+    rng = np.random.default_rng([problem.seed, choice])
     price, least = np.array(prices), 0.0
     share, scatter = np.ones_like(price), np.zeros_like(price)
-    if confounded(setup, own.candidate.effect):
+    if confounded(problem, own.candidate.effect):
         # Most of a change's gain the noise could have had: its evidence, the price paid, is a
         # share of it. A gain scatters by twice its root, and so does what is left of it.
-        odds = [confirmed(setup, others, one, one.candidate.price) for one in competing[1:]]
+        odds = [confirmed(problem, others, one, one.candidate.price) for one in competing[1:]]
         sure = np.maximum([step.winner.evidence, *odds], 0.0)
         whole = _worths(products.sum(axis=0), model.shape[1], slices, excess)
         share = np.clip(sure / np.maximum(whole, 1e-9), 1e-9, 1.0)
@@ -125,22 +125,22 @@ def _excess(scene: Scene, one: Chosen) -> float:
     return scene.weighed.evidence.common.factor if "antenna" not in one.scope else 1.0
 
 
-def _units(setup: Problem, own: Chosen) -> tuple[str, Codes]:
+def _units(problem: Problem, own: Chosen) -> tuple[str, Codes]:
     """Return what is drawn together, and the number of the unit of each reading, shape (m,)."""
-    sessions = setup.session
+    sessions = problem.session
     effect = own.candidate.effect
     of_session = "session" in own.scope or effect.is_change or own.candidate.of_time
     if len(np.unique(sessions)) >= ENOUGH_TO_RESAMPLE and not of_session:
         return "sessions", sessions
-    at = setup.recordings.at
+    at = problem.recordings.at
     time = clock(at)
     if not np.isfinite(time).all():
-        rng = np.random.default_rng(setup.seed)
-        distinct, pointing = np.unique(setup.pointing, return_inverse=True)
+        rng = np.random.default_rng(problem.seed)
+        distinct, pointing = np.unique(problem.pointing, return_inverse=True)
         deal = rng.permutation(len(distinct)) % min(UNITS, len(distinct))
         return "pointings", deal[pointing]
     # Moments in the order of sessions and time; what was measured at one moment stays together.
-    keys = np.stack([sessions, time[setup.stack.row]])
+    keys = np.stack([sessions, time[problem.stack.row]])
     moments, moment = np.unique(keys, axis=1, return_inverse=True)
     session = moments[0].astype(np.intp)
     rank = np.arange(len(session)) * UNITS // len(session)

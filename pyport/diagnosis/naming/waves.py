@@ -49,8 +49,8 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
 
     A notch or a ridge has short waves too, of amplitudes that are its own at each of them.
     """
-    setup, effect = scene.setup, chosen.candidate.effect
-    angle = drive_waves.angles_of(setup, effect)
+    problem, effect = scene.problem, chosen.candidate.effect
+    angle = drive_waves.angles_of(problem, effect)
     span = max(float(np.ptp(angle)), 1e-300)
     # What is uneven has neighbours: beside them each would look even.
     apart = tuple(
@@ -60,9 +60,9 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
         or one.candidate.effect.id != effect.id
         or abs(one.candidate.effect.member["k"] - effect.member["k"]) > ORDER * 360 / span
     )
-    ground = Ground(setup, scene.weighed, apart)
+    ground = Ground(problem, scene.weighed, apart)
     place = 2 * (angle - angle.min()) / span - 1
-    wave = setup.stack.columns(effect, setup.recordings.at)
+    wave = problem.stack.columns(effect, problem.recordings.at)
     bent = np.polynomial.legendre.legvander(place, ORDER)[:, 1:]
     columns = (wave[:, :, None] * bent[:, None]).reshape(len(wave), -1)
     found = ground.evidence(columns)
@@ -85,7 +85,7 @@ def bend(scene: Scene, kind: str) -> tuple[Check, str | None]:
     held against one term that begins there and grows with the angle, or with its sine. Returns also
     what would distinguish the two where the recordings exclude neither.
     """
-    setup, at = scene.setup, scene.setup.recordings.at
+    problem, at = scene.problem, scene.problem.recordings.at
     chosen_in = scene.outcome.chosen
     alike = [
         one
@@ -94,10 +94,10 @@ def bend(scene: Scene, kind: str) -> tuple[Check, str | None]:
     ]
     effect = next(one.candidate.effect for one in alike if may_be_a_bend(one.candidate.effect))
     others = tuple(one for one in chosen_in if not any(one is each for each in alike))
-    ground = Ground(setup, scene.weighed, others)
+    ground = Ground(problem, scene.weighed, others)
     prices = sum(scene.outcome.step_of(one).price for one in alike)
-    held = ground.evidence(setup.expanded(alike)) - prices - NAME_PRICE * (len(alike) - 1)
-    is_y, angle = setup.stack.is_y[:, None], at.axes.el[setup.stack.row, None]
+    held = ground.evidence(problem.expanded(alike)) - prices - NAME_PRICE * (len(alike) - 1)
+    is_y, angle = problem.stack.is_y[:, None], at.axes.el[problem.stack.row, None]
     from_rad = levels_of(at.axes, effect) * DEG
     beyond = (is_y & (angle > from_rad)).sum(axis=0)
     from_rad = from_rad[(beyond >= FEWEST) & (is_y.sum() - beyond >= FEWEST)]
@@ -127,12 +127,12 @@ def of_drive(scene: Scene, choice: int, plain: Sequence[Parameter]) -> list[Para
     effect = chosen.candidate.effect
     others = scene.outcome.others(chosen)
     turns_of, noise = float(effect.member["k"]), scene.weighed.covariance
-    sigma = drive_waves.sigma_of(scene.setup, noise, others, effect)
+    sigma = drive_waves.sigma_of(scene.problem, noise, others, effect)
     period = Parameter("period", 360 / turns_of, 360 / turns_of**2 * sigma, "deg")
     value, covariance = _solved(scene, choice)
     amplitude, phase = of_axis("", value, covariance)
     free = 0.0 if turns_of.is_integer() else sigma
-    turned = free * abs(float(np.mean(drive_waves.angles_of(scene.setup, effect))))
+    turned = free * abs(float(np.mean(drive_waves.angles_of(scene.problem, effect))))
     return [
         period,
         replace(amplitude, name="amplitude"),
@@ -151,11 +151,11 @@ def own_period(scene: Scene, chosen: Chosen) -> Check:
     Beside the oscillation a free curve at a multiple of its period has then more evidence than one
     at the period itself.
     """
-    setup, period_s = scene.setup, chosen.candidate.effect.member["period_s"]
-    ground = Ground(setup, scene.weighed, scene.outcome.chosen)
-    time_s = setup.recordings.at.numbers("time")[setup.stack.row]
+    problem, period_s = scene.problem, chosen.candidate.effect.member["period_s"]
+    ground = Ground(problem, scene.weighed, scene.outcome.chosen)
+    time_s = problem.recordings.at.numbers("time")[problem.stack.row]
     turns_of = 2 * np.pi * (time_s - time_s.min()) / period_s
-    upward = setup.stack.is_y[:, None]
+    upward = problem.stack.is_y[:, None]
     found = []
     for times in range(1, MULTIPLES + 1):
         orders = [n for n in range(1, OVERTONES * times + 1) if n != times]
@@ -177,17 +177,17 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     amplitudes of its stretches, less what their errors add. A phase of 0 has the sine begin at the
     moment that the variant names.
     """
-    chosen, setup = scene.joint.choices[choice], scene.setup
+    chosen, problem = scene.joint.choices[choice], scene.problem
     effect = chosen.candidate.effect
     others = scene.outcome.others(chosen)
-    _, sigma, _ = likeliest_period(setup, scene.weighed.covariance, others, effect)
+    _, sigma, _ = likeliest_period(problem, scene.weighed.covariance, others, effect)
     found = [Parameter("period", effect.member["period_s"] / 60, sigma / 60, "min")]
     known = scene.joint.solution.known[scene.joint.slice(choice)]
     value, covariance = _solved(scene, choice)
     value, covariance = value[known], covariance[np.ix_(known, known)]
     if "direction_deg" in effect.member:
-        line = likeliest_direction(setup, scene.weighed.covariance, others, effect)[:2]
-        measured = np.unique(setup.stack.is_y).astype(int)
+        line = likeliest_direction(problem, scene.weighed.covariance, others, effect)[:2]
+        measured = np.unique(problem.stack.is_y).astype(int)
         told = _along(*line, *_wandering(value, covariance))
         return found + ([told[1 + measured[0]]] if len(measured) == 1 else told)
     names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]

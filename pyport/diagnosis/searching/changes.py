@@ -39,7 +39,7 @@ from pyport.thresholds import FEWEST
 
 @stage("proposing changes")
 def proposed(
-    setup: Problem,
+    problem: Problem,
     present: Covariance,
     chosen: Sequence[Chosen],
     trials: Sequence[CandidateFit],
@@ -53,21 +53,21 @@ def proposed(
     source's place is proposed like a change, for the noise may have taken it for what all sources
     scatter by. Oscillations are proposed by `oscillations`, which looks for their period.
     """
-    effects = [one.candidate.effect for one in (*setup.base, *chosen)]
+    effects = [one.candidate.effect for one in (*problem.base, *chosen)]
     has = {"", *(one.on_altaz for one in effects)}
     wanted = [
         one
         for one in trials
         if one.candidate.effect.physical
-        and confounded(setup, one.candidate.effect)
+        and confounded(problem, one.candidate.effect)
         and one.candidate.effect.id not in {*banned, OSCILLATION}
         and one.candidate.effect.change_of in has
-        and not _departs(setup, one.candidate.effect)
+        and not _departs(problem, one.candidate.effect)
     ]
-    still = still_noise(setup, present)
+    still = still_noise(problem, present)
     if not wanted:
         return still, []
-    seen = shown_beside(setup, still, chosen, [one.candidate for one in wanted])
+    seen = shown_beside(problem, still, chosen, [one.candidate for one in wanted])
     best: dict[tuple[str, bool], CandidateFit] = {}
     for trial, (power, along) in zip(wanted, seen, strict=True):
         if trial.scope != "all" or not len(power):
@@ -82,33 +82,33 @@ def proposed(
     return still, list(best.values())
 
 
-def _departs(setup: Problem, effect: Effect) -> bool:
+def _departs(problem: Problem, effect: Effect) -> bool:
     """Tell whether an effect is what departures do: one of each label, not of one among them."""
-    labels = {one.of for one in setup.frame.departures}
+    labels = {one.of for one in problem.frame.departures}
     return effect.belongs_to in labels and len(effect.member.get(f"{effect.belongs_to}s", ())) > 1
 
 
-def still_noise(setup: Problem, covariance: Covariance) -> Covariance:
+def still_noise(problem: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
     Of a single session nothing drifts.
     """
-    session = _session_s(setup)
+    session = _session_s(problem)
     noises = tuple(one.shown_within(session) for one in covariance.noises)
     return replace(covariance, noises=noises, departures=())
 
 
-def _session_s(setup: Problem) -> float:
+def _session_s(problem: Problem) -> float:
     """Return how long a session usually takes [s], 0 of a single one."""
-    sessions = np.unique(setup.session)
+    sessions = np.unique(problem.session)
     if len(sessions) == 1:
         return 0.0
     spans = [
         float(np.ptp(part.time[own]))
-        for part in setup.parts
+        for part in problem.parts
         if part.time is not None
         for one in sessions
-        if (own := setup.session[part.first] == one).any()
+        if (own := problem.session[part.first] == one).any()
     ]
     return float(np.median(spans)) if spans else 0.0
 
@@ -119,13 +119,13 @@ STRETCHES = 24
 
 @stage("refining steps and edges")
 def refine(
-    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], plain: Chosen
+    problem: Problem, covariance: Covariance, chosen: Sequence[Chosen], plain: Chosen
 ) -> tuple[Problem, Chosen, float, float]:
     """Move the moment or edge of a choice to where it fits best, beside the rest of the model.
 
     Returns
     -------
-    setup, chosen
+    problem, chosen
         The case with the columns of the refined effect added, and the choice;
         both as they were where there is nothing to move.
     more
@@ -135,34 +135,34 @@ def refine(
     """
     effect = plain.candidate.effect
     if plain.scope != "all":
-        return setup, plain, 1.0, 0.0
+        return problem, plain, 1.0, 0.0
     step = effect.is_change and effect.parameter is not None
     if not step and effect.edge is None:
-        return setup, plain, 1.0, 0.0
-    view = plain_view(setup, covariance, chosen)
+        return problem, plain, 1.0, 0.0
+    view = plain_view(problem, covariance, chosen)
     of_number = np.log(max(len(view.rows), 3))
     if step:
-        tried = [(one, float(of_number)) for one in _moments(setup, view, effect)]
+        tried = [(one, float(of_number)) for one in _moments(problem, view, effect)]
     else:
-        tried = edges_of(setup, view, effect)
+        tried = edges_of(problem, view, effect)
     # A drift pulls as a step does: what was found as if there were none is weighed with it.
     which = list(plain.candidate.coefficients)
-    found = [setup.stack.columns(one, setup.recordings.at)[:, which] for one, _ in tried]
-    old = setup.picked(plain.candidate.columns)
-    before, *gains = _gains(setup, covariance, chosen, [old, *found])
+    found = [problem.stack.columns(one, problem.recordings.at)[:, which] for one, _ in tried]
+    old = problem.picked(plain.candidate.columns)
+    before, *gains = _gains(problem, covariance, chosen, [old, *found])
     best = int(np.argmax([gain - price for gain, (_, price) in zip(gains, tried, strict=True)]))
     more = gains[best] / max(before, 1e-300)
     price = tried[best][1] - plain.candidate.price
     if more <= 1:
-        return setup, plain, 1.0, 0.0
-    return *setup.with_member(plain, tried[best][0]), more, max(float(price), 0.0)
+        return problem, plain, 1.0, 0.0
+    return *problem.with_member(plain, tried[best][0]), more, max(float(price), 0.0)
 
 
 def _gains(
-    setup: Problem, covariance: Covariance, chosen: Sequence[Chosen], some: Sequence[Array]
+    problem: Problem, covariance: Covariance, chosen: Sequence[Chosen], some: Sequence[Array]
 ) -> list[float]:
     """Return what each of some blocks of columns (m, k) gains beside the model."""
-    _, left = left_beside(setup, covariance, chosen, np.concatenate(some, axis=1))
+    _, left = left_beside(problem, covariance, chosen, np.concatenate(some, axis=1))
     gains = []
     for low, up in pairwise(np.cumsum([0, *(columns.shape[1] for columns in some)])):
         own = left[:, low:up]
@@ -171,14 +171,14 @@ def _gains(
     return gains
 
 
-def _moments(setup: Problem, view: View, effect: Effect) -> list[Effect]:
+def _moments(problem: Problem, view: View, effect: Effect) -> list[Effect]:
     """Return steps at the moments between two recordings that fit best, one in each stretch."""
-    at = setup.recordings.at
+    at = problem.recordings.at
     # With every row after the step its columns are those of the effect everywhere.
     whole = catalogue(at.mount)[effect.id]
     always = epoch_step(-1e15, whole, of_order=True)
-    columns = setup.stack.columns(always, at)[view.rows] * view.root[:, None]
-    time = clock(at)[setup.stack.row][view.rows]
+    columns = problem.stack.columns(always, at)[view.rows] * view.root[:, None]
+    time = clock(at)[problem.stack.row][view.rows]
     order = np.argsort(time, kind="stable")
     time, columns = time[order], columns[order]
     since = _from_the_end(columns[:, :, None] * columns[:, None, :])
@@ -198,7 +198,7 @@ def _moments(setup: Problem, view: View, effect: Effect) -> list[Effect]:
 
 
 def past_outliers(
-    setup: Problem, weighed: WhitenedData, one: Chosen
+    problem: Problem, weighed: WhitenedData, one: Chosen
 ) -> tuple[Problem, list[Chosen]]:
     """Return a step moved to before and to behind the outliers next to it, and their case.
 
@@ -206,9 +206,9 @@ def past_outliers(
     """
     effect = one.candidate.effect
     if effect.parameter is None or not effect.is_change or one.scope != "all":
-        return setup, []
-    at, moved = setup.recordings.at, []
-    time = clock(at)[setup.stack.row]
+        return problem, []
+    at, moved = problem.recordings.at, []
+    time = clock(at)[problem.stack.row]
     moments = np.unique(time)
     sound = ~np.isin(moments, time[~weighed.used])
     now = int(np.searchsorted(moments, effect.parameter))
@@ -216,9 +216,9 @@ def past_outliers(
     for n in {*before[-1:], *behind[:1]} - {now}:
         since, of_order = float(moments[n - 1] + moments[n]) / 2, effect.changes_with == "order"
         step = epoch_step(since, catalogue(at.mount)[effect.id], of_order=of_order)
-        setup, other = setup.with_member(one, step)
+        problem, other = problem.with_member(one, step)
         moved.append(other)
-    return setup, moved
+    return problem, moved
 
 
 def _from_the_end(values: Array) -> Array:
@@ -227,12 +227,12 @@ def _from_the_end(values: Array) -> Array:
 
 
 @stage("choosing anew")
-def columns_anew(setup: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> list[Anew]:
+def columns_anew(problem: Problem, covariance: Covariance, chosen: Sequence[Chosen]) -> list[Anew]:
     """Return each choice as readings of full weight would choose it.
 
     Parameters
     ----------
-    setup
+    problem
         The case.
     covariance
         Its noise, with no weight on the readings that must not choose.
@@ -240,31 +240,31 @@ def columns_anew(setup: Problem, covariance: Covariance, chosen: Sequence[Chosen
         What was chosen from all readings.
     """
     return [
-        _anew(setup, covariance, [each for each in chosen if each is not one], one)
+        _anew(problem, covariance, [each for each in chosen if each is not one], one)
         for one in chosen
     ]
 
 
-def _anew(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Chosen) -> Anew:
+def _anew(problem: Problem, covariance: Covariance, others: Sequence[Chosen], one: Chosen) -> Anew:
     effect = one.candidate.effect
     if effect.id == OSCILLATION:
-        fresh = oscillations.again(setup, covariance, others, effect)
+        fresh = oscillations.again(problem, covariance, others, effect)
         if fresh.changes_with == "stretch":
             # Amplitudes that rest on few readings would be fitted to their noise.
-            curve = wave_fits.predicted(setup, covariance, others, fresh)
+            curve = wave_fits.predicted(problem, covariance, others, fresh)
             return Anew(np.zeros((len(curve), 0)), curve)
-        columns = setup.stack.columns(fresh, setup.recordings.at)
+        columns = problem.stack.columns(fresh, problem.recordings.at)
         return Anew(columns[:, columns.any(axis=0)])
     if drive_waves.is_short(effect):
-        fresh = drive_waves.again(setup, covariance, others, effect)
-        return Anew(setup.stack.columns(fresh, setup.recordings.at))
-    family = [each for each in setup.candidates if each.effect.id == effect.id]
+        fresh = drive_waves.again(problem, covariance, others, effect)
+        return Anew(problem.stack.columns(fresh, problem.recordings.at))
+    family = [each for each in problem.candidates if each.effect.id == effect.id]
     if len(family) < 2 or one.scope != "all":
-        return Anew(setup.expanded([one]))
-    if confounded(setup, effect):
-        covariance = still_noise(setup, covariance)
-    best, _ = best_shown(setup, covariance, others, family)
+        return Anew(problem.expanded([one]))
+    if confounded(problem, effect):
+        covariance = still_noise(problem, covariance)
+    best, _ = best_shown(problem, covariance, others, family)
     if any(each is one.candidate for each in family):
-        return Anew(setup.expanded([Chosen(best, one.scope)]))
-    wider, refined, *_ = refine(setup, covariance, others, Chosen(best, one.scope))
+        return Anew(problem.expanded([Chosen(best, one.scope)]))
+    wider, refined, *_ = refine(problem, covariance, others, Chosen(best, one.scope))
     return Anew(wider.expanded([refined]))

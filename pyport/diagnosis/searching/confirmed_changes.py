@@ -27,7 +27,7 @@ from pyport.thresholds import CONVINCING
 
 
 def confirmed_changes(
-    setup: Problem,
+    problem: Problem,
     present: Covariance,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
@@ -41,10 +41,10 @@ def confirmed_changes(
     """
     waves = []
     if OSCILLATION not in banned:
-        waves = waves_of(setup, chosen, oscillations.proposed(setup, present, chosen, above))
+        waves = waves_of(problem, chosen, oscillations.proposed(problem, present, chosen, above))
     # What wins must be told from a wave: its columns stand in the case of every change.
-    wider, beside = (waves[0].setup, waves[0].beside) if waves else (setup, None)
-    still, best = proposed(setup, present, chosen, trials, banned)
+    wider, beside = (waves[0].problem, waves[0].beside) if waves else (problem, None)
+    still, best = proposed(problem, present, chosen, trials, banned)
     moved = [refined(wider, still, chosen, trial) for trial in best]
 
     def sure_of(one: Contender) -> Contender:
@@ -89,15 +89,15 @@ def _beside_it(
     if found is None:
         return change, sure
     other, worth = found
-    moved = refined(change.setup, still, (*chosen, other), change.trial)
+    moved = refined(change.problem, still, (*chosen, other), change.trial)
     worlds = [(change, sure)]
     if moved.effect.parameter != change.effect.parameter:
         worlds.append((moved, evidence_anew(moved, chosen)))
     best, most = change, sure
     for one, alone in worlds:
         if alone + worth > CONVINCING:
-            after = joined(one.setup, chosen, one.chosen)
-            added = confirmed(one.setup, after, other, other.candidate.price)
+            after = joined(one.problem, chosen, one.chosen)
+            added = confirmed(one.problem, after, other, other.candidate.price)
             if added > CONVINCING and alone + added > most:
                 best, most = one, alone + added
     return best, most
@@ -110,15 +110,15 @@ def _best_beside(
     trials: Sequence[CandidateFit],
 ) -> tuple[Chosen, float] | None:
     """Return the lasting effect that shows best beside a change, and its evidence there."""
-    setup, after = change.setup, joined(change.setup, chosen, change.chosen)
+    problem, after = change.problem, joined(change.problem, chosen, change.chosen)
     lasting = [
         one.candidate
         for one in trials
         if one.candidate.effect.physical
         and one.scope == "all"
-        and not confounded(setup, one.candidate.effect)
+        and not confounded(problem, one.candidate.effect)
     ]
     if not lasting:
         return None
-    best, worth = best_shown(setup, still, after, lasting)
+    best, worth = best_shown(problem, still, after, lasting)
     return (Chosen(best, "all"), worth) if worth > CONVINCING else None

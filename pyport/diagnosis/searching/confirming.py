@@ -21,7 +21,7 @@ from pyport.thresholds import CONVINCING
 
 
 def _noise_alike(
-    setup: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen], *, departing: bool = True
+    problem: Problem, chosen: Sequence[Chosen], like: Sequence[Chosen], *, departing: bool = True
 ) -> Covariance:
     """Estimate the noise beside some effects, outliers and tails as beside others.
 
@@ -29,21 +29,21 @@ def _noise_alike(
     must do together what departures would.
     """
     key = (departing, *key_of(like, searching=False), *key_of(chosen, searching=False))
-    if key not in setup.known:
-        design = setup.expanded([*setup.base, *in_order(chosen)])
-        frame = setup.frame if departing else replace(setup.frame, departures=())
-        known = noise(setup, like, searching=False)
+    if key not in problem.known:
+        design = problem.expanded([*problem.base, *in_order(chosen)])
+        frame = problem.frame if departing else replace(problem.frame, departures=())
+        known = noise(problem, like, searching=False)
         # What an effect leaves behind passes from departures to drift and back.
         turns = TURNS if departing and len(chosen) < len(like) else 1
         found = estimate(
-            setup.residual, design, frame, like=known, averaged=not departing, turns=turns
+            problem.residual, design, frame, like=known, averaged=not departing, turns=turns
         )
-        setup.known[key] = (*like, *chosen), found
-    return setup.known[key][1]
+        problem.known[key] = (*like, *chosen), found
+    return problem.known[key][1]
 
 
 @stage("confirming")
-def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: float) -> float:
+def confirmed(problem: Problem, others: Sequence[Chosen], one: Chosen, price: float) -> float:
     """Return twice the log of how much likelier the data are with an effect than without.
 
     The coefficients of the effect come from one normal of the best width, those of everything
@@ -54,60 +54,60 @@ def confirmed(setup: Problem, others: Sequence[Chosen], one: Chosen, price: floa
 
     Parameters
     ----------
-    setup
+    problem
         The case.
     others, one
         What else is fitted, and the effect.
     price
         What its choice among its family costs.
     """
-    paid = price + among(setup, one.candidate.effect)
-    found = _gained(setup, others, one, like=(*others, one)) - paid
-    if found > CONVINCING and not confounded(setup, one.candidate.effect):
-        found = (found + _gained(setup, others, one, like=others) - paid) / 2
+    paid = price + among(problem, one.candidate.effect)
+    found = _gained(problem, others, one, like=(*others, one)) - paid
+    if found > CONVINCING and not confounded(problem, one.candidate.effect):
+        found = (found + _gained(problem, others, one, like=others) - paid) / 2
     return found
 
 
 def _gained(
-    setup: Problem, others: Sequence[Chosen], one: Chosen, *, like: Sequence[Chosen]
+    problem: Problem, others: Sequence[Chosen], one: Chosen, *, like: Sequence[Chosen]
 ) -> float:
     """Return twice the log of how much likelier the data are, outliers and tails as beside some."""
-    model = setup.expanded((*setup.base, *others))
-    own = setup.expanded([one])
-    value, after = setup.residual, (*others, one)
+    model = problem.expanded((*problem.base, *others))
+    own = problem.expanded([one])
+    value, after = problem.residual, (*others, one)
     noises = [
-        noise(setup, like, searching=False),
-        *side_by_side(lambda chosen: _noise_alike(setup, chosen, like), (after, others)),
+        noise(problem, like, searching=False),
+        *side_by_side(lambda chosen: _noise_alike(problem, chosen, like), (after, others)),
     ]
     if noises[-1].departures:
         # What walks on from night to night may have been taken for nights that depart.
-        noises.append(_noise_alike(setup, others, like, departing=False))
+        noises.append(_noise_alike(problem, others, like, departing=False))
     # Either world has the likeliest of them: what one estimate misses is no evidence.
-    known = setup.precision([one])
+    known = problem.precision([one])
     found = [_lack(covariance, model, own, value, known) for covariance in noises]
     without = min(lack for lack, _ in found)
     with_it = min(lack - gained for lack, gained in found)
     return without - with_it
 
 
-def likeliest(setup: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
+def likeliest(problem: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
     """Return the member of a family that makes the data likeliest, each beside its own noise."""
-    return max(members, key=lambda one: worth_beside_own(setup, others, one))
+    return max(members, key=lambda one: worth_beside_own(problem, others, one))
 
 
-def worth_beside_own(setup: Problem, others: Sequence[Chosen], one: Chosen) -> float:
+def worth_beside_own(problem: Problem, others: Sequence[Chosen], one: Chosen) -> float:
     """Return twice the log of how likely an effect makes the data beside the noise it leaves.
 
     Up to a constant, its price paid; `others` is what else is fitted.
     """
-    whole = noise(setup, (*others, one), searching=False)
-    model = setup.expanded((*setup.base, *others))
-    own, known = setup.expanded([one]), setup.precision([one])
-    lack, gained = _lack(whole, model, own, setup.residual, known)
+    whole = noise(problem, (*others, one), searching=False)
+    model = problem.expanded((*problem.base, *others))
+    own, known = problem.expanded([one]), problem.precision([one])
+    lack, gained = _lack(whole, model, own, problem.residual, known)
     return gained - lack - one.candidate.price
 
 
-def among(setup: Problem, own: Effect) -> float:
+def among(problem: Problem, own: Effect) -> float:
     """Return what it costs that an effect is one of many.
 
     Changes with time are among each other, a source's place is among them too, and all else is
@@ -115,8 +115,8 @@ def among(setup: Problem, own: Effect) -> float:
     """
     alike = [
         effect
-        for effect in setup.named
-        if confounded(setup, effect) == confounded(setup, own)
+        for effect in problem.named
+        if confounded(problem, effect) == confounded(problem, own)
         and (own.belongs_to or not effect.belongs_to)
     ]
     return 2 * float(np.log(max(len(alike), 1)))

@@ -30,7 +30,7 @@ class Contender:
     """
 
     trial: CandidateFit
-    setup: Problem
+    problem: Problem
     chosen: Chosen
     price: float
     beside: Projection | None = None
@@ -44,11 +44,11 @@ class Contender:
 
 
 def refined(
-    setup: Problem, covariance: Covariance, chosen: tuple[Chosen, ...], trial: CandidateFit
+    problem: Problem, covariance: Covariance, chosen: tuple[Chosen, ...], trial: CandidateFit
 ) -> Contender:
     """Return a trial with its moment or edge moved to where it fits best."""
     plain = Chosen(trial.candidate, trial.scope)
-    wider, new, more, price = refine(setup, covariance, chosen, plain)
+    wider, new, more, price = refine(problem, covariance, chosen, plain)
     added = trial.gain * (more - 1)
     better = replace(
         trial,
@@ -59,14 +59,14 @@ def refined(
     return Contender(better, wider, new, price + new.candidate.price)
 
 
-def waves_of(setup: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> list[Contender]:
+def waves_of(problem: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -> list[Contender]:
     """Return the wave that is proposed, with its columns.
 
     None if the noise can do it as well, or if it has no period of its own.
     """
     if one is None:
         return []
-    wider, price = oscillations.widened(setup, one), one.candidate.price
+    wider, price = oscillations.widened(problem, one), one.candidate.price
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:
         return []
@@ -93,24 +93,24 @@ def evidence_anew(one: Contender, chosen: tuple[Chosen, ...]) -> float:
 
     In an array it is that of the turn, whose noise alone includes what antennas share.
     """
-    setup = one.setup
-    if setup.blocks.antennas >= ENOUGH_ANTENNAS:
-        return one.trial.evidence - one.trial.owed_to_scale - among(setup, one.effect)
-    others = joined(setup, chosen, one.chosen)[:-1]
-    return confirmed(setup, others, one.chosen, one.price)
+    problem = one.problem
+    if problem.blocks.antennas >= ENOUGH_ANTENNAS:
+        return one.trial.evidence - one.trial.owed_to_scale - among(problem, one.effect)
+    others = joined(problem, chosen, one.chosen)[:-1]
+    return confirmed(problem, others, one.chosen, one.price)
 
 
-def joined(setup: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
+def joined(problem: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[Chosen, ...]:
     """Add a choice; earlier ones whose every curve it can draw make way for it."""
-    columns = setup.picked(new.candidate.columns)
-    groups = setup.blocks.groups(new.scope)
+    columns = problem.picked(new.candidate.columns)
+    groups = problem.blocks.groups(new.scope)
     kept = []
     for one in chosen:
-        own = setup.picked(one.candidate.columns)
+        own = problem.picked(one.candidate.columns)
         left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
         inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
         # Blocks that share a coefficient of the new choice must share one of the old, too.
-        pairs = np.unique(np.stack([groups, setup.blocks.groups(one.scope)]), axis=1)
+        pairs = np.unique(np.stack([groups, problem.blocks.groups(one.scope)]), axis=1)
         if not (inside and len(np.unique(pairs[0])) == pairs.shape[1]):
             kept.append(one)
     return (*kept, new)

@@ -24,7 +24,7 @@ from pyport.thresholds import (
 )
 
 
-def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:
+def search(problem: Problem, tell: Callable[[str], None] = lambda _: None) -> Outcome:
     """Add effects to the model, the best first, while noise alone would not look like that.
 
     An effect is added only when it also predicts what the fit had not seen;
@@ -36,12 +36,12 @@ def search(setup: Problem, tell: Callable[[str], None] = lambda _: None) -> Outc
 
     Parameters
     ----------
-    setup
+    problem
         The case.
     tell
         Called with a line about each turn.
     """
-    start = Outcome(setup, (), (), weigh(setup), 1.0, ())
+    start = Outcome(problem, (), (), weigh(problem), 1.0, ())
     while True:
         outcome = _searched(start, tell)
         wrong = _wrong_sizes(outcome)
@@ -58,7 +58,7 @@ def resumed(outcome: Outcome, tell: Callable[[str], None]) -> Outcome:
 
     `outcome`, `tell`: what was settled, and what is called with a line about each turn.
     """
-    now = replace(outcome, weighed=weigh(outcome.setup, outcome.chosen))
+    now = replace(outcome, weighed=weigh(outcome.problem, outcome.chosen))
     return _standing(_walk(now, tell), tell)
 
 
@@ -87,22 +87,22 @@ def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
         out = now.chosen[weakest]
         tell(f"{out.candidate.effect.id}: the noise does as well")
         now = now.without(out)
-    return now if now is before else replace(now, weighed=weigh(now.setup, now.chosen))
+    return now if now is before else replace(now, weighed=weigh(now.problem, now.chosen))
 
 
 def _standing_of(now: Outcome, one: Chosen) -> float:
     """Return the evidence of a choice beside all others, the noise estimated anew."""
-    return confirmed(now.setup, now.others(one), one, now.step_of(one).price)
+    return confirmed(now.problem, now.others(one), one, now.step_of(one).price)
 
 
 def _wrong_sizes(outcome: Outcome) -> frozenset[str]:
     """Return the chosen effects of known size that do not have it, everything else fitted too."""
-    setup, chosen = outcome.setup, outcome.chosen
+    problem, chosen = outcome.problem, outcome.chosen
     found = set()
     for one in chosen:
         if all(c.expected is None for c in one.candidate.effect.coefficients):
             continue
-        trial = alone(setup, outcome.weighed, chosen, one)
+        trial = alone(problem, outcome.weighed, chosen, one)
         if trial is not None and not classes.fits_physics(trial):
             found.add(one.candidate.effect.id)
     return frozenset(found)
@@ -113,9 +113,9 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
     now = start
     first = start.p_value if start.steps else None
     while True:
-        setup, chosen, weighed = now.setup, now.chosen, now.weighed
-        beside = projection(setup, weighed, chosen)
-        trials = tuple(trials_of(setup, beside))
+        problem, chosen, weighed = now.problem, now.chosen, now.weighed
+        beside = projection(problem, weighed, chosen)
+        trials = tuple(trials_of(problem, beside))
         p_value = family_p_value(trials)
         first = p_value if first is None else first
         winner = None
@@ -123,7 +123,7 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
             strongest = max((step.winner.gain for step in now.steps), default=0.0)
             least = IMPERFECTION * strongest
             winner = winner_of(
-                setup,
+                problem,
                 weighed,
                 chosen,
                 trials,
@@ -133,18 +133,20 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
             )
         if winner is None:
             return replace(now, p_value=first, last=trials)
-        trial, setup, new = winner.trial, winner.setup, winner.chosen
+        trial, problem, new = winner.trial, winner.problem, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
         p_value = min(p_value, float(np.exp(-winner.sure / 2)))
         if not now.steps:
             first = min(first, p_value)
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
         if winner.beside is not None:
-            beside, trials = winner.beside, tuple(trials_of(setup, winner.beside))
+            beside, trials = winner.beside, tuple(trials_of(problem, winner.beside))
         # What a change competed with is what its name must be told from.
         trials = (*winner.rivals, *trials)
         step = Step(trial, new, trials, beside, p_value, winner.price)
-        then = _settled(replace(now, setup=setup), (*now.steps, step), joined(setup, chosen, new))
+        then = _settled(
+            replace(now, problem=problem), (*now.steps, step), joined(problem, chosen, new)
+        )
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
         now = _exchanged(then, tell)
@@ -152,10 +154,10 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
 
 def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) -> Outcome:
     """Weigh with what is chosen, without what that has made idle; only its turns are kept."""
-    weighed = weigh(now.setup, chosen)
-    kept = without_idle(now.setup, weighed, chosen)
+    weighed = weigh(now.problem, chosen)
+    kept = without_idle(now.problem, weighed, chosen)
     if len(kept) < len(chosen):
-        weighed = weigh(now.setup, kept)
+        weighed = weigh(now.problem, kept)
     steps = tuple(step for step in steps if any(step.chosen is one for one in kept))
     return replace(now, chosen=kept, steps=steps, weighed=weighed)
 
@@ -163,15 +165,15 @@ def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) 
 def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Exchange earlier choices for others that are better beside the latest one."""
     for one in now.chosen[:-1]:
-        own = alone(now.setup, now.weighed, now.chosen, one)
+        own = alone(now.problem, now.weighed, now.chosen, one)
         effect = one.candidate.effect
-        if own is None or not effect.physical or confounded(now.setup, effect):
+        if own is None or not effect.physical or confounded(now.problem, effect):
             continue
         others = now.others(one)
-        beside = projection(now.setup, now.weighed, others)
-        trials = tuple(trials_of(now.setup, beside))
+        beside = projection(now.problem, now.weighed, others)
+        trials = tuple(trials_of(now.problem, beside))
         better = winner_of(
-            now.setup,
+            now.problem,
             now.weighed,
             others,
             trials,
@@ -182,12 +184,12 @@ def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
         )
         if better is None or better.trial.candidate.effect.id == one.candidate.effect.id:
             continue
-        trial, setup, new = better.trial, better.setup, better.chosen
+        trial, problem, new = better.trial, better.problem, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
         old = now.step_of(one)
         step = Step(trial, new, trials, beside, old.p_value, better.price)
         now = _settled(
-            replace(now, setup=setup),
+            replace(now, problem=problem),
             tuple(step if each is old else each for each in now.steps),
             tuple(new if each is one else each for each in now.chosen),
         )

@@ -47,7 +47,7 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
     outcome = _of_moments(_of_families(outcome))
     dropped: list[Dropped] = []
     while True:
-        weighed = weigh(outcome.setup, outcome.chosen, searching=False)
+        weighed = weigh(outcome.problem, outcome.chosen, searching=False)
         outcome = replace(outcome, weighed=weighed)
         worst = _worst(outcome)
         if worst is None:
@@ -69,15 +69,15 @@ def _held_to_the_end(outcome: Outcome) -> Outcome:
 
 def _in_final_noise(outcome: Outcome, step: Step) -> Step:
     """Return a turn beside the final noise, as it was where something changes or was refined."""
-    setup, one = outcome.setup, step.chosen
+    problem, one = outcome.problem, step.chosen
     refined, effect = one.candidate is not step.winner.candidate, one.candidate.effect
-    if refined or not effect.physical or effect.changes_with or setup.blocks.antennas > 1:
+    if refined or not effect.physical or effect.changes_with or problem.blocks.antennas > 1:
         return step
-    beside = projection(setup, outcome.weighed, outcome.others(one))
+    beside = projection(problem, outcome.weighed, outcome.others(one))
     own = beside.trials([(one.candidate, one.scope)])
     if not own:
         return step
-    trials = tuple(trials_of(setup, beside))
+    trials = tuple(trials_of(problem, beside))
     return _with_driven_rivals(outcome, replace(step, winner=own[0], trials=trials, beside=beside))
 
 
@@ -87,12 +87,12 @@ def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:
     Conditions go slowly with time, and so does noise: what such a rival explains is a drift to
     the noise beside the winner.
     """
-    setup, best, others = outcome.setup, step.winner, outcome.others(step.chosen)
+    problem, best, others = outcome.problem, step.winner, outcome.others(step.chosen)
     driven = [
         one
         for one in step.trials
         if one.candidate.effect.driver is not None
-        and not confounded(setup, one.candidate.effect)
+        and not confounded(problem, one.candidate.effect)
         and one.scope == best.scope
         and best.evidence - OUT_OF_REACH < one.evidence < best.evidence - NOT_EXCLUDED
     ]
@@ -100,9 +100,9 @@ def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:
     tried = classes.distinct(step.beside, [best, *driven], MOST_NOISES)[1:]
     if not tried:
         return step
-    whole = worth_beside_own(setup, others, step.chosen)
+    whole = worth_beside_own(problem, others, step.chosen)
     behind = {
-        id(one): whole - worth_beside_own(setup, others, Chosen(one.candidate, one.scope))
+        id(one): whole - worth_beside_own(problem, others, Chosen(one.candidate, one.scope))
         for one in tried
     }
     trials = tuple(
@@ -118,12 +118,12 @@ def _of_families(outcome: Outcome) -> Outcome:
     The search holds all members against one noise, which may have grown to hold what the right
     one explains.
     """
-    setup = outcome.setup
+    problem = outcome.problem
     for one in outcome.chosen:
         step = outcome.step_of(one)
         if one.candidate is not step.winner.candidate or one.candidate.choices == 1:
             continue
-        if confounded(setup, one.candidate.effect) or is_short(one.candidate.effect):
+        if confounded(problem, one.candidate.effect) or is_short(one.candidate.effect):
             continue
         same = [
             each
@@ -136,7 +136,7 @@ def _of_families(outcome: Outcome) -> Outcome:
         same.sort(key=lambda each: -round(each.evidence, TIE))
         others = classes.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]
         members = [one, *(Chosen(each.candidate, each.scope) for each in others)]
-        best = likeliest(setup, outcome.others(one), members) if len(members) > 1 else one
+        best = likeliest(problem, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:
             winner = next(each for each in same if each.candidate is best.candidate)
             new = replace(step, winner=winner, chosen=best)
@@ -151,13 +151,13 @@ def _of_families(outcome: Outcome) -> Outcome:
 def _of_moments(outcome: Outcome) -> Outcome:
     """Choose the moments of steps anew where the readings next to them became outliers."""
     for one in outcome.chosen:
-        setup, moved = past_outliers(outcome.setup, outcome.weighed, one)
+        problem, moved = past_outliers(outcome.problem, outcome.weighed, one)
         if not moved:
             continue
-        best = likeliest(setup, outcome.others(one), [one, *moved])
+        best = likeliest(problem, outcome.others(one), [one, *moved])
         outcome = replace(
             outcome,
-            setup=setup,
+            problem=problem,
             chosen=tuple(best if each is one else each for each in outcome.chosen),
             steps=tuple(
                 replace(each, chosen=best) if each.chosen is one else each for each in outcome.steps
@@ -172,11 +172,11 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     Of several that do harm, or have no size, the one with the least evidence: the others may do it
     through it.
     """
-    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
+    problem, weighed, chosen = outcome.problem, outcome.weighed, outcome.chosen
     idle: list[tuple[Chosen, str]] = []
     for one in chosen:
-        partition = holdout.folds(setup, weighed, (one,))
-        found = unseen(setup, (weighed, weighed), outcome.others(one), chosen, partition)
+        partition = holdout.folds(problem, weighed, (one,))
+        found = unseen(problem, (weighed, weighed), outcome.others(one), chosen, partition)
         before, after = found.rms()
         if before - after <= PAYS * (found.fall_sigma(found.counted, FEWEST) or 0.0):
             by = 100 * abs(before - after) / max(before, 1e-300)
@@ -194,23 +194,23 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
 
 def _without_size(outcome: Outcome) -> list[tuple[Chosen, str]]:
     """Return the choices whose reported size may be zero."""
-    setup, chosen = outcome.setup, outcome.chosen
-    together = joint.fit(setup, outcome.weighed, chosen)
+    problem, chosen = outcome.problem, outcome.chosen
+    together = joint.fit(problem, outcome.weighed, chosen)
     return [
         (one, f"its size is within {SEEN:g} sigma of zero")
-        for n, one in enumerate(chosen, len(setup.base))
+        for n, one in enumerate(chosen, len(problem.base))
         if joint.distance(together, n) < SEEN
     ]
 
 
 def _harm_to_all(outcome: Outcome) -> Chosen | None:
     """Return the choice that all others do best without, where all do no better than the model."""
-    setup, weighed, chosen = outcome.setup, outcome.weighed, outcome.chosen
-    alone = weigh_model(setup, (), searching=False)
-    partition = holdout.folds(setup, weighed, chosen)
+    problem, weighed, chosen = outcome.problem, outcome.weighed, outcome.chosen
+    alone = weigh_model(problem, (), searching=False)
+    partition = holdout.folds(problem, weighed, chosen)
 
     def rms_with(some: tuple[Chosen, ...]) -> tuple[float, float]:
-        return unseen(setup, (alone, weighed), (), some, partition).rms()
+        return unseen(problem, (alone, weighed), (), some, partition).rms()
 
     before, after = rms_with(chosen)
     if after < before:

@@ -108,13 +108,13 @@ class Step:
 class Outcome:
     """The end of a search: what was chosen in which turn, and the evidence weighed with all of it.
 
-    `setup` is the case with the columns of what was refined added to it.
+    `problem` is the case with the columns of what was refined added to it.
     `p_value` is that of the first turn: is there any mismatch at all?
     `last` holds the trials of the turn that found nothing more.
     `banned` are effects of known size that came out with another one: they are not found again.
     """
 
-    setup: Problem
+    problem: Problem
     chosen: tuple[Chosen, ...]
     steps: tuple[Step, ...]
     weighed: WhitenedData

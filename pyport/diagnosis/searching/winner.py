@@ -27,15 +27,15 @@ from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
 
 
-def trials_of(setup: Problem, beside: Projection) -> list[CandidateFit]:
+def trials_of(problem: Problem, beside: Projection) -> list[CandidateFit]:
     """Try every effect and shape in every scope that has enough readings for it."""
-    most = len(setup.residual) // PER_SHAPE
+    most = len(problem.residual) // PER_SHAPE
     return beside.trials(
         [
             (candidate, scope)
-            for candidate in (*setup.candidates, *setup.shapes)
-            for scope in _scopes(candidate, setup.blocks)
-            if scope == "all" or len(candidate.columns) * setup.blocks.count(scope) <= most
+            for candidate in (*problem.candidates, *problem.shapes)
+            for scope in _scopes(candidate, problem.blocks)
+            if scope == "all" or len(candidate.columns) * problem.blocks.count(scope) <= most
         ]
     )
 
@@ -59,7 +59,7 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
 
 
 def winner_of(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
@@ -76,10 +76,10 @@ def winner_of(
     changes with time is looked for unless no `changes` are. One that promises less than a lasting
     effect gains waits until that effect has failed.
     """
-    turn = (setup, weighed, chosen, trials, banned)
+    turn = (problem, weighed, chosen, trials, banned)
     lasting = lasting_effects(*turn, least, beside)
     if changes:
-        lasting += _of_drives(setup, weighed, chosen, least, banned)
+        lasting += _of_drives(problem, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     # Noise is estimated anew, which takes long, only for what can stand.
     lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
@@ -108,10 +108,10 @@ def _first(
             if anew > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
-        if confounded(one.setup, one.effect):
+        if confounded(one.problem, one.effect):
             return replace(one, rivals=tuple(each.trial for each in moved if each is not one))
-        after = joined(one.setup, chosen, one.chosen)
-        if not predicts(one.setup, weighed, chosen, after, one.trial.gain):
+        after = joined(one.problem, chosen, one.chosen)
+        if not predicts(one.problem, weighed, chosen, after, one.trial.gain):
             continue
         if not moved:
             one = replace(one, sure=evidence_anew(one, chosen))  # noqa: PLW2901 - it, looked at
@@ -131,7 +131,7 @@ def _rank(one: Contender) -> float:
 
 
 def _changes(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
@@ -139,28 +139,28 @@ def _changes(
     above: float,
 ) -> list[Contender]:
     """Return the changes with time that are more than the noise can do."""
-    found = confirmed_changes(setup, weighed.covariance, chosen, trials, banned, above)
+    found = confirmed_changes(problem, weighed.covariance, chosen, trials, banned, above)
     return [one for one in found if one.trial.evidence > CONVINCING]
 
 
 def _of_drives(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     least: float,
     banned: Collection[str],
 ) -> list[Contender]:
     """Return the short wave of a drive that is proposed, if any and worth more than the least."""
-    one = drive_waves.proposed(setup, weighed.covariance, chosen)
+    one = drive_waves.proposed(problem, weighed.covariance, chosen)
     return [
         each
-        for each in waves_of(setup, chosen, one)
+        for each in waves_of(problem, chosen, one)
         if each.trial.evidence > least and each.effect.id not in banned
     ]
 
 
 def lasting_effects(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
@@ -174,14 +174,14 @@ def lasting_effects(
     """
     found = []
     moved: set[str] = set()
-    several = _worth(setup, trials, least, banned)
+    several = _worth(problem, trials, least, banned)
     for trial in several:
-        one = Contender(trial, setup, Chosen(trial.candidate, trial.scope), trial.candidate.price)
+        one = Contender(trial, problem, Chosen(trial.candidate, trial.scope), trial.candidate.price)
         if trial.candidate.effect.id not in moved:
             moved.add(trial.candidate.effect.id)
-            one = refined(setup, weighed.covariance, chosen, trial)
+            one = refined(problem, weighed.covariance, chosen, trial)
         # In an array each pays for itself: its odds are those of the turn.
-        shared = together(trial, several) if setup.blocks.antennas == 1 else 0.0
+        shared = together(trial, several) if problem.blocks.antennas == 1 else 0.0
         if one.trial.evidence > least:
             found.append(replace(one, price=one.price - shared))
     found.sort(key=_rank)
@@ -204,7 +204,7 @@ def together(trial: CandidateFit, several: Sequence[CandidateFit]) -> float:
 
 
 def _worth(
-    setup: Problem, trials: Sequence[CandidateFit], least: float, banned: Collection[str]
+    problem: Problem, trials: Sequence[CandidateFit], least: float, banned: Collection[str]
 ) -> list[CandidateFit]:
     """Return the named trials that are worth a closer look, the best first.
 
@@ -215,7 +215,7 @@ def _worth(
         t
         for t in trials
         if t.candidate.effect.physical
-        and not confounded(setup, t.candidate.effect)
+        and not confounded(problem, t.candidate.effect)
         and t.evidence > least
         and t.candidate.effect.id not in banned
     ]
@@ -229,7 +229,7 @@ def _worth(
 
 
 def predicts(
-    setup: Problem,
+    problem: Problem,
     weighed: WhitenedData,
     before: tuple[Chosen, ...],
     after: tuple[Chosen, ...],
@@ -239,27 +239,27 @@ def predicts(
 
     Predictions count only so far off: no effect can gain more there than all there was.
     """
-    partition = folds(setup, weighed, after)
-    was, now = (unseen_misfit(setup, weighed, one, partition) for one in (before, after))
+    partition = folds(problem, weighed, after)
+    was, now = (unseen_misfit(problem, weighed, one, partition) for one in (before, after))
     return was - now > UNSEEN_SHARE * min(gain, was)
 
 
 def alone(
-    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], one: Chosen
+    problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...], one: Chosen
 ) -> CandidateFit | None:
     """Return the trial of a choice beside all the others; None where they can draw all of it."""
-    others = [setup.part(each) for each in (*setup.base, *chosen) if each is not one]
+    others = [problem.part(each) for each in (*problem.base, *chosen) if each is not one]
     beside = weighed.evidence.beside(others, only=one.candidate.columns)
     trials = beside.trials([(one.candidate, one.scope)])
     return trials[0] if trials else None
 
 
 def without_idle(
-    setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]
+    problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]
 ) -> tuple[Chosen, ...]:
     """Drop choices that the others have made idle, the idlest first."""
     while len(chosen) > 1:
-        trials = [alone(setup, weighed, chosen, one) for one in chosen]
+        trials = [alone(problem, weighed, chosen, one) for one in chosen]
         worth = [-np.inf if trial is None else trial.evidence for trial in trials]
         idle = int(np.argmin(worth))
         if worth[idle] > 0:

@@ -80,28 +80,35 @@ class Field:
         return self.values[:, list(self.which)] * (self.is_y[:, None] == np.array(self.axes, bool))
 
 
-def families(setup: Problem) -> Iterator[tuple[int, Field]]:
+def families(problem: Problem) -> Iterator[tuple[int, Field]]:
     """Yield every field that these recordings could show, as if both axes measured it alike.
 
     With each comes how many there are of its kind.
     """
     sky = [
-        _field(setup, "a smooth field over the sky", f"{w / DEG:.0f} deg wide", "sky", width_rad=w)
+        _field(
+            problem, "a smooth field over the sky", f"{w / DEG:.0f} deg wide", "sky", width_rad=w
+        )
         for w in OVER_SKY
     ]
     waves = [
-        _field(setup, "a wave over the sky", _wave_name(m, n), "wave", around=m, upward=n)
+        _field(problem, "a wave over the sky", _wave_name(m, n), "wave", around=m, upward=n)
         for m in WAVES_AROUND
         for n in WAVES_UPWARD
     ]
-    curves = [*_curves(setup), *_about_the_sun(setup), *_after_slews(setup), *_in_time(setup)]
+    curves = [
+        *_curves(problem),
+        *_about_the_sun(problem),
+        *_after_slews(problem),
+        *_in_time(problem),
+    ]
     for kind in (sky, waves, curves):
         for one in kind:
             yield len(kind), one
 
 
 def _field(
-    setup: Problem,
+    problem: Problem,
     family: str,
     variant: str,
     kind: str,
@@ -112,9 +119,9 @@ def _field(
 ) -> Field:
     """Return a field with its bumps at the readings."""
     bumps = {"kind": kind, **numbers_of}
-    values = fields.values(bumps, setup.recordings.at)[setup.stack.row]
+    values = fields.values(bumps, problem.recordings.at)[problem.stack.row]
     return Field(
-        family, variant, values, setup.stack.is_y, along=along, of_time=of_time, bumps=bumps
+        family, variant, values, problem.stack.is_y, along=along, of_time=of_time, bumps=bumps
     )
 
 
@@ -122,45 +129,47 @@ def _wave_name(m: int, n: int) -> str:
     return f"goes with {m} A" + (f" and {n} E" if n else "")
 
 
-def _curves(setup: Problem) -> Iterator[Field]:
+def _curves(problem: Problem) -> Iterator[Field]:
     """Yield bumps along azimuth, elevation, the angles of other axes and every column of numbers.
 
     A circle of azimuth is counted from north, other first axes from minus half a turn.
     """
-    at, row = setup.recordings.at, setup.stack.row
-    yield from _angles(setup, at, ("az_deg", at.az % (2 * np.pi)), "el_deg")
+    at, row = problem.recordings.at, problem.stack.row
+    yield from _angles(problem, at, ("az_deg", at.az % (2 * np.pi)), "el_deg")
     if (mount := at.mount) is not ALTAZ:
         first = (at.axes.az + np.pi) % (2 * np.pi) - np.pi
         names = f"{mount.first.column}_deg", f"{mount.second.column}_deg"
-        yield from _angles(setup, at.axes, (names[0], first), names[1], in_axes=True)
-    for name, values in numbers(setup.recordings).items():
+        yield from _angles(problem, at.axes, (names[0], first), names[1], in_axes=True)
+    for name, values in numbers(problem.recordings).items():
         if name not in ("az_deg", "el_deg", "time", "order"):
             ordered = np.sort(values[np.isfinite(values)]).tolist()
             along = name, values[row]
-            yield _curve(setup, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+            yield _curve(problem, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
 
 
 def _angles(
-    setup: Problem,
+    problem: Problem,
     at: Circumstances,
     first: tuple[str, Array],
     second: str,
     **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
 ) -> Iterator[Field]:
     """Yield bumps along two angles, what the first is called and counted as, and the second's."""
-    row = setup.stack.row
+    row = problem.stack.row
     for width in ALONG_AZIMUTH:
         along = first[0], first[1][row] / DEG
-        yield _curve(setup, "azimuth", along, width_rad=width, **numbers_of)
+        yield _curve(problem, "azimuth", along, width_rad=width, **numbers_of)
     for width in ALONG_ELEVATION:
         centres = np.arange(at.el[row].min(), at.el[row].max() + width, width).tolist()
         along = second, at.el[row] / DEG
-        yield _curve(setup, "elevation", along, width_rad=width, centres_rad=centres, **numbers_of)
+        yield _curve(
+            problem, "elevation", along, width_rad=width, centres_rad=centres, **numbers_of
+        )
 
 
-def _after_slews(setup: Problem) -> Iterator[Field]:
+def _after_slews(problem: Problem) -> Iterator[Field]:
     """Yield bumps along how far the last slew went, where the moments of recordings are known."""
-    at = setup.recordings.at
+    at = problem.recordings.at
     if "time" not in at or not np.isfinite(at.numbers("time")).all():
         return
     for name, went in zip(("az_deg", "el_deg"), fields.last_slew(at), strict=True):
@@ -168,28 +177,28 @@ def _after_slews(setup: Problem) -> Iterator[Field]:
         if len(set(known)) > ALONG_COLUMN:
             how = f"follows the last slew in {name.removesuffix('_deg')}"
             told = {"name": name, "count": ALONG_COLUMN, "values": known}
-            yield _field(setup, "a smooth curve", how, "slew", **told)
+            yield _field(problem, "a smooth curve", how, "slew", **told)
 
 
-def _about_the_sun(setup: Problem) -> Iterator[Field]:
+def _about_the_sun(problem: Problem) -> Iterator[Field]:
     """Yield bumps along the distance from the Sun, where its place is recorded or can be known."""
     try:
-        away = fields.from_sun(setup.recordings.at)
+        away = fields.from_sun(problem.recordings.at)
     except MissingColumn:
         return
     known = np.sort(away[np.isfinite(away)]).tolist()
     if len(set(known)) > ALONG_COLUMN:
-        along = "sun_distance_deg", away[setup.stack.row] / DEG
-        yield _curve(setup, "sun", along, count=ALONG_COLUMN, values=known)
+        along = "sun_distance_deg", away[problem.stack.row] / DEG
+        yield _curve(problem, "sun", along, count=ALONG_COLUMN, values=known)
 
 
-def _curve(setup: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
-    return _field(setup, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
+def _curve(problem: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
+    return _field(problem, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
 
 
-def _in_time(setup: Problem) -> Iterator[Field]:
+def _in_time(problem: Problem) -> Iterator[Field]:
     """Yield bumps in time, where there are recordings."""
-    at, row = setup.recordings.at, setup.stack.row
+    at, row = problem.recordings.at, problem.stack.row
     if "time" not in at or not np.isfinite(at.numbers("time")).all():
         return
     time = at.numbers("time")[row]
@@ -198,7 +207,7 @@ def _in_time(setup: Problem) -> Iterator[Field]:
         if 3 <= len(centres) <= MOST_BUMPS:
             how = f"follows time, over {length / 3600:.0f} h"
             told = {"length_s": length, "centres_s": centres.tolist()}
-            yield _field(setup, "a smooth curve", how, "time", of_time=True, **told)
+            yield _field(problem, "a smooth curve", how, "time", of_time=True, **told)
 
 
 #: Cells that the sky is cut into: of equal width around, of equal counts upward.
@@ -211,14 +220,14 @@ _FIRST, _HALVED = 6 * DEG, 6
 Edges = tuple[float, float, float, float]
 
 
-def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
+def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
     """Return the box of each axis whose offset explains most of what a model leaves."""
-    seen = plain_view(setup, weighed.covariance, chosen)
-    at, row = setup.recordings.at, setup.stack.row
+    seen = plain_view(problem, weighed.covariance, chosen)
+    at, row = problem.recordings.at, problem.stack.row
     az, el = at.az % (2 * np.pi), at.el
     found = []
     for axis, is_y in (("xel", False), ("el", True)):
-        of_axis = setup.stack.is_y[seen.rows] == is_y
+        of_axis = problem.stack.is_y[seen.rows] == is_y
         if of_axis.sum() < 4 * FEWEST:
             continue
         rows = row[seen.rows[of_axis]]
@@ -242,7 +251,7 @@ def boxes(setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> 
                 "an offset",
                 words,
                 there[:, None].astype(float),
-                setup.stack.is_y,
+                problem.stack.is_y,
                 tried,
                 region=region,
                 bumps=bumps,

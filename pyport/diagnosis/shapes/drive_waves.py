@@ -58,26 +58,28 @@ class Way:
         return self.effect.make(k=turns)
 
 
-def angles_of(setup: Problem, effect: Effect) -> Array:
+def angles_of(problem: Problem, effect: Effect) -> Array:
     """Return the angle that a wave follows, of each reading [deg], shape (m,)."""
-    at = setup.recordings.at.axes
+    at = problem.recordings.at.axes
     second, _ = FAMILIES[effect.on_altaz]
-    return (at.el if second else at.az)[setup.stack.row] / DEG
+    return (at.el if second else at.az)[problem.stack.row] / DEG
 
 
-def ways_of(setup: Problem) -> Iterator[Way]:
+def ways_of(problem: Problem) -> Iterator[Way]:
     """Yield the families whose short waves could be seen."""
-    if setup.blocks.antennas > 1:
+    if problem.blocks.antennas > 1:
         return
-    families = {one.id for one in setup.named}
-    at, row = setup.recordings.at, setup.stack.row
+    families = {one.id for one in problem.named}
+    at, row = problem.recordings.at, problem.stack.row
     for effect in catalogue(at.mount).values():
         if effect.id not in families or effect.on_altaz not in FAMILIES:
             continue
         _, along = FAMILIES[effect.on_altaz]
         side = np.broadcast_to(at.side, len(at))[row]
-        sign = side * (setup.stack.is_y if along else ~setup.stack.is_y * np.cos(at.axes.el[row]))
-        angle = angles_of(setup, effect)
+        sign = side * (
+            problem.stack.is_y if along else ~problem.stack.is_y * np.cos(at.axes.el[row])
+        )
+        angle = angles_of(problem, effect)
         seen = abs(sign) > 0
         if np.count_nonzero(seen) < ENOUGH_SQUARES:
             continue
@@ -91,7 +93,7 @@ def ways_of(setup: Problem) -> Iterator[Way]:
         scan = Scan(
             angle - begin,
             whole,
-            setup.stack.is_y.astype(np.intp),
+            problem.stack.is_y.astype(np.intp),
             sign,
             np.zeros(1),
             np.array([length]),
@@ -141,13 +143,13 @@ def _peak(scan: Scan, view: View) -> Peak:
 
 
 @stage("looking for periods")
-def proposed(setup: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
+def proposed(problem: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
     """Return the short wave of a drive that is worth a confirmation, if any.
 
     The case that it belongs to is `widened` by it.
     """
-    ways = list(ways_of(setup))
-    peaks = [_peak(way.scan, view_of(setup, way.scan, noise, chosen)) for way in ways]
+    ways = list(ways_of(problem))
+    peaks = [_peak(way.scan, view_of(problem, way.scan, noise, chosen)) for way in ways]
     found = [
         (peak.worth, peak, way)
         for peak, way in zip(peaks, ways, strict=True)
@@ -158,39 +160,39 @@ def proposed(setup: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Cho
     worth, peak, way = max(found, key=lambda one: one[0])
     if worth - 2 * float(np.log(len(ways))) <= CONVINCING:
         return None
-    effect = _refined(setup, noise, chosen, way, peak)[0]
-    return of_period(setup, effect, peak.choices * len(ways))
+    effect = _refined(problem, noise, chosen, way, peak)[0]
+    return of_period(problem, effect, peak.choices * len(ways))
 
 
-def again(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
+def again(problem: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
     """Return a wave of the same family with the period that readings of weight prefer."""
-    way = way_of(setup, one)
-    peak = _peak(way.scan, view_of(setup, way.scan, noise, others))
+    way = way_of(problem, one)
+    peak = _peak(way.scan, view_of(problem, way.scan, noise, others))
     if peak.period > way.scan.longest:
         return one
-    return _refined(setup, noise, others, way, peak)[0]
+    return _refined(problem, noise, others, way, peak)[0]
 
 
-def sigma_of(setup: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> float:
+def sigma_of(problem: Problem, noise: Covariance, others: Sequence[Chosen], one: Effect) -> float:
     """Return the error of how often a wave comes in a turn."""
     near = Peak(360 / float(one.member["k"]), 0.0, 1.0)
-    return _refined(setup, noise, others, way_of(setup, one), near)[1]
+    return _refined(problem, noise, others, way_of(problem, one), near)[1]
 
 
-def way_of(setup: Problem, one: Effect) -> Way:
+def way_of(problem: Problem, one: Effect) -> Way:
     """Return the family of a wave that was found, with the readings."""
-    return next(each for each in ways_of(setup) if each.effect.id == one.id)
+    return next(each for each in ways_of(problem) if each.effect.id == one.id)
 
 
 def _refined(
-    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way, peak: Peak
+    problem: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way, peak: Peak
 ) -> tuple[Effect, float]:
     """Return the likeliest wave near a peak, and the error of how often it comes in a turn.
 
     What sits on the axis comes a whole number of times: such a number stands unless another is
     better by far.
     """
-    fit, turns = _beside(setup, noise, chosen, way), 360 / peak.period
+    fit, turns = _beside(problem, noise, chosen, way), 360 / peak.period
     width = 360 / (OVERSAMPLED * float(way.scan.length[0]))
     best, sigma, worth = top(lambda k: fit.fit(k)[0], turns + width * np.linspace(-1, 1, NEAR))
     whole = round(best)
@@ -203,7 +205,7 @@ def _refined(
 class _Fit:
     """Waves of a family beside a model and a noise: its directions, and the data without them."""
 
-    setup: Problem
+    problem: Problem
     noise: Covariance
     way: Way
     basis: Array
@@ -211,15 +213,15 @@ class _Fit:
 
     def fit(self, turns: float) -> tuple[float, float]:
         """Return the evidence of a wave that comes so often in a turn, and its best variance."""
-        columns = self.setup.stack.columns(self.way.member(turns), self.setup.recordings.at)
+        columns = self.problem.stack.columns(self.way.member(turns), self.problem.recordings.at)
         white = self.noise.whiten(columns)
         rest = white - self.basis @ (self.basis.T @ white)
         power, vectors = np.linalg.eigh(rest.T @ rest)
         return at_best(np.maximum(power, 0.0), vectors.T @ (rest.T @ self.left))
 
 
-def _beside(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way) -> _Fit:
-    model = setup.expanded((*setup.base, *chosen))
-    white = noise.whiten(np.concatenate([model, setup.residual[:, None]], axis=1))
+def _beside(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way) -> _Fit:
+    model = problem.expanded((*problem.base, *chosen))
+    white = noise.whiten(np.concatenate([model, problem.residual[:, None]], axis=1))
     _, basis, left = beside_model(noise, white[:, :-1], white[:, -1])
-    return _Fit(setup, noise, way, basis, left)
+    return _Fit(problem, noise, way, basis, left)

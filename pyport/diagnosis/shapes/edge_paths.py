@@ -115,34 +115,34 @@ def averaged(outcome: Outcome) -> Outcome:
     for chosen in outcome.chosen:
         effect = chosen.candidate.effect
         edge = effect.edge
-        if isinstance(edge, FreeEdge) and _of_second(outcome.setup, effect):
+        if isinstance(edge, FreeEdge) and _of_second(outcome.problem, effect):
             outcome = _with_middle_edge(outcome, chosen, edge)
     return outcome
 
 
-def _of_second(setup: Problem, effect: Effect) -> bool:
+def _of_second(problem: Problem, effect: Effect) -> bool:
     """Tell whether a jump moves the second axis alone, by as much in every reading."""
-    return np.array_equal(whole(setup, effect), setup.stack.is_y)
+    return np.array_equal(whole(problem, effect), problem.stack.is_y)
 
 
 def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     found = _drawn(outcome, old, edge)
     if found is None:
         return outcome
-    setup = outcome.setup
-    columns = np.where(setup.stack.is_y, found.above, 0.0)[:, None]
+    problem = outcome.problem
+    columns = np.where(problem.stack.is_y, found.above, 0.0)[:, None]
     candidate = replace(
         old.candidate,
         effect=_jump(old.candidate.effect, found),
-        columns=np.array([setup.size]),
+        columns=np.array([problem.size]),
     )
-    setup = setup.with_columns(columns)
+    problem = problem.with_columns(columns)
     new = Chosen(candidate, old.scope, found.spread)
     chosen = tuple(new if one is old else one for one in outcome.chosen)
     steps = tuple(replace(one, chosen=new) if one.chosen is old else one for one in outcome.steps)
     # The noise is that of the edge which fitted best; readings beside it are judged anew.
-    weighed = weigh_alike(setup, chosen, outcome.weighed.covariance)
-    return replace(outcome, setup=setup, chosen=chosen, steps=steps, weighed=weighed)
+    weighed = weigh_alike(problem, chosen, outcome.weighed.covariance)
+    return replace(outcome, problem=problem, chosen=chosen, steps=steps, weighed=weighed)
 
 
 def _jump(old: Effect, found: _Drawn) -> Effect:
@@ -174,12 +174,12 @@ class _Drawn:
 
 def _drawn(outcome: Outcome, old: Chosen, edge: FreeEdge) -> _Drawn | None:
     """Draw edges; None where one side of them all but empties."""
-    setup = outcome.setup
-    at, row = angles_of(setup, old.candidate.effect), setup.stack.row
+    problem = outcome.problem
+    at, row = angles_of(problem, old.candidate.effect), problem.stack.row
     levels = levels_of(at, old.candidate.effect)
-    sky = sky_of(at.az[row], at.el[row], setup.stack.is_y, COLUMN, levels)
+    sky = sky_of(at.az[row], at.el[row], problem.stack.is_y, COLUMN, levels)
     tracks, fixed = _taken_apart(outcome, old, sky)
-    rng = np.random.default_rng(setup.seed)
+    rng = np.random.default_rng(problem.seed)
     path = sky.path_of(edge)
     good = [np.ones(len(track.data), bool) for track in tracks]
     paths, jumps = [], []
@@ -218,12 +218,12 @@ def _soft(sky: Sky, paths: Codes) -> SoftEdge:
 
 def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track], Array]:
     """Return the tracks in elevation, and the products of all that no edge touches."""
-    setup, weighed = outcome.setup, outcome.weighed
-    others = [one for one in (*setup.base, *outcome.chosen) if one is not old]
-    data = np.column_stack([setup.expanded(others), setup.residual])
+    problem, weighed = outcome.problem, outcome.weighed
+    others = [one for one in (*problem.base, *outcome.chosen) if one is not old]
+    data = np.column_stack([problem.expanded(others), problem.residual])
     white = weighed.covariance.whiten(data)
     tracks = []
-    for part, noise in zip(setup.parts, weighed.noises, strict=True):
+    for part, noise in zip(problem.parts, weighed.noises, strict=True):
         if part.is_y:
             first = part.first
             white[weighed.covariance.means.start + first] = 0.0

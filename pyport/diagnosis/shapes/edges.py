@@ -29,15 +29,15 @@ CLIMB = 0.7
 ROUNDS = 12
 
 
-def edges_of(setup: Problem, view: View, effect: Effect) -> list[tuple[Effect, float]]:
+def edges_of(problem: Problem, view: View, effect: Effect) -> list[tuple[Effect, float]]:
     """Return the step across the curve that fits best, and how many numbers the curve has.
 
     The curve waves once and twice with azimuth; its five numbers are moved one
     after the other by steps that halve, since the gain is no smooth function of them.
     """
-    at, row = angles_of(setup, effect), setup.stack.row[view.rows]
+    at, row = angles_of(problem, effect), problem.stack.row[view.rows]
     az, el = at.az[row], at.el[row]
-    size = whole(setup, effect)[view.rows]
+    size = whole(problem, effect)[view.rows]
     moved = size != 0
     wave = np.stack([np.ones(len(az)), np.cos(az), np.sin(az), np.cos(2 * az), np.sin(2 * az)])
 
@@ -74,9 +74,9 @@ def edges_of(setup: Problem, view: View, effect: Effect) -> list[tuple[Effect, f
     return [*found, (jump, float(of_number) * numbers)]
 
 
-def angles_of(setup: Problem, effect: Effect) -> Circumstances:
+def angles_of(problem: Problem, effect: Effect) -> Circumstances:
     """Return the circumstances whose `az` and `el` an edge is a curve in."""
-    at = setup.recordings.at
+    at = problem.recordings.at
     return at.axes if effect.acts_in == AXES else at
 
 
@@ -87,10 +87,10 @@ def levels_of(at: Circumstances, effect: Effect) -> Array:
     return np.arange(np.floor(at.el.min() / DEG), np.ceil(at.el.max() / DEG) + 1)
 
 
-def whole(setup: Problem, effect: Effect) -> Array:
+def whole(problem: Problem, effect: Effect) -> Array:
     """Return what a jump of one is in each reading when all are above its edge, shape (m,)."""
-    at = replace(setup.recordings.at, fine=None)
-    return setup.stack.columns(elsewhere(effect, above_el_rad=-np.inf), at)[:, 0]
+    at = replace(problem.recordings.at, fine=None)
+    return problem.stack.columns(elsewhere(effect, above_el_rad=-np.inf), at)[:, 0]
 
 
 @dataclass(frozen=True)
@@ -266,12 +266,12 @@ def _start(effect: Effect, wave: Array) -> Array | None:
     return np.asarray(np.linalg.lstsq(wave.T, curve, rcond=1e-9)[0])
 
 
-def curve_points(setup: Problem, effect: Effect) -> tuple[tuple[float, float], ...] | None:
+def curve_points(problem: Problem, effect: Effect) -> tuple[tuple[float, float], ...] | None:
     """Return points (azimuth, elevation) [deg] along the edge of a jump; None without one."""
     edge = effect.edge
     if edge is None:
         return None
-    at = setup.recordings.at
+    at = problem.recordings.at
     first = 0.0 if effect.acts_in != AXES else -np.pi
     low, high = edge.span if isinstance(edge, FreeEdge) else (first, first + 2 * np.pi)
     az = np.arange(np.ceil(low / DEG / 5) * 5, high / DEG, 5.0)

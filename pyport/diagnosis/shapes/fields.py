@@ -78,12 +78,12 @@ class _Part:
 class Ground:
     """The data beside a model, as fields meet them: whitened, the model projected out."""
 
-    def __init__(self, setup: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]):
-        model = setup.expanded((*setup.base, *chosen), of=weighed.white)
+    def __init__(self, problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]):
+        model = problem.expanded((*problem.base, *chosen), of=weighed.white)
         self.basis = spanned(model[:, model.any(axis=0)])[0]
-        self.setup, self.weighed = setup, weighed
+        self.problem, self.weighed = problem, weighed
         self.left = self._without(weighed.white[:, -1:])[:, 0]
-        is_y = np.resize(setup.stack.is_y, len(self.left))
+        is_y = np.resize(problem.stack.is_y, len(self.left))
         there = np.any(self.basis != 0, axis=1) | (self.left != 0)
         self.whole = self._part(slice(None))
         self.axes = [self._part(np.flatnonzero((is_y == one) & there)) for one in (False, True)]
@@ -137,11 +137,11 @@ class Ground:
         With one width for both axes heights are no likelier than with a width for each: where that
         is worth nothing both are not tried.
         """
-        is_y = self.setup.stack.is_y
+        is_y = self.problem.stack.is_y
         axes = {"xel": ~is_y, "el": is_y}
         measured = [name for name, there in axes.items() if there.any()]
         several = ["both axes"] if len(measured) > 1 else []
-        wanted = (one for one in families(self.setup) if one[1].of_time in of_time)
+        wanted = (one for one in families(self.problem) if one[1].of_time in of_time)
         for kind, field, white in self._whitened(wanted):
             large = np.abs(field.values) > 0.1
             felt = [np.count_nonzero(large[there], axis=0) >= FEWEST for there in axes.values()]

@@ -34,7 +34,7 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     where what the antennas share in a scan is too little known to bear that bound.
     """
     before, names = outcome.steps[:turn], outcome.steps[turn:]
-    if not names and outcome.setup.blocks.antennas >= ENOUGH_ANTENNAS:
+    if not names and outcome.problem.blocks.antennas >= ENOUGH_ANTENNAS:
         return None
     changes = tuple(one for one in names if one.chosen.candidate.effect.changes_with)
     if not changes:
@@ -58,16 +58,16 @@ def _best_in_place(
     `of_time`: which of the fields are tried, those that last and those in time. None where there
     are none.
     """
-    setup, chosen = outcome.setup, tuple(one.chosen for one in kept)
+    problem, chosen = outcome.problem, tuple(one.chosen for one in kept)
     whole = len(kept) == len(outcome.steps)
-    weighed = outcome.weighed if whole else weigh_model(setup, chosen)
-    ground = Ground(setup, weighed, chosen)
+    weighed = outcome.weighed if whole else weigh_model(problem, chosen)
+    ground = Ground(problem, weighed, chosen)
     worths = list(ground.worths(of_time))
     if False in of_time:
-        worths += map(ground.worth_of, boxes(setup, weighed, chosen))
+        worths += map(ground.worth_of, boxes(problem, weighed, chosen))
     strongest = max((step.winner.gain for step in kept), default=0.0)
     if names:
-        together = ground.gain(setup.expanded([step.chosen for step in names]))
+        together = ground.gain(problem.expanded([step.chosen for step in names]))
         least = max(CONVINCING, IMPERFECTION * max(strongest, together))
         least += _evidence(together, names)
     else:
@@ -84,7 +84,7 @@ def _evidence(gain: float, names: Sequence[Step]) -> float:
 
 def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outcome | None:
     """Return the search with a field beside what some turns chose; None where it predicts not."""
-    setup, before = outcome.setup, tuple(one.chosen for one in steps)
+    problem, before = outcome.problem, tuple(one.chosen for one in steps)
     gain, same = worth.gain, next((one for one in steps if _same_bumps(one, worth.field)), None)
     if same is not None:
         worth, steps = _together_with(same, worth), tuple(one for one in steps if one is not same)
@@ -93,8 +93,8 @@ def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outc
     # Of unit rms, so that a coefficient is the size of what it stands for.
     unit = np.sqrt(np.mean(columns**2, axis=0))
     columns = columns / unit
-    places = np.arange(setup.size, setup.size + columns.shape[1])
-    wider = setup.with_columns(columns)
+    places = np.arange(problem.size, problem.size + columns.shape[1])
+    wider = problem.with_columns(columns)
     candidate = as_candidate(worth, places, unit)
     new = Chosen(candidate, "all")
     after = (*others, new)
@@ -111,7 +111,7 @@ def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outc
     step = Step(winner, new, (*trials, winner), beside, chance, candidate.price)
     return replace(
         outcome,
-        setup=wider,
+        problem=wider,
         chosen=after,
         steps=(*steps, step),
         weighed=weigh(wider, after),

@@ -36,18 +36,20 @@ SHARES_OF_DRIFT = (1.0, 0.7, 0.3)
 
 @stage("looking for periods")
 def proposed(
-    setup: Problem, present: Covariance, chosen: Sequence[Chosen], above: float = -np.inf
+    problem: Problem, present: Covariance, chosen: Sequence[Chosen], above: float = -np.inf
 ) -> Chosen | None:
     """Return the oscillation that is worth a confirmation beside what is chosen, if any.
 
     The case that it belongs to is `widened` by it. `present` is the noise of the turn; nothing is
     proposed that is worth no more than `above`.
     """
-    scans = [scan for one in _ways(setup) if (scan := scan_of(setup, reversing=one)) is not None]
+    scans = [
+        scan for one in _ways(problem) if (scan := scan_of(problem, reversing=one)) is not None
+    ]
     if not scans or any(one.candidate.effect.id == OSCILLATION for one in chosen):
         return None
     noises = [_with_drift(present, share, scans[0].longest) for share in SHARES_OF_DRIFT]
-    each = [[view_of(setup, scan, noise, chosen) for noise in noises] for scan in scans]
+    each = [[view_of(problem, scan, noise, chosen) for noise in noises] for scan in scans]
     least = min(view.lack for view in each[0])
     # A phase that wanders must be convincingly better than one that holds: slowly it nearly does.
     found = [
@@ -66,26 +68,28 @@ def proposed(
         own = [one for one in found if one[1].wanders == free]
         was, peak, scan, noise = max(own, key=lambda one: one[0])
         if scan.shows(peak):
-            one, evidence = _refined(setup, scan, noise, chosen, peak, len(scans))
+            one, evidence = _refined(problem, scan, noise, chosen, peak, len(scans))
             refined.append((was + evidence - peak.evidence, one))
     return max(refined, key=lambda one: one[0])[1]
 
 
-def _ways(setup: Problem) -> tuple[bool, ...]:
+def _ways(problem: Problem) -> tuple[bool, ...]:
     """Return whether waves may change their sign with the side of the pier: not, or either way."""
-    at = setup.recordings.at
+    at = problem.recordings.at
     return (False, True) if at.mount.turns_over and len(np.unique(at.side)) > 1 else (False,)
 
 
-def again(setup: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect) -> Effect:
+def again(
+    problem: Problem, covariance: Covariance, others: Sequence[Chosen], one: Effect
+) -> Effect:
     """Return an oscillation of the same kind with the period that readings of weight prefer."""
-    scan = scan_again(setup, one)
-    view = view_of(setup, scan, covariance, others)
+    scan = scan_again(problem, one)
+    view = view_of(problem, scan, covariance, others)
     peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders(one))
-    first = effect_of(setup, scan, peak.period, peak.direction_deg)
+    first = effect_of(problem, scan, peak.period, peak.direction_deg)
     if peak.wanders:
         return first
-    return effect_of(setup, scan, likeliest_period(setup, covariance, others, first)[0])
+    return effect_of(problem, scan, likeliest_period(problem, covariance, others, first)[0])
 
 
 def _with_drift(present: Covariance, share: float, longest: float) -> Covariance:
@@ -107,31 +111,31 @@ def _with_drift(present: Covariance, share: float, longest: float) -> Covariance
 
 
 def _refined(
-    setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak, ways: int
+    problem: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen], peak: Peak, ways: int
 ) -> tuple[Chosen, float]:
     """Return the oscillation at the best period near a peak, one of so many ways to sign it.
 
     And its evidence.
     """
-    first = effect_of(setup, scan, peak.period, peak.direction_deg)
-    period, _, evidence = likeliest_period(setup, noise, chosen, first)
-    effect = effect_of(setup, scan, period, peak.direction_deg)
+    first = effect_of(problem, scan, peak.period, peak.direction_deg)
+    period, _, evidence = likeliest_period(problem, noise, chosen, first)
+    effect = effect_of(problem, scan, period, peak.direction_deg)
     if peak.wanders:
-        direction, _, evidence = likeliest_direction(setup, noise, chosen, effect)
-        effect = effect_of(setup, scan, period, direction)
-    one = of_period(setup, effect, peak.choices * ways)
+        direction, _, evidence = likeliest_direction(problem, noise, chosen, effect)
+        effect = effect_of(problem, scan, period, direction)
+    one = of_period(problem, effect, peak.choices * ways)
     return replace(one, candidate=replace(one.candidate, of_time=True)), evidence
 
 
-def of_period(setup: Problem, effect: Effect, choices: float) -> Chosen:
+def of_period(problem: Problem, effect: Effect, choices: float) -> Chosen:
     """Return a wave, one of so many periods, as a choice in the case that is `widened` by it."""
-    kept = np.flatnonzero(setup.stack.columns(effect, setup.recordings.at).any(axis=0))
-    places = setup.size + np.arange(len(kept))
+    kept = np.flatnonzero(problem.stack.columns(effect, problem.recordings.at).any(axis=0))
+    places = problem.size + np.arange(len(kept))
     return Chosen(Candidate(effect, places, tuple(kept.tolist()), max(1, round(choices))), "all")
 
 
-def widened(setup: Problem, one: Chosen) -> Problem:
+def widened(problem: Problem, one: Chosen) -> Problem:
     """Return the case with the columns of an oscillation that was proposed in it."""
     effect, which = one.candidate.effect, list(one.candidate.coefficients)
-    own = setup.stack.columns(effect, setup.recordings.at)[:, which]
-    return setup.with_columns(own)
+    own = problem.stack.columns(effect, problem.recordings.at)[:, which]
+    return problem.with_columns(own)

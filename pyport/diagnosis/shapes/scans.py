@@ -115,19 +115,19 @@ class Scan:
         return periods, self.sign[:, None] * waves
 
 
-def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
+def scan_of(problem: Problem, *, reversing: bool) -> Scan | None:
     """Return the readings for a search; None where no period could be seen.
 
     `reversing`: for waves that change their sign where the mount has turned over.
     """
-    at = setup.recordings.at
-    if setup.blocks.antennas > 1 or "time" not in at:
+    at = problem.recordings.at
+    if problem.blocks.antennas > 1 or "time" not in at:
         return None
-    time = clock(at)[setup.stack.row]
+    time = clock(at)[problem.stack.row]
     if len(time) < ENOUGH_SQUARES or not np.isfinite(time).all():
         return None
     time = time - time.min()
-    session = np.unique(setup.session, return_inverse=True)[1]
+    session = np.unique(problem.session, return_inverse=True)[1]
     begin, end = np.full(session.max() + 1, np.inf), np.zeros(session.max() + 1)
     np.minimum.at(begin, session, time)
     np.maximum.at(end, session, time)
@@ -138,9 +138,9 @@ def scan_of(setup: Problem, *, reversing: bool) -> Scan | None:
     longest = float(np.median(length)) / (1.0 if len(length) > 1 else PERIODS_ALONE)
     if longest < 2 * shortest:
         return None
-    is_y = setup.stack.is_y.astype(np.intp)
+    is_y = problem.stack.is_y.astype(np.intp)
     side = np.broadcast_to(at.side if reversing else 1.0, len(at))
-    return Scan(time, session, is_y, side[setup.stack.row], begin, length, shortest, longest)
+    return Scan(time, session, is_y, side[problem.stack.row], begin, length, shortest, longest)
 
 
 @dataclass(frozen=True)
@@ -169,11 +169,11 @@ class View:
         return np.array([np.interp(log, self.log_period, one) for one in self.information])
 
 
-def view_of(setup: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
+def view_of(problem: Problem, scan: Scan, noise: Covariance, chosen: Sequence[Chosen]) -> View:
     """Return the readings beside a model and what is chosen, and beside a noise."""
-    model = setup.expanded((*setup.base, *chosen))
+    model = problem.expanded((*problem.base, *chosen))
     periods, waves = scan.waves
-    data = np.concatenate([model, setup.residual[:, None], waves], axis=1)
+    data = np.concatenate([model, problem.residual[:, None], waves], axis=1)
     white = noise.whiten(data)
     p = model.shape[1]
     lack, _, left = beside_model(noise, white[:, :p], white[:, p])

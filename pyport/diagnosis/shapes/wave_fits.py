@@ -27,7 +27,7 @@ QUALITIES, PERIODS_ONE = (7.0, 20.0), 2.0
 
 
 def effect_of(
-    setup: Problem,
+    problem: Problem,
     scan: Scan,
     period_s: float,
     direction_deg: float | None = None,
@@ -37,7 +37,7 @@ def effect_of(
 
     Its phase wanders where it has a line: it is free in so many periods, or `PERIODS_FREE`.
     """
-    time = clock(setup.recordings.at)[setup.stack.row]
+    time = clock(problem.recordings.at)[problem.stack.row]
     since = float(np.round((time.min() + time.max()) / 2))
     reversing = bool((scan.sign < 0).any())
     if direction_deg is None:
@@ -54,18 +54,18 @@ def effect_of(
 
 
 def likeliest_period(
-    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
+    problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
 ) -> tuple[float, float, float]:
     """Return the likeliest period [s] near that of an oscillation, its sigma, and its evidence.
 
     Where a phase holds, nights at equal intervals leave open how many periods went by between
     them: other periods that are as likely are part of the sigma.
     """
-    waves = _waves(setup, noise, chosen, effect)
+    waves = _waves(problem, noise, chosen, effect)
     width, periods = WIDE, [effect.member["period_s"]]
     if not wanders(effect):
         width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
-        periods += near_best(waves.scan, view_of(setup, waves.scan, noise, chosen))
+        periods += near_best(waves.scan, view_of(problem, waves.scan, noise, chosen))
     grid = np.exp(width * np.linspace(-1, 1, NEAR))
     found = [top(lambda period: waves.fit(period)[0], one * grid) for one in periods]
     period, sigma, evidence = max(found, key=lambda one: one[2])
@@ -75,10 +75,10 @@ def likeliest_period(
 
 
 def likeliest_direction(
-    setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
+    problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
 ) -> tuple[float, float, float]:
     """Return the likeliest line [deg] of a wandering oscillation, its sigma, and its evidence."""
-    waves, period = _waves(setup, noise, chosen, effect), effect.member["period_s"]
+    waves, period = _waves(problem, noise, chosen, effect), effect.member["period_s"]
     line, several = effect.member["direction_deg"], waves.scan.lines_deg
     if len(several) == 1:
         return line, 0.0, waves.fit(period)[0]
@@ -87,7 +87,7 @@ def likeliest_direction(
     return direction % 180, sigma, evidence
 
 
-def is_line(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> bool:
+def is_line(problem: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> bool:
     """Tell whether an oscillation has a period: others explain less than most of it.
 
     What scatters in more ways than drifts do has power over a range of periods, and waves whose
@@ -96,17 +96,19 @@ def is_line(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect:
     """
     if not wanders(effect):
         return True
-    waves, period = _waves(setup, noise, others, effect), effect.member["period_s"]
+    waves, period = _waves(problem, noise, others, effect), effect.member["period_s"]
     half, own, double = (waves.fit(period * times)[0] for times in (0.5, 1.0, 2.0))
     return max(half, double) <= MOSTLY * own
 
 
-def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect) -> Array:
+def predicted(
+    problem: Problem, noise: Covariance, others: Sequence[Chosen], effect: Effect
+) -> Array:
     """Return what readings of weight predict of a wandering oscillation, drawn toward zero [rad].
 
     The best linear prediction, shape (m,), as that of departures.
     """
-    waves = _waves(setup, noise, others, effect)
+    waves = _waves(problem, noise, others, effect)
     period = effect.member["period_s"]
     _, covariance, variance = waves.fit(period)
     columns, rest = waves.columns(period)
@@ -116,9 +118,9 @@ def predicted(setup: Problem, noise: Covariance, others: Sequence[Chosen], effec
     return np.asarray(columns @ (prior @ np.linalg.solve(inner, rest.T @ waves.left)))
 
 
-def scan_again(setup: Problem, effect: Effect) -> Scan:
+def scan_again(problem: Problem, effect: Effect) -> Scan:
     """Return the readings as the search met them that found an oscillation."""
-    scan = scan_of(setup, reversing="reversing" in effect.member)
+    scan = scan_of(problem, reversing="reversing" in effect.member)
     assert scan is not None  # noqa: S101 - it was found in it
     return scan
 
@@ -136,7 +138,7 @@ class _Waves:
     amplitudes may hang together.
     """
 
-    setup: Problem
+    problem: Problem
     scan: Scan
     noise: Covariance
     basis: Array
@@ -153,7 +155,7 @@ class _Waves:
     def columns(self, period_s: float) -> tuple[Array, Array]:
         """Return waves of unit size (m, k), and whitened and without the model (M, k)."""
         near = oscillation(**{**self.free.member, "period_s": period_s})
-        columns = self.setup.stack.columns(near, self.setup.recordings.at)
+        columns = self.problem.stack.columns(near, self.problem.recordings.at)
         white = self.noise.whiten(columns)
         size = float(np.sqrt(np.sum(white**2) / np.count_nonzero(white.any(axis=0))))
         white = white - self.basis @ (self.basis.T @ white)
@@ -172,23 +174,23 @@ class _Waves:
         return evidence, mix @ mix.T, variance
 
 
-def _waves(setup: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect) -> _Waves:
-    scan = scan_again(setup, effect)
-    model = noise.whiten(setup.expanded((*setup.base, *chosen)))
-    white = noise.whiten(setup.residual[:, None])[:, 0]
+def _waves(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect) -> _Waves:
+    scan = scan_again(problem, effect)
+    model = noise.whiten(problem.expanded((*problem.base, *chosen)))
+    white = noise.whiten(problem.residual[:, None])[:, 0]
     _, basis, left = beside_model(noise, model, white)
-    free, mixes = _wandered(setup, scan, effect) if wanders(effect) else (effect, [np.eye(4)])
-    return _Waves(setup, scan, noise, basis, left, free, mixes)
+    free, mixes = _wandered(problem, scan, effect) if wanders(effect) else (effect, [np.eye(4)])
+    return _Waves(problem, scan, noise, basis, left, free, mixes)
 
 
-def _wandered(setup: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[Array]]:
+def _wandered(problem: Problem, scan: Scan, effect: Effect) -> tuple[Effect, list[Array]]:
     """Return an oscillation free in every few periods, and how its amplitudes hang together.
 
     For some quality factors Q a phase is forgotten, by e, in Q / pi periods: for each of them the
     root of the amplitudes' covariance, sine and cosine of each stretch in turn.
     """
     period = effect.member["period_s"]
-    free = effect_of(setup, scan, period, effect.member["direction_deg"], PERIODS_ONE)
+    free = effect_of(problem, scan, period, effect.member["direction_deg"], PERIODS_ONE)
     middle = np.mean(free.member["stretches_s"], axis=1)
     apart = np.abs(middle[:, None] - middle) / period
     roots = [np.linalg.cholesky(np.exp(-np.pi * apart / quality)) for quality in QUALITIES]

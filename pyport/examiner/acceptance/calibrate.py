@@ -39,12 +39,12 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     """Draw a case and return its statistics."""
     world = nulls.draw(case)
     recordings = from_table(world.table, dict(world.header))
-    setup = prepare(recordings, load("altaz").on(recordings.at.mount), None, 0)
-    weighed = weigh(setup)
-    beside = projection(setup, weighed, ())
-    trials = trials_of(setup, beside)
-    changes = confirmed_changes(setup, weighed.covariance, (), trials)
-    lasting = lasting_effects(setup, weighed, (), trials, (), 0.0, beside)
+    problem = prepare(recordings, load("altaz").on(recordings.at.mount), None, 0)
+    weighed = weigh(problem)
+    beside = projection(problem, weighed, ())
+    trials = trials_of(problem, beside)
+    changes = confirmed_changes(problem, weighed.covariance, (), trials)
+    lasting = lasting_effects(problem, weighed, (), trials, (), 0.0, beside)
     sure = [one.sure for one in changes] + [
         min(evidence_anew(one, ()), one.trial.evidence) for one in lasting
     ]

@@ -54,16 +54,16 @@ def of_made(made: Made) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "recordings.csv"
         write_recordings(made, file)
-        setup = prepare(read(file), load("altaz"), None, 0)
+        problem = prepare(read(file), load("altaz"), None, 0)
     found: dict[str, Any] = {}
-    for kind, some in (("named", setup.candidates), ("shape", setup.shapes)):
-        found[f"{kind}_cosine"], found[kind] = largest(setup, made, some)
+    for kind, some in (("named", problem.candidates), ("shape", problem.shapes)):
+        found[f"{kind}_cosine"], found[kind] = largest(problem, made, some)
     return found
 
 
-def largest(setup: Problem, made: Made, some: Sequence[Candidate]) -> tuple[float, str]:
+def largest(problem: Problem, made: Made, some: Sequence[Candidate]) -> tuple[float, str]:
     """Return the largest cosine of a hidden form with candidates beside the model, and whose."""
-    axis, row = setup.stack.is_y.astype(int), setup.stack.row
+    axis, row = problem.stack.is_y.astype(int), problem.stack.row
     base = np.linalg.qr(np.stack(made.base)[axis, row])[0]
 
     def left(columns: Array) -> Array:
@@ -72,7 +72,7 @@ def largest(setup: Problem, made: Made, some: Sequence[Candidate]) -> tuple[floa
     form = left(np.stack(made.signature)[axis, row])
     best = (0.0, "none")
     for one in some:
-        before = setup.picked(one.columns)
+        before = problem.picked(one.columns)
         beside = left(before)
         size = np.linalg.norm(beside, axis=0)
         seen = size > _LEAST * np.linalg.norm(before, axis=0)

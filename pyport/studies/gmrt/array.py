@@ -83,7 +83,7 @@ def evidence(
     crab = {}
     for name in CRAB:
         other = _diagnosed(name, tell)
-        crab[name] = predict(array, other.setup, other.after)
+        crab[name] = predict(array, other.problem, other.after)
     return Evidence(array, alone, crab, tuple(_checks(array, alone)))
 
 
@@ -93,9 +93,9 @@ def _diagnosed(name: str, tell: Callable[[str], None]) -> Diagnosis:
 
 
 def _array(diagnosis: Diagnosis, survey: Survey | None) -> ArrayReport:
-    found = report(diagnosis.setup, diagnosis.after, survey)
+    found = report(diagnosis.problem, diagnosis.after, survey)
     if found is None:
-        raise ValueError(f"{diagnosis.setup.recordings.file.stem} is no array's")
+        raise ValueError(f"{diagnosis.problem.recordings.file.stem} is no array's")
     return found
 
 

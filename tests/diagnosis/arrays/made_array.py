@@ -93,6 +93,6 @@ def array(
 
 def case(recordings, model="altaz"):
     """Return the case of recordings and a fit in which nothing was found."""
-    setup = prepare(recordings, load(model))
+    problem = prepare(recordings, load(model))
     nothing = np.zeros(0)
-    return setup, Joint(setup.base, None, nothing, nothing)
+    return problem, Joint(problem.base, None, nothing, nothing)

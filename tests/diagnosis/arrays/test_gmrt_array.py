@@ -63,7 +63,7 @@ def test_antennas_stand_where_they_were_surveyed(name):
 def test_the_crab_follows_from_cygnus(june):
     """At another declination the parts predict better than the paper's form fits the day itself."""
     crab = diagnose(read("gmrt-2003-05-31"), load(gmrt_array.MODEL))
-    one = medians(predict(june, crab.setup, crab.after).days)
+    one = medians(predict(june, crab.problem, crab.after).days)
 
     assert one.after < ARCMIN
     assert one.after < one.fitted_before / 2

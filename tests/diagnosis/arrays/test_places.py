@@ -90,8 +90,8 @@ def test_a_survey_of_other_antennas_is_refused():
 def test_recordings_of_one_antenna_are_no_array():
     """A single telescope has no array's report, and a survey of it is refused."""
     made = array(EAST_M[:1], sessions=2)[0]
-    setup, fit = case(made)
+    problem, fit = case(made)
 
-    assert report(setup, fit) is None
+    assert report(problem, fit) is None
     with pytest.raises(BadInput, match="too few antennas"):
-        report(setup, fit, SURVEY)
+        report(problem, fit, SURVEY)

@@ -70,7 +70,7 @@ class Columns:
         return self.columns[name]
 
 
-def setup(**known):
+def problem_with(**known):
     """Return as much of a problem as a rule looks at."""
     named = {one.effect.id: one.effect for one in known.get("candidates", ())}
     usual = {"blocks": ONE_ANTENNA, "base": (), "seed": 0, "named": tuple(named.values())}

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
+from diagnosis.decisions.stubs import Columns, beside, candidate, problem_with, step, trial
 
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen
@@ -21,7 +21,7 @@ def problem(rows=120, sessions=4, antennas=1, *, times=True, **more):
     known = {"time": 1e9 + 60.0 * row} if times else {}
     if more.get("scans"):
         known["scan_direction"] = np.ones(rows)
-    return setup(
+    return problem_with(
         session=row * sessions // rows,
         pointing=row,
         recordings=SimpleNamespace(at=Columns(rows, **known)),
@@ -122,7 +122,7 @@ def misfit(monkeypatch, off, *, known=True, factor=1.0):
     monkeypatch.setattr(
         holdout, "_without_each", lambda *_: [(0, solution, np.array([0])), (1, solution, [1])]
     )
-    case = setup(expanded=lambda _, of: of[:, :1])
+    case = problem_with(expanded=lambda _, of: of[:, :1])
     evidence = SimpleNamespace(common=SimpleNamespace(factor=factor))
     of = SimpleNamespace(covariance=None, evidence=evidence)
     return holdout.unseen_misfit(case, of, (), None)
@@ -210,7 +210,7 @@ def unseen(monkeypatch, first, second, fold):
     """Return predictions with and without something, for readings (m,) in folds."""
     answers = [np.asarray(first, float), np.asarray(second, float)]
     monkeypatch.setattr(holdout, "residuals", lambda *_: answers.pop(0))
-    case = setup(
+    case = problem_with(
         session=np.zeros(len(first), int),
         series=np.ones(len(first), int),
     )
@@ -265,10 +265,10 @@ def settled(monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 
     monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
     monkeypatch.setattr(settling.holdout, "folds", lambda *_: None)
     monkeypatch.setattr(settling.joint, "fit", lambda *_: None)
-    own, weighed = len(setup().base), SimpleNamespace(covariance=None)
+    own, weighed = len(problem_with().base), SimpleNamespace(covariance=None)
     monkeypatch.setattr(settling.joint, "distance", lambda _fit, n: sigmas[n - own])
     found = settling._worst(
-        Outcome(setup(), tuple(one.chosen for one in steps), steps, weighed, 0.001, ())
+        Outcome(problem_with(), tuple(one.chosen for one in steps), steps, weighed, 0.001, ())
     )
     return found and found[0].candidate.effect.id
 
@@ -367,7 +367,7 @@ def test_members_of_a_family_are_tried_beside_noise_of_their_own(monkeypatch, be
         settling, "likeliest", lambda _s, _o, members: asked.append(members) or members[-1]
     )
     one = step(first, trials=[other])
-    end = settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    end = settling._of_families(Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert bool(asked) == tried
     assert (end.chosen[0].candidate is other.candidate) == tried
@@ -380,7 +380,7 @@ def test_a_member_that_draws_the_same_curve_is_not_tried(monkeypatch, share, tri
     some = [trial("refraction", 100.0 - n, of=candidate("refraction", choices=6)) for n in (0, 1)]
     monkeypatch.setattr(settling, "likeliest", lambda *given: asked.append(given) or given[-1][0])
     one = replace(step(some[0], trials=some[1:]), beside=beside(refraction=share))
-    settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    settling._of_families(Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert bool(asked) == tried
 
@@ -404,7 +404,7 @@ def test_a_rival_that_follows_a_condition_is_weighed_beside_its_own_noise(
         settling, "worth_beside_own", lambda _s, _o, one: worth[one.candidate.effect.id]
     )
     one = step(trial("driven_term", 100.0), trials=[trial(rival, evidence)])
-    outcome = Outcome(setup(), (one.chosen,), (one,), None, 0.001, ())
+    outcome = Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ())
     held = settling._with_driven_rivals(outcome, one)
 
     assert (rival in held.called.members) == inside
@@ -421,7 +421,7 @@ def test_three_members_at_most_are_tried(monkeypatch):
         settling, "likeliest", lambda _s, _o, members: asked.extend(members) or members[0]
     )
     one = step(some[0], trials=some[1:])
-    settling._of_families(Outcome(setup(), (one.chosen,), (one,), None, 0.001, ()))
+    settling._of_families(Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ()))
 
     assert len(asked) == 3
 
@@ -432,7 +432,7 @@ def test_three_members_at_most_are_tried(monkeypatch):
 def test_an_antenna_ten_times_as_noisy_counts_in_no_rms(scatter, noisy):
     """As the median antenna."""
     names = np.array(["A", "B", "C", "D", "E"])
-    case = setup(antenna=names)
+    case = problem_with(antenna=names)
 
     assert scene.noisy_antennas(case, np.array([1, 1, 1, 1, scatter])) == ["E"] * noisy
 
@@ -440,7 +440,7 @@ def test_an_antenna_ten_times_as_noisy_counts_in_no_rms(scatter, noisy):
 @pytest.mark.parametrize(("antennas", "judged"), [(3, True), (2, False), (1, False)])
 def test_of_two_antennas_none_is_noisy(antennas, judged):
     """Neither is the odd one out."""
-    case = setup(antenna=np.array(["A", "B", "C"][:antennas]))
+    case = problem_with(antenna=np.array(["A", "B", "C"][:antennas]))
     scatter = np.ones(antennas)
     scatter[0] = 1000.0
 
@@ -453,7 +453,7 @@ def test_of_two_antennas_none_is_noisy(antennas, judged):
 )
 def test_an_axis_belongs_to_a_finding_from_a_fifth(other, axes):
     """Of what the other axis shows."""
-    case = setup(stack=SimpleNamespace(is_y=np.array([False, False, True, True])))
+    case = problem_with(stack=SimpleNamespace(is_y=np.array([False, False, True, True])))
 
     assert scene.axes(case, np.array([1.0, -1.0, other, -other])) == axes
 

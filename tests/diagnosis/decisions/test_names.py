@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import Columns, beside, candidate, setup, step, trial
+from diagnosis.decisions.stubs import Columns, beside, candidate, problem_with, step, trial
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import Candidate
@@ -225,11 +225,11 @@ def test_strengths_in_two_halves_refute_a_name(monkeypatch, extra, sigma, passed
     monkeypatch.setattr(scene, "contribution", lambda *_: curve)
     monkeypatch.setattr(scene, "_halves", lambda _: {"the later half": np.array([False, True])})
     monkeypatch.setattr(scene, "_sessions", lambda _: {})
-    setup = SimpleNamespace(
+    problem = SimpleNamespace(
         expanded=lambda _: np.zeros((2, 0)), residual=curve * [1.0, 1.0 + extra]
     )
     weighed = SimpleNamespace(covariance=SimpleNamespace(whiten=lambda columns: columns))
-    (check,) = scene.halves(setup, weighed, SimpleNamespace(choices=[None]), 0)
+    (check,) = scene.halves(problem, weighed, SimpleNamespace(choices=[None]), 0)
 
     assert check.passed == passed
     assert check.words == (
@@ -245,11 +245,11 @@ def test_of_the_sessions_the_one_that_differs_most_is_reported(monkeypatch):
     monkeypatch.setattr(scene, "contribution", lambda *_: curve)
     monkeypatch.setattr(scene, "_halves", lambda _: {})
     monkeypatch.setattr(scene, "_sessions", lambda _: sessions)
-    setup = SimpleNamespace(
+    problem = SimpleNamespace(
         expanded=lambda _: np.zeros((12, 0)), residual=curve * np.where(session == "b", 3.0, 1.0)
     )
     weighed = SimpleNamespace(covariance=SimpleNamespace(whiten=lambda columns: columns))
-    (check,) = scene.halves(setup, weighed, SimpleNamespace(choices=[None]), 0)
+    (check,) = scene.halves(problem, weighed, SimpleNamespace(choices=[None]), 0)
 
     assert not check.passed
     assert check.words.startswith("strength in b: +3.00 +- ")
@@ -323,7 +323,7 @@ def of_sessions(count, times):
     """Return as much of a problem as resampling looks at: 60 rows in some sessions."""
     rows = np.arange(60)
     at = Columns(60, **({"time": 1e9 + 60.0 * rows} if times else {}))
-    return setup(
+    return problem_with(
         session=rows * count // 60,
         pointing=rows,
         recordings=SimpleNamespace(at=at),
@@ -380,7 +380,7 @@ def scene_of(times, values=None, sessions=None, **more):
     times = np.asarray(times, float)
     rows = np.arange(len(times))
     at = Columns(len(times), time=times, temperature_c=values)
-    case = setup(
+    case = problem_with(
         recordings=SimpleNamespace(at=at, label=lambda _: more["labels"]),
         session=np.zeros(len(times), int) if sessions is None else np.asarray(sessions),
         pointing=rows,
@@ -388,7 +388,7 @@ def scene_of(times, values=None, sessions=None, **more):
         residual=more.get("residual"),
     )
     return SimpleNamespace(
-        setup=case,
+        problem=case,
         weighed=SimpleNamespace(used=np.ones(len(times), bool)),
         floor=np.ones(len(times)),
         joint=SimpleNamespace(
@@ -444,7 +444,7 @@ def test_a_pointing_that_is_recorded_often_makes_no_night():
     """Four readings of it are one pointing."""
     times = 1e9 + np.append(600.0 * np.arange(10), np.full(4, 90000.0))
     scene = scene_of(times)
-    scene.setup.pointing = np.append(np.arange(10), np.full(4, 10))
+    scene.problem.pointing = np.append(np.arange(10), np.full(4, 10))
 
     assert guards.nights(scene) == 1
 
@@ -452,7 +452,7 @@ def test_a_pointing_that_is_recorded_often_makes_no_night():
 def test_what_is_lacking_is_said_in_pointings():
     """Of one axis each brings one number, of two it brings two."""
     one, both = scene_of(np.arange(16)), scene_of(np.arange(16))
-    both.setup.stack.is_y = np.arange(16) % 2 == 1
+    both.problem.stack.is_y = np.arange(16) % 2 == 1
     told = [guards._too_few(scene, np.ones(16)).decide_by for scene in (one, both)]
 
     assert told == ["record at least 11 more pointings", "record at least 6 more pointings"]

@@ -182,10 +182,10 @@ def test_the_best_period_is_the_top_of_a_parabola():
 
 def test_a_phase_is_forgotten_in_its_quality_over_pi_periods():
     """Amplitudes of stretches hang together by that, and those of a fit have that covariance."""
-    setup = observed(12)
+    problem = observed(12)
     period = 2 * HOUR
     effect = oscillation(period, 1.2e9, [(1.2e9, 1.3e9)], direction_deg=30.0)
-    free, mixes = wave_fits._wandered(setup, scans.scan_of(setup, reversing=False), effect)
+    free, mixes = wave_fits._wandered(problem, scans.scan_of(problem, reversing=False), effect)
     middle = np.mean(free.member["stretches_s"], axis=1)
     apart = np.abs(middle[:, None] - middle) / period
     for mix, quality in zip(mixes, wave_fits.QUALITIES, strict=True):

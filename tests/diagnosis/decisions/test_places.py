@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import setup
+from diagnosis.decisions.stubs import problem_with
 from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
@@ -38,7 +38,7 @@ def elevations(n):
     both = SimpleNamespace(
         row=data.row[only], is_y=data.is_y[only], columns=lambda e, at: e.columns(at)[1]
     )
-    return given, setup(recordings=given, stack=both)
+    return given, problem_with(recordings=given, stack=both)
 
 
 @pytest.mark.parametrize(("after", "placed"), [(8, True), (7, False), (4, False), (15, True)])
@@ -140,7 +140,7 @@ def bumps(monkeypatch, felt):
 
     monkeypatch.setattr(fields, "worth", worth)
     ground = SimpleNamespace(
-        setup=setup(stack=SimpleNamespace(is_y=is_y)),
+        problem=problem_with(stack=SimpleNamespace(is_y=is_y)),
         axes=[],
         _whitened=lambda wanted: ((*one, one[1].values) for one in wanted),
         _products=lambda *_: (np.eye(4), np.eye(4), np.zeros(4)),
@@ -191,7 +191,7 @@ def test_both_axes_are_tried_where_either_is_worth_something(monkeypatch, worth_
         fields, "worth", lambda *_: SimpleNamespace(evidence=worth_each / 2 - price)
     )
     ground = SimpleNamespace(
-        setup=setup(stack=SimpleNamespace(is_y=is_y)),
+        problem=problem_with(stack=SimpleNamespace(is_y=is_y)),
         axes=[],
         _whitened=lambda wanted: ((*each, each[1].values) for each in wanted),
         _products=lambda *_: (np.eye(2), np.eye(2), np.zeros(2)),
@@ -385,7 +385,7 @@ def causes(gain, left, count=1):
     data = np.zeros(20)
     data[1 : 1 + count] = np.sqrt(gain) + 0.01 * np.arange(count)
     column = lambda n: np.eye(20)[:, n : n + 1]  # noqa: E731
-    problem = setup(
+    problem = problem_with(
         candidates=some,
         expanded=lambda choices, **_: column(
             1 + some.index(choices[0].candidate) if choices[0].candidate in some else 15
@@ -395,7 +395,7 @@ def causes(gain, left, count=1):
     ground = SimpleNamespace(
         others=lambda _: column(19),
         weighed=SimpleNamespace(white=None),
-        setup=problem,
+        problem=problem,
         data=data,
         compare=lambda *_: Difference(**{**vars(difference), "chi2": left}),
     )

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import beside, candidate, setup, step, trial
+from diagnosis.decisions.stubs import beside, candidate, problem_with, step, trial
 from effects.sky import campaign, replaced
 from scipy.stats import chi2
 
@@ -37,7 +37,7 @@ WEIGHED = SimpleNamespace(covariance=None)
 def won(effect="refraction", evidence=20.0, **changes):
     """Return a contender without anything to refine."""
     one = trial(effect, evidence, **changes)
-    return Contender(one, setup(part=lambda _: None), Chosen(one.candidate, one.scope), 0.0)
+    return Contender(one, problem_with(part=lambda _: None), Chosen(one.candidate, one.scope), 0.0)
 
 
 def outcome(*steps, p_value=0.5, last=(), **more):
@@ -45,7 +45,7 @@ def outcome(*steps, p_value=0.5, last=(), **more):
     weighed = SimpleNamespace(
         evidence=SimpleNamespace(beside=lambda *_, **__: beside()), covariance=None
     )
-    problem = setup(part=lambda _: None, expanded=lambda _: None, **more)
+    problem = problem_with(part=lambda _: None, expanded=lambda _: None, **more)
     return Outcome(problem, tuple(one.chosen for one in steps), steps, weighed, p_value, last)
 
 
@@ -65,7 +65,7 @@ def walked(monkeypatch, start, p_value, answers):
         search,
         "_settled",
         lambda now, steps, chosen: Outcome(
-            now.setup, chosen, steps, now.weighed, now.p_value, now.last
+            now.problem, chosen, steps, now.weighed, now.p_value, now.last
         ),
     )
     monkeypatch.setattr(search, "_exchanged", lambda now, *_: now)
@@ -106,7 +106,7 @@ def warned(at, turns=0):
     )
     return remarks.warnings(
         SimpleNamespace(
-            setup=SimpleNamespace(
+            problem=SimpleNamespace(
                 residual=np.zeros(100),
                 recordings=SimpleNamespace(at=at, meta={}),
                 precision=lambda _: np.zeros(1),
@@ -192,7 +192,7 @@ def test_a_choice_is_exchanged_for_one_twenty_times_likelier(monkeypatch, ahead,
         search,
         "_settled",
         lambda now, steps, chosen: Outcome(
-            now.setup, chosen, steps, now.weighed, now.p_value, now.last
+            now.problem, chosen, steps, now.weighed, now.p_value, now.last
         ),
     )
     end = search._exchanged(outcome(first, last), QUIET)
@@ -226,7 +226,7 @@ def test_a_wrong_size_starts_the_search_again(monkeypatch):
     monkeypatch.setattr(search, "_wrong_sizes", lambda _: wrong.pop(0))
     monkeypatch.setattr(search, "_standing", lambda now, _: now)
     monkeypatch.setattr(search, "_walk", lambda now, *_: now)
-    search.search(setup(), QUIET)
+    search.search(problem_with(), QUIET)
 
     assert banned == [frozenset(), frozenset({"annual_aberration"})]
 
@@ -248,7 +248,7 @@ def test_what_is_found_after_a_drop_has_to_stand_too(monkeypatch):
     monkeypatch.setattr(search, "_standing_of", lambda *_: 5.0)
     monkeypatch.setattr(search, "weigh", lambda *_: None)
 
-    assert search.search(setup(), QUIET).chosen == ()
+    assert search.search(problem_with(), QUIET).chosen == ()
 
 
 def fixed(evidence, times):
@@ -271,7 +271,9 @@ def fixed(evidence, times):
 )
 def test_a_wrong_size_leads_only_by_far(evidence, times, leads):
     """By ten beside the best other, which has thirty, and bent by no more than twice."""
-    found = winner._worth(setup(), [trial("sag_sine", 30.0), fixed(evidence, times)], 0.0, ())
+    found = winner._worth(
+        problem_with(), [trial("sag_sine", 30.0), fixed(evidence, times)], 0.0, ()
+    )
 
     assert (found[0].candidate.effect.id == "annual_aberration") == leads
 
@@ -284,7 +286,7 @@ def test_the_search_asks_no_change_no_shape_and_nothing_banned():
         trial("skew", 20.0),
         trial("sag_sine", 9.0),
     ]
-    found = winner._worth(setup(), trials, 10.0, ("skew",))
+    found = winner._worth(problem_with(), trials, 10.0, ("skew",))
 
     assert [one.candidate.effect.id for one in found] == ["refraction"]
 
@@ -328,7 +330,7 @@ def winning(
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
-    return winner.winner_of(setup(), None, (), (), 0.0, beside=None, banned=(), **options)
+    return winner.winner_of(problem_with(), None, (), (), 0.0, beside=None, banned=(), **options)
 
 
 def turn(*args, **options):
@@ -379,7 +381,7 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
         share=lambda *some: float({one.candidate.effect.id for one in some} <= alike)
     )
     trials = [one.trial for one in RANKED]
-    found = winner.lasting_effects(setup(), WEIGHED, (), trials, (), 0.0, same)
+    found = winner.lasting_effects(problem_with(), WEIGHED, (), trials, (), 0.0, same)
 
     assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 2, 3, 4)]
 
@@ -405,7 +407,7 @@ def test_one_of_several_alike_is_likelier_than_that_one(
     )
     monkeypatch.setattr(winner.classes, "distinct", lambda _, trials, __: list(trials))
     own, other = trial("refraction", 20.0), trial("skew", evidence, scope=scope)
-    given = setup(blocks=SimpleNamespace(antennas=antennas))
+    given = problem_with(blocks=SimpleNamespace(antennas=antennas))
     found = winner.lasting_effects(given, WEIGHED, (), [own, other], (), 0.0, None)
 
     (mine,) = (one for one in found if one.trial is own)
@@ -468,7 +470,7 @@ def test_what_lasts_stands_beside_the_tails_of_either_world(
     others = (Chosen(candidate("skew"), "all"),)
     one = Chosen(candidate(name), "all")
 
-    assert confirming.confirmed(setup(), others, one, 3.0) == pytest.approx(found)
+    assert confirming.confirmed(problem_with(), others, one, 3.0) == pytest.approx(found)
     assert len(asked) == (2 if like_both - 10 > 6 and name == "refraction" else 1)
 
 
@@ -519,7 +521,7 @@ def test_a_short_wave_is_looked_for_by_itself(monkeypatch, sure, least, banned, 
     wave = won("azimuth_harmonics", 20.0)
     monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
     monkeypatch.setattr(winner, "waves_of", lambda *_: [wave])
-    drives = winner._of_drives(setup(), WEIGHED, (), least, banned)
+    drives = winner._of_drives(problem_with(), WEIGHED, (), least, banned)
     found = turn(monkeypatch, drives=drives, sure=sure)
 
     assert (found is not None) == wins
@@ -546,7 +548,7 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure + more))
-    moved = winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
+    moved = winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
 
     joint = sure if sure > 6 else sure + more
     assert [one.trial.evidence for one in moved] == ([joint] if found else [])
@@ -631,7 +633,7 @@ def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, w
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
 
-    assert bool(winner._changes(setup(), WEIGHED, (), (), (), -np.inf)) == weighed
+    assert bool(winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)) == weighed
 
 
 def test_a_change_is_told_from_the_changes_that_it_competed_with(monkeypatch):
@@ -657,7 +659,7 @@ def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
     )
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    found = winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
+    found = winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
 
     assert {one.chosen.candidate.effect.id for one in found} == {
         "drift",
@@ -679,7 +681,7 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
         confirmed_changes.oscillations, "proposed", lambda *given: asked.append(given[-1])
     )
 
-    assert len(winner._changes(setup(), WEIGHED, (), (), (), above)) == found
+    assert len(winner._changes(problem_with(), WEIGHED, (), (), (), above)) == found
     assert asked == [above]
 
 
@@ -710,7 +712,7 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, clocks, asked):
     monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure))
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    winner._changes(setup(), WEIGHED, (), (), (), -np.inf)
+    winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
 
     assert confirmed == ["epoch_tilt", "epoch_clock"][:asked]
 
@@ -721,9 +723,9 @@ def test_a_confirmation_pays_for_its_choice(monkeypatch):
     monkeypatch.setattr(contenders, "confirmed", lambda *given: asked.append(given[-1]) or 0.0)
     monkeypatch.setattr(contenders, "joined", lambda _, chosen, new: (*chosen, new))
     of = candidate("epoch_tilt", choices=7)
-    refined = (setup(), Chosen(of, "all"), 1.0, 3.0)
+    refined = (problem_with(), Chosen(of, "all"), 1.0, 3.0)
     monkeypatch.setattr(contenders, "refine", lambda *_: refined)
-    one = contenders.refined(setup(), None, (), trial("epoch_tilt", of=of))
+    one = contenders.refined(problem_with(), None, (), trial("epoch_tilt", of=of))
     contenders.evidence_anew(one, ())
 
     assert asked == [pytest.approx(3.0 + 2 * np.log(7))]
@@ -754,7 +756,7 @@ def test_in_an_array_the_noise_of_the_turn_counts(monkeypatch, antennas, scope, 
     monkeypatch.setattr(contenders, "confirmed", lambda *_: 50.0)
     blocks, some = SimpleNamespace(antennas=antennas), [candidate(name) for name in NAMES]
     one = won("refraction", 20.0, gain=24.0, noise_dof=8, scope=scope)
-    one = replace(one, setup=setup(blocks=blocks, candidates=some))
+    one = replace(one, problem=problem_with(blocks=blocks, candidates=some))
 
     assert contenders.evidence_anew(one, ()) == pytest.approx(anew, abs=1e-3)
 
@@ -762,7 +764,7 @@ def test_in_an_array_the_noise_of_the_turn_counts(monkeypatch, antennas, scope, 
 def test_an_effect_pays_for_being_one_of_many():
     """A change for the kinds of change, a source for itself too, any other for all lasting."""
     some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
-    problem = setup(candidates=some)
+    problem = problem_with(candidates=some)
 
     assert confirming.among(problem, some[0].effect) == pytest.approx(2 * np.log(2))
     assert confirming.among(problem, some[2].effect) == pytest.approx(2 * np.log(3))
@@ -781,7 +783,7 @@ def test_what_an_effect_leaves_behind_takes_more_than_one_turn(
     monkeypatch.setattr(confirming, "noise", lambda *_, **__: None)
     monkeypatch.setattr(confirming, "estimate", lambda *_, turns, **__: asked.append(turns))
     frame = Frame((), (), (), None)
-    problem = setup(known={}, frame=frame, residual=None, expanded=lambda _: None)
+    problem = problem_with(known={}, frame=frame, residual=None, expanded=lambda _: None)
     some = [Chosen(candidate("skew"), "all")]
     confirming._noise_alike(problem, some[:others], some[:like], departing=departing)
 
@@ -987,7 +989,9 @@ def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
     """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain of what convinces."""
     one = trial(sigma=scale / np.sqrt(10), noise_dof=10**6)
     columns = np.repeat([[2.0], [0.0]], 10, axis=0)  # it acts on one axis, and is read in two
-    problem = setup(picked=lambda _: columns, candidates=[candidate(n) for n in NAMES[:names]])
+    problem = problem_with(
+        picked=lambda _: columns, candidates=[candidate(n) for n in NAMES[:names]]
+    )
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
     assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(gain / 10), rel=0.01)
@@ -996,7 +1000,7 @@ def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
 def test_what_rounding_alone_sees_has_no_limit():
     """Nor has the part of a single antenna."""
     blind, own = trial("skew", sigma=1e101), trial("tilt", scope="antenna")
-    problem = setup(picked=lambda _: np.ones((10, 1)), candidates=())
+    problem = problem_with(picked=lambda _: np.ones((10, 1)), candidates=())
     found = diagnose._limits(problem, SimpleNamespace(last=(trial(), blind, own)))
 
     assert list(found) == ["refraction"]
@@ -1012,7 +1016,7 @@ def test_what_others_made_idle_is_dropped(monkeypatch, evidences, left):
     worth = dict(zip((id(one) for one in some), evidences, strict=True))
     monkeypatch.setattr(winner, "alone", lambda _s, _w, _c, one: trial(evidence=worth[id(one)]))
 
-    assert len(winner.without_idle(setup(), None, some)) == left
+    assert len(winner.without_idle(problem_with(), None, some)) == left
 
 
 @pytest.mark.parametrize(
@@ -1031,7 +1035,7 @@ def test_what_nights_and_sources_may_do_is_confounded_in_a_single_antenna(
     """In an array the others show what the noise does."""
     blocks = SimpleNamespace(antennas=antennas)
 
-    assert case.confounded(setup(blocks=blocks), candidate(effect).effect) == confounded
+    assert case.confounded(problem_with(blocks=blocks), candidate(effect).effect) == confounded
 
 
 @pytest.mark.parametrize(
@@ -1055,10 +1059,10 @@ def test_four_readings_are_left_for_each_coefficient_of_an_antenna(readings, sco
     """Two of thirty antennas; of all together it is tried whatever there is."""
     blocks = Blocks(np.array([f"A{n:02d}" for n in range(30)]), np.full(30, ""))
     one = replace(candidate("tilt"), columns=np.arange(2))
-    setup = SimpleNamespace(
+    problem = SimpleNamespace(
         candidates=(one,), shapes=(), blocks=blocks, residual=np.zeros(readings)
     )
-    asked = winner.trials_of(setup, SimpleNamespace(trials=list))
+    asked = winner.trials_of(problem, SimpleNamespace(trials=list))
 
     assert [scope for _, scope in asked] == ["all", "antenna"][:scopes]
 
@@ -1088,7 +1092,7 @@ def still(setup_):
 def test_changes_are_proposed_beside_noise_that_holds_still():
     """No departures; a memory beyond a session has what it changes within one."""
     part = SimpleNamespace(time=np.arange(20) * 1000.0, first=np.arange(20))
-    problem = setup(session=np.arange(20) // 10, parts=[part])
+    problem = problem_with(session=np.arange(20) // 10, parts=[part])
     found = still(problem)
 
     assert found.departures == ()
@@ -1099,7 +1103,7 @@ def test_changes_are_proposed_beside_noise_that_holds_still():
 def test_within_a_single_session_nothing_drifts():
     """A step in it is then seen as it is."""
     part = SimpleNamespace(time=np.arange(20) * 1000.0, first=np.arange(20))
-    found = still(setup(session=np.zeros(20, int), parts=[part]))
+    found = still(problem_with(session=np.zeros(20, int), parts=[part]))
 
     assert found.noises[0].drifts == ()
 
@@ -1129,7 +1133,7 @@ def proposed(monkeypatch, evidences, **more):
         Chosen(candidate(name), "all")
         for name in ("azimuth_zero", "elevation_zero", "tilt", "sag_cosine", "collimation")
     ]
-    problem = setup(
+    problem = problem_with(
         base=tuple(base),
         picked=lambda which: columns[:, which],
         residual=data,
