@@ -17,7 +17,7 @@ from pyport.noise.series import Noise, Series
 from pyport.pointing import kernel
 
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
-OUTLIER = 1e-9
+NO_WEIGHT = 1e-9
 FAR = 1e4
 
 
@@ -84,7 +84,7 @@ def by_pointing(
             columns, weights = columns[part.order], weights[part.order]
             precision = precision[part.order]
         variance = (noise.between**2 + noise.within**2) / np.maximum(weights * precision, 1e-12)
-        variance = np.where(weights < OUTLIER, FAR, variance)
+        variance = np.where(weights < NO_WEIGHT, FAR, variance)
         return columns, variance, None
     own = _precisions(weights, precision, noise)
     total = np.bincount(part.pointing, own)
@@ -102,7 +102,7 @@ def by_pointing(
     # An outlier says nothing, whatever the noise: its variance must not move with it.
     heaviest = np.zeros(len(count))
     np.maximum.at(heaviest, part.pointing, weights)
-    return means, np.where(heaviest < OUTLIER, FAR, variance), deviations
+    return means, np.where(heaviest < NO_WEIGHT, FAR, variance), deviations
 
 
 def variance_of_means(weights: Array, precision: Array, part: Series, noise: Noise) -> Array:

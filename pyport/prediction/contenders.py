@@ -24,6 +24,7 @@ from pyport.models.model import Model
 from pyport.noise.pointings import pointings
 from pyport.prediction import shrunk
 from pyport.recordings.schema import Recordings, Stack, stack, term_columns
+from pyport.thresholds import FIRST_REACH
 
 #: Multiples of azimuth and of elevation in the list.
 MOST = 8
@@ -142,7 +143,7 @@ def solved(columns: Array, value: Array, is_y: Rows, rows: Rows) -> tuple[Array,
             continue
         there = columns[own][:, np.any(columns[own] != 0, axis=0)]
         floor = robust.rounding(value[own])
-        weight[own], left, _ = robust.weights(there, value[own], shrunk.REACH, floor)
+        weight[own], left, _ = robust.weights(there, value[own], FIRST_REACH, floor)
         spare = max(1.0, float(weight[own].sum()) - there.shape[1])
         size = float(np.sqrt((weight[own] * left**2).sum() / spare))
         scatter[own] = max(size, floor, 1e-12)

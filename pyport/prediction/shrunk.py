@@ -22,6 +22,7 @@ from pyport.angles import DEG, Array
 from pyport.effects.base import Circumstances
 from pyport.least_squares import robust
 from pyport.runs.workers import one_thread
+from pyport.thresholds import FIRST_REACH
 
 #: Waves in elevation stand between these: a little beyond what a telescope can see. [rad]
 LOW, HIGH = -10 * DEG, 100 * DEG
@@ -81,8 +82,6 @@ def columns(at: Circumstances) -> Array:
     )
 
 
-#: Residuals beyond so many sigmas have no weight.
-REACH = 6.0
 #: Heights and lengths are known beforehand to so many e-foldings; heights are half the scatter.
 HEIGHT_SPREAD, LENGTH_SPREAD = 2.0, 0.5
 HALF = np.log(0.5)
@@ -142,12 +141,12 @@ def fit(known: Known, start: Array | None = None) -> Shrunk:
         rows = known.is_y == axis
         own = known.model[rows][:, np.any(known.model[rows] != 0, axis=0)]
         floor = robust.rounding(known.value[rows])
-        weight[rows], left[rows], _ = robust.weights(own, known.value[rows], REACH, floor)
+        weight[rows], left[rows], _ = robust.weights(own, known.value[rows], FIRST_REACH, floor)
     size = max(float(np.sqrt(np.average(left**2, weights=weight + 1e-9))), 1e-30)
     first = _best(known, weight, size, start)
     if weight.min() == 1:
         return first
-    again = robust.flat_weight(_surprise(known, first, weight), 1.0, REACH)
+    again = robust.flat_weight(_surprise(known, first, weight), 1.0, FIRST_REACH)
     return _best(known, again, size, first.logs)
 
 

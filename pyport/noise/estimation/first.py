@@ -11,11 +11,11 @@ from pyport.least_squares import robust
 from pyport.least_squares.gram import spanned
 from pyport.least_squares.robust import most_different
 from pyport.noise.estimation.frame import Frame, floors_of
-from pyport.noise.whitening import OUTLIER
+from pyport.noise.whitening import NO_WEIGHT
 from pyport.thresholds import FIRST_REACH, PER_SHAPE
 
 #: No reading has less weight than this: its deviation can still be told from its whitened one.
-LEAST = 2 * OUTLIER
+LEAST = 2 * NO_WEIGHT
 
 
 #: No more shapes than this: the most different ones draw what the others can.
