@@ -224,7 +224,7 @@ def _time(raw: Raw) -> dict[str, Array]:
     if TIME in raw.columns:
         return {"time": raw.seconds(TIME)}
     if _of_the_day(raw):
-        return {"time": raw.seconds(DAY) + 3600 * raw.numbers(HOUR_OF_DAY)}
+        return {"time": raw.seconds(DAY) + 3600 * raw.hours(HOUR_OF_DAY)}
     return {}
 
 

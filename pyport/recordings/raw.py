@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,10 @@ NINES = (999, 9999, 99999, 999999, 999.9, 999.99, 9999.9, 9999.99)
 #: Header key under which it is said which cells were taken for blank.
 BLANK = "taken_for_blank"
 
+
+#: Times outside are another count of days or of seconds than was thought.
+EARLIEST_S, LATEST_S = (datetime(year, 1, 1, tzinfo=UTC).timestamp() for year in (1950, 2100))
+SINCE = "between 1950 and 2100"
 
 #: Microseconds that a double holds exactly reach this far from 1970.
 _EXACT_US = 2**53
@@ -160,6 +165,8 @@ class Raw:
     line: NDArray[np.int64]  #: the line (or row) of each cell, shape (n,)
     #: Key -> its line in the file.
     key_line: Mapping[str, int] = field(default_factory=dict)
+    #: Name -> the unit that the file gives a column beside its name and that is not yet used.
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def error(self, message: str, row: int | None = None, *, key: str = "") -> BadInput:
         """Return an error that names the file and the line of the row, the key or the header."""
@@ -213,7 +220,11 @@ class Raw:
             try:
                 values[row] = float(cell or "nan")
             except ValueError:
-                wanted = "a number with a decimal point" if "," in cell else "a number or blank"
+                wanted = "a number or blank"
+                if "," in cell:
+                    wanted = "a number with a decimal point"
+                elif ":" in cell:
+                    wanted = "a number with decimals (--columns '...|dms' reads colons)"
                 wrong = f"{name} is {cell!r}, expected {wanted}"
                 raise self.error(wrong, row) from None
         return values
@@ -226,10 +237,19 @@ class Raw:
             return self.words(name)
 
     def seconds(self, name: str) -> Array:
-        """Return ISO 8601 times as seconds (UTC) since 1970, NaN where blank.
+        """Return times as seconds (UTC) since 1970, NaN where blank.
 
-        Raises `BadInput`: a cell is neither blank nor an ISO 8601 time.
+        Raises `BadInput`: a cell is neither blank nor a time as `seconds_of` reads it, or one that
+          no telescope has recorded.
         """
+        values = self._seconds(name)
+        if np.any(beyond := (values < EARLIEST_S) | (values >= LATEST_S)):
+            row = int(np.argmax(beyond))
+            told = str(self.columns[name][row]).strip()
+            raise self.error(f"{name} is {told!r}, expected a time {SINCE}", row)
+        return values
+
+    def _seconds(self, name: str) -> Array:
         cells = self.columns[name]
         if isinstance(cells, TextColumn):
             if (values := cells.seconds()) is not None:
@@ -246,9 +266,24 @@ class Raw:
             try:
                 seconds[row] = seconds_of(cell)
             except ValueError:
-                wanted = "expected ISO 8601 such as 2003-06-01T18:37:12Z"
-                raise self.error(f"{name} is {cell!r}, {wanted}", row) from None
+                raise self.error(f"{name} is {cell!r}, expected {a_time(cell)}", row) from None
         return seconds
+
+    def hours(self, name: str) -> Array:
+        """Return hours of the day, which are numbers or h:m:s, NaN where blank.
+
+        Raises `BadInput`: a cell is neither.
+        """
+        cells = self.columns[name]
+        if cells.dtype.kind in "fiub" or not any(":" in str(cell) for cell in cells.tolist()):
+            return self.numbers(name)
+        values = np.full(len(self.line), np.nan)
+        for row, cell in enumerate(self.words(name).tolist()):
+            try:
+                values[row] = hours_of(cell or "nan")
+            except ValueError:
+                raise self.error(f"{name} is {cell!r}, expected hours or h:m:s", row) from None
+        return values
 
     def refuse(self, wrong: NDArray[np.bool_], message: str) -> None:
         """Raise `BadInput` at the first row where `wrong` holds."""
@@ -257,12 +292,75 @@ class Raw:
 
 
 def seconds_of(moment: str | datetime) -> float:
-    """Return a time, ISO 8601 where it is text, as seconds since 1970; UTC unless it tells a zone.
+    """Return a time as seconds since 1970; UTC unless it tells a zone.
+
+    Text is ISO 8601, or has the day as `2024.001.18:00:00` (of the year), `01.02.2024` or
+    `01-feb-2024`.
 
     Raises `ValueError`: the text is none.
     """
-    instant = datetime.fromisoformat(moment) if isinstance(moment, str) else moment
+    instant = _instant(moment.strip()) if isinstance(moment, str) else moment
     return (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).timestamp()
+
+
+#: A day of the year with a time: without one it could be a year with decimals.
+_DAY_OF_YEAR = re.compile(r"(\d{4})\.(\d{3})\.(\d\d:\d\d.*)")
+#: Points between digits, or the name of the month: others do not say which is the month.
+_DAY_FIRST = re.compile(r"(\d\d?)(?:\.(\d\d?)\.|[- ]([a-z]{3})[- ])(\d{4})(.*)", re.IGNORECASE)
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+
+
+def _instant(text: str) -> datetime:
+    if found := _DAY_OF_YEAR.fullmatch(text):
+        year, day, clock = found.groups()
+        first = datetime.fromisoformat(f"{year}-01-01T{clock}")
+        instant = first + timedelta(days=int(day) - 1)
+        if instant.year != first.year:
+            raise ValueError(text)
+        return instant
+    if found := _DAY_FIRST.fullmatch(text):
+        date, number, name, year, clock = found.groups()
+        month = int(number) if number else 1 + _MONTHS.index(name.lower())
+        text = f"{year}-{month:02d}-{int(date):02d}{clock}"
+    return datetime.fromisoformat(text)
+
+
+def a_time(instead: str) -> str:
+    """Return what was expected instead of a text that is no time."""
+    order = ": day and month could be exchanged" if "/" in instead else ""
+    return f"ISO 8601 such as 2003-06-01T18:37:12Z{order}"
+
+
+_COLONS = re.compile(r"([-+]?)(\d{1,3}):([0-5]?\d)(?::([0-5]?\d(?:\.\d*)?))?")
+
+
+def sexagesimal(text: str) -> float:
+    """Return the degrees of d:m:s or the hours of h:m:s, seconds or none.
+
+    Raises `ValueError`: the text is neither.
+    """
+    found = _COLONS.fullmatch(text)
+    if found is None:
+        raise ValueError(text)
+    sign, whole, minutes, seconds = found.groups()
+    value = int(whole) + int(minutes) / 60 + float(seconds or 0) / 3600
+    return -value if sign == "-" else value
+
+
+def hours_of(text: str) -> float:
+    """Return the hours of a number or of h:m:s.
+
+    Raises `ValueError`: the text is neither.
+    """
+    return sexagesimal(text) if ":" in text else float(text)
+
+
+def is_hours(text: str) -> bool:
+    """Tell whether a text is an hour of the day, as `hours_of` reads it."""
+    try:
+        return 0 <= hours_of(text) <= 24
+    except ValueError:
+        return False
 
 
 def without_blanks(name: str, values: Array, blank: list[str]) -> Array:
