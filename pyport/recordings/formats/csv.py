@@ -154,8 +154,21 @@ LONGEST_LINE, LARGEST_TEXT, MOST_COLUMNS = 16 * 2**20, 2**30, 10_000
 _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
 
 
-#: How a file packed by gzip begins, and what is said of one: nothing is unpacked here.
-GZIP, PACKED = b"\x1f\x8b", "packed by gzip, expected it unpacked: gunzip it"
+#: How files begin that are no text, and what is said of them: nothing is unpacked here.
+_NO_TEXT = {
+    b"\x1f\x8b": "packed by gzip, expected it unpacked: gunzip it",
+    b"SIMPLE  =": "a FITS file, expected a table as text: of one that holds a table, "
+    "astropy's Table.read('FILE.fits').write('FILE.ecsv') makes it",
+}
+
+
+def refuse_packed(path: Path) -> None:
+    """Refuse a file that begins as gzip or FITS does, with what to do about it."""
+    with path.open("rb") as file:
+        beginning = file.read(max(map(len, _NO_TEXT)))
+    for begins, wrong in _NO_TEXT.items():
+        if beginning.startswith(begins):
+            raise BadInput(wrong, path)
 
 
 def read_text(path: Path) -> str:
@@ -164,9 +177,8 @@ def read_text(path: Path) -> str:
     Raises `BadInput`: the file is empty, is no text, or is larger or has a longer line than any
       that a telescope fills; of such a one no more is read than tells so.
     """
+    refuse_packed(path)
     content = _content(path)
-    if content.startswith(GZIP):
-        raise BadInput(PACKED, path)
     place = content.find(b"\0")
     if place < 0:
         try:

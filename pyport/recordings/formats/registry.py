@@ -79,6 +79,8 @@ FORMATS = {
         TableFormat("katpoint-csv", "", katpoint_csv.read, katpoint_csv.write),
     )
 }
+#: Under any other suffix a map of columns is that of a delimited text.
+_WITH_TYPES = (".ecsv", ".parquet")
 BY_SUFFIX = {one.suffix: one for one in FORMATS.values() if one.suffix}
 
 
@@ -113,14 +115,13 @@ def _collector_paused() -> Iterator[None]:
 def _read(
     path: Path, name: str, columns: tuple[str, ...], mapping: Mapping[str, str] | None
 ) -> Raw:
-    if mapping:
-        kept = FORMATS[name] if name in FORMATS else BY_SUFFIX.get(path.suffix.lower())
-        if kept is None or kept.name == "csv":
-            return mapped.read(path, mapping)
-        return mapped.mapped(kept.read(path), mapping)
-    if path.suffix.lower() == ".gz" and not name:
-        raise BadInput(csv.PACKED, path)
+    if mapping and not name and path.suffix.lower() not in _WITH_TYPES:
+        return mapped.read(path, mapping)
     one = format_of(path, name)
+    if mapping:
+        if one.name == "csv":
+            return mapped.read(path, mapping)
+        return mapped.mapped(one.read(path), mapping)
     if columns:
         if one.name != "csv":
             raise BadInput("the format of this file names its columns itself: leave them out", path)
@@ -153,6 +154,8 @@ def format_of(path: Path, name: str = "", *, to_write: bool = False) -> TableFor
     try:
         return BY_SUFFIX[path.suffix.lower()]
     except KeyError:
+        if not to_write:
+            csv.refuse_packed(path)
         known = [suffix for suffix, one in BY_SUFFIX.items() if one.write or not to_write]
         wrong = f"suffix {path.suffix!r} names no format, expected {', '.join(known)}"
         way = "" if to_write else "; --columns reads any other table"
