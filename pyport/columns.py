@@ -68,7 +68,25 @@ def _label(name: str, called: str = "", also: tuple[str, ...] = ()) -> Column:
     return Column(name, name.replace("_", " "), LABEL, "", 1.0, called=called, also=also)
 
 
-_OFF = "d|delta|off(set)?|err(or)?|pnt"
+_OFF = "d|delta|(coll?(imation)?_?)?off(s|set)?|pnt"
+_ERR = "err(ors?)?|sigma|std(dev)?|rms|unc(ertainty)?"
+_AZ, _EL = "az|azm|azim(uth)?", "el|elev(ation)?|alt|altitude"
+_XEL = r"xel|az_?cos_?el?|cross_?el(evation)?"
+
+
+def _offset(axis: str, behind: str) -> str:
+    """Return the pattern of an offset along one of the axes, or behind one of them."""
+    return rf"({_OFF})_?({axis})|({behind})_?off(s|set)?"
+
+
+def _error(axis: str) -> str:
+    """Return the pattern of the error of a direction or of an offset: never that of an offset."""
+    return (
+        rf"({_ERR}|e)_?(({_OFF})_?)?({axis})"
+        rf"|(({_OFF})_?)?({axis})_?(off(s|set)?_?)?({_ERR})"
+    )
+
+
 SCAN_RATE_UNIT = ARCMIN / 60
 TIME = "time_utc"
 #: A day and an hour of it, which together are a time.
@@ -83,7 +101,7 @@ COLUMNS: tuple[Column, ...] = (
     Column(
         "az", "azimuth", written="az_deg",
         also=("azimuth", "azimuth_deg", "az_true_deg"),
-        called="az(imuth)?(d|deg)?|az_?(true|cmd|obs)",
+        called=rf"({_AZ})d?|az_?(true|cmd|obs)",
     ),
     Column(
         "el", "elevation", written="el_deg",
@@ -91,36 +109,31 @@ COLUMNS: tuple[Column, ...] = (
             *("elevation", "elevation_deg", "alt", "alt_deg", "altitude", "altitude_deg"),
             "el_true_deg",
         ),
-        called="(el(evation)?|alt(itude)?)(d|deg)?|el_?(true|cmd|obs)",
+        called=rf"({_EL})d?|el_?(true|cmd|obs)",
     ),
     Column(
         "d_xel", "cross-elevation offset",
         also=("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel"),
-        called=rf"({_OFF})_?(x|xel|azcosel|cross_?el(evation)?)|az_?cos_?el"
-        r"|(xel|cross_?el(evation)?)_?(off(s|set)?|err(or)?)",
+        called=rf"{_offset(f'x|{_XEL}', _XEL)}|az_?cos_?el",
     ),
     Column(
         "d_az", "azimuth offset",
         also=("daz", "d_azimuth", "d_azim", "delta_az"),
-        called=rf"({_OFF})_?(az|azimuth)|(az|azimuth)_?(off(s|set)?|err(or)?)",
+        called=_offset(_AZ, _AZ),
     ),
     Column(
         "d_el", "elevation offset",
         also=("d_alt", "dalt", "del", "d_elevation", "d_elev", "delta_el", "delta_alt"),
-        called=rf"({_OFF})_?(y|el|alt|elevation|altitude)"
-        r"|(el|alt|elevation|altitude)_?(off(s|set)?|err(or)?)",
+        called=_offset(f"y|{_EL}", _EL),
     ),
     Column(
         "d_zd", "zenith distance offset",
         also=("dzd", "d_za", "d_zenith_distance", "delta_zd"),
         called=rf"({_OFF})_?(zd|za|zenith(_?distance)?)",
     ),
-    Column(
-        "sigma_xel", "error across", called=r"(sigma|std|e)_?(x|xel)|(delta_)?xel_?std"
-    ),
-    Column(
-        "sigma_el", "error of elevation", called=r"(sigma|std|e)_?(y|el)|(delta_)?el(evation)?_?std"
-    ),
+    Column("sigma_xel", "error across", called=_error(f"x|{_XEL}")),
+    Column("sigma_az", "error of azimuth", called=_error(_AZ)),
+    Column("sigma_el", "error of elevation", called=_error(f"y|{_EL}")),
     _label("source", "source|target|object|star|name|src"),
     _label("session", "session|night|run|dataset"),
     _label("antenna", "antenna|ant|dish|telescope"),
