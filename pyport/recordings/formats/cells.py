@@ -1,7 +1,9 @@
-"""The cells of a column of any table, in the unit that its name tells."""
+"""The cells of a column of any table, in the unit that its name tells; how tables spell units."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -104,3 +106,62 @@ def _many(cell: object) -> bool:
 def _blank(cell: object) -> bool:
     """Tell whether a cell is None, NaN, NaT or such."""
     return cell is None or cell != cell or str(cell) in {"<NA>", "NaT"}  # noqa: PLR0124
+
+
+#: Units of angle that the contract has no column in: they are recognised to be refused.
+_UNKNOWN = ("urad", "mrad", "mas")
+#: Units of angle as tables spell them -> as the contract does.
+_SPELLED = {
+    **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), "deg"),
+    **dict.fromkeys(("arcmin", "arcmins", "arcminutes", "'"), "arcmin"),
+    **dict.fromkeys(("arcsec", "arcsecs", "arcseconds", '"', "''"), "arcsec"),
+    **dict.fromkeys(("mdeg", "millideg"), "mdeg"),
+    **dict.fromkeys(("rad", "rads", "radian", "radians"), "rad"),
+    **dict.fromkeys(("h", "hours", "hourangle"), "h"),
+    **{one: one for one in _UNKNOWN},
+}
+#: Other things that stand in a line of units.
+_OTHERS = frozenset(
+    (
+        *("-", "--", "utc", "ut", "ut1", "tai", "mjd", "jd", "d", "day", "days", "min", "s", "sec"),
+        *("k", "c", "degc", "°c", "f", "hpa", "mbar", "mb", "pa", "%", "pct", "m", "mm", "um"),
+        *("cm", "m/s", "km/h", "hz", "mhz", "ghz", "jy", "mjy", "mjy/beam", "v", "mv", "db"),
+    )
+)
+_BRACKETS = re.compile(r"\s*[\[(][^\[\]()]*[\])]$")
+#: Units that names end in; letters before `rad` would be another word.
+_ENDING = re.compile(r"(arcsec|arcmin|mdeg|deg|(?<![a-z])[um]?rad)$")
+
+
+def angle_unit(text: str) -> str:
+    """Return a unit of angle as the contract spells it, "" where a text is none."""
+    return _SPELLED.get(text.strip().lower(), "")
+
+
+def parted(name: str) -> tuple[str, str]:
+    """Return a column's name in small letters, without brackets and unit of angle; and the unit."""
+    plain = name.strip().lower()
+    unit = in_brackets(plain)
+    plain = _BRACKETS.sub("", plain)
+    ending = None if unit else _ENDING.search(plain)
+    return (plain, unit) if ending is None else (plain[: ending.start()], ending[0])
+
+
+def in_brackets(text: str) -> str:
+    """Return the unit of angle that stands in brackets in a text, "" for none."""
+    return next(filter(None, map(angle_unit, re.findall(r"[\[(]([^\[\]()]*)[\])]", text))), "")
+
+
+def are_units(cells: Sequence[str]) -> bool:
+    """Tell whether the cells of a line are units or blank, and some of them those of angles."""
+    plain = {cell.strip().strip("[]()").strip().lower() for cell in cells}
+    return bool(plain & _SPELLED.keys()) and plain <= _SPELLED.keys() | _OTHERS | {""}
+
+
+def joined(line: str) -> str:
+    """Return a line of names that blanks separate with each unit joined to its name."""
+    return re.sub(
+        r"(?<=[^\s\])])\s+([\[(]\s*[^\s\[\]()]*\s*[\])])",
+        lambda found: found[1] if in_brackets(found[1]) else found[0],
+        line,
+    )

@@ -2,8 +2,8 @@
 
 A map has an entry for each column that is wanted: its name here, and where it comes from. That is
 a column's name (a format behind it in brackets, as in `AZd(f0)`, may be left out) or number, from
-1; `-NAME` for the opposite sign, and `NAME|date`, `|mjd`, `|jd`, `|unix` for a part of a text or
-another count of time.
+1; `-NAME` for the opposite sign, and `NAME|date`, `|mjd`, `|jd`, `|unix`, `|dms` for a part of a
+text, another count of time, or degrees with colons.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.angles import RADIANS_PER
 from pyport.columns import (
     ANGLE,
     COLUMNS,
@@ -33,9 +34,19 @@ from pyport.columns import (
 )
 from pyport.errors import BadInput
 from pyport.files import write_file
+from pyport.recordings.formats.cells import angle_unit, in_brackets, parted
 from pyport.recordings.formats.csv import read_text
 from pyport.recordings.formats.sheet import Sheet, sheet
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import (
+    EARLIEST_S,
+    LATEST_S,
+    SINCE,
+    Raw,
+    a_time,
+    is_hours,
+    seconds_of,
+    sexagesimal,
+)
 from pyport.toml_text import toml_spelled
 
 _FORMAT = re.compile(r"\([^()]*\)$")
@@ -50,53 +61,76 @@ def read(path: Path, columns: Mapping[str, str]) -> Raw:
     Raises `BadInput`: it is no table, or has not what the map says.
     """
     table = sheet(path)
+    cells = {str(n + 1): table.column(n) for n in range(len(table.rows[0]))}
+    units = {str(n): one for n, one in enumerate(table.units, 1) if one}
+    lines = np.array(table.lines, np.int64)
     return mapped(
-        Raw(
-            path,
-            table.meta,
-            table.header_line,
-            {
-                name: table.column(n)
-                for n, name in enumerate(table.names or map(str, range(1, len(table.rows[0]) + 1)))
-            },
-            np.array(table.lines, np.int64),
-        ),
-        columns,
-        numbered=True,
+        Raw(path, table.meta, table.header_line, cells, lines, units=units), columns, table.names
     )
 
 
-def mapped(raw: Raw, columns: Mapping[str, str], *, numbered: bool = False) -> Raw:
+def mapped(raw: Raw, columns: Mapping[str, str], names: Sequence[str] = ()) -> Raw:
     """Return the cells of a table under the contract's names, those that a map names.
 
-    Raises `BadInput`: the map names a column that the table has not, or one that is none here.
+    `names`: what the columns are called where `raw` has them under their numbers.
+
+    Raises `BadInput`: the map names a column that the table has not or has twice, one that is none
+      here, or another unit than the table.
     """
     found: dict[str, NDArray[Any]] = {}
+    called = dict(zip(raw.columns, names or raw.columns, strict=False))
     for ours, theirs in columns.items():
         _check(ours)
         name, _, part = theirs.partition("|")
         negative = name.startswith("-")
-        cells = _found(raw, name.lstrip("-").strip(), numbered=numbered)
+        key = _found(raw, ours, name.lstrip("-").strip(), called)
+        told = _unit(called.get(key, ""), raw.units.get(key, ""), raw.meta)
+        _refuse_other_unit(raw, ours, theirs, told)
+        cells = np.asarray(raw.columns[key])
         if part:
             if part.strip() not in PARTS:
                 raise BadInput(f"--columns {ours}={theirs}: expected one of {', '.join(PARTS)}")
-            cells = _each(raw, ours, cells, PARTS[part.strip()])
-        found[ours] = _each(raw, ours, cells, _negated) if negative else cells
+            cells = _each(raw, ours, cells, PARTS[part.strip()], _EXPECTED[part.strip()])
+        found[ours] = _each(raw, ours, cells, _negated, "a number") if negative else cells
     return replace(raw, columns=found)
 
 
-def _found(raw: Raw, name: str, *, numbered: bool) -> NDArray[Any]:
-    """Return a column by its name, with or without a format behind it, or by its number."""
+def _found(raw: Raw, ours: str, name: str, called: Mapping[str, str]) -> str:
+    """Return which column has a name, without a format or a unit behind it too, or a number."""
+    bare = {key: _FORMAT.sub("", one).strip() for key, one in called.items()}
+    of_angles = {key: one.rpartition("_")[0] for key, one in bare.items() if angle_of(one)}
+    for names in (called, bare, of_angles):
+        alike = [key for key, one in names.items() if one == name]
+        if len(alike) > 1:
+            which = f"{', '.join(alike[:-1])} and {alike[-1]}"
+            wanted = f"expected one of them, such as {ours}={alike[0]}"
+            raise raw.error(f"--columns: columns {which} are called {name!r}, {wanted}")
+        if alike:
+            return alike[0]
     if name in raw.columns:
-        return np.asarray(raw.columns[name])
-    bare = {_FORMAT.sub("", one).strip(): one for one in raw.columns}
-    if name in bare:
-        return np.asarray(raw.columns[bare[name]])
-    if numbered and name.isdigit() and 1 <= int(name) <= len(raw.columns):
-        return np.asarray(list(raw.columns.values())[int(name) - 1])
-    near = difflib.get_close_matches(name, bare, 1)
-    meant = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(list(bare)[:20])}"
+        return name
+    near = difflib.get_close_matches(name, bare.values(), 1)
+    meant = f"did you mean {near[0]!r}?" if near else f"it has {', '.join([*bare.values()][:20])}"
+    if "1" in called and all(key == one for key, one in called.items()):
+        meant = f"no line of names was found, expected a number from 1 to {len(called)}"
     raise raw.error(f"--columns: no column {name!r}: {meant}")
+
+
+def _refuse_other_unit(raw: Raw, ours: str, theirs: str, told: str) -> None:
+    """Refuse an angle in another unit than the file gives its column, "" where it gives none."""
+    quantity, _, unit = ours.rpartition("_")
+    if unit not in RADIANS_PER or told in {"", unit}:
+        return
+    other = f"numbers in {', '.join(_UNITS)}"
+    expected = f"{quantity}_{told}={theirs}" if told in RADIANS_PER else other
+    raise raw.error(f"--columns {ours}={theirs}: the file has it in {told}, expected {expected}")
+
+
+def _unit(name: str, beside: str, meta: Mapping[str, str]) -> str:
+    """Return the unit that a table gives a column: beside its name, in it, or in the header."""
+    told = meta.get(_FORMAT.sub("", name).strip(), "")
+    own = angle_unit(beside.strip("[]() ")) or parted(name)[1]
+    return own or in_brackets(told)
 
 
 def _check(ours: str) -> None:
@@ -107,14 +141,16 @@ def _check(ours: str) -> None:
         raise BadInput(f"--columns {ours}=...: did you mean {right!r}?")
 
 
-def _each(raw: Raw, name: str, cells: NDArray[Any], change: Callable[[str], str]) -> NDArray[Any]:
+def _each(
+    raw: Raw, name: str, cells: NDArray[Any], change: Callable[[str], str], expected: str
+) -> NDArray[Any]:
     out = []
     for row, cell in enumerate(cells.tolist()):
         text = str(cell).strip()
         try:
             out.append(change(text) if text else "")
         except (ValueError, OverflowError):
-            raise raw.error(f"{name} is {text[:40]!r}, expected what the map says", row) from None
+            raise raw.error(f"{name} is {text[:40]!r}, expected {expected}", row) from None
     return np.array(out, object)
 
 
@@ -130,6 +166,8 @@ def _negated(text: str) -> str:
 
 
 def _moment(seconds: float) -> str:
+    if not EARLIEST_S <= seconds < LATEST_S:
+        raise ValueError(seconds)
     return datetime.fromtimestamp(seconds, UTC).isoformat().replace("+00:00", "Z")
 
 
@@ -139,6 +177,15 @@ PARTS: dict[str, Callable[[str], str]] = {
     "mjd": lambda text: _moment((float(text) - _MJD_OF_1970) * 86400),
     "jd": lambda text: _moment((float(text) - _JD_OF_1970) * 86400),
     "unix": lambda text: _moment(float(text)),
+    "dms": lambda text: repr(sexagesimal(text)),
+}
+#: What is expected of the column then.
+_EXPECTED = {
+    "date": "a date such as 2015-02-23 in it",
+    "mjd": f"days since 1858-11-17 (MJD) {SINCE}: 33282 to 88069",
+    "jd": f"days of a Julian date {SINCE}: 2433282.5 to 2488069.5",
+    "unix": f"seconds since 1970 {SINCE}: -631152000 to 4102444800",
+    "dms": "degrees:minutes:seconds, or hours",
 }
 
 
@@ -189,9 +236,7 @@ _CALLED: tuple[tuple[str, str], ...] = (
     (r"(time_?)?mjd(_?utc)?", f"{TIME}|mjd"),
     (r"(time_?)?jd(_?utc)?", f"{TIME}|jd"),
 )
-_UNITS = ("arcsec", "arcmin", "mdeg", "deg", "rad")
-#: A unit as a header or a name tells it of a column: `offset_az: observed - true [deg]`.
-_TOLD = re.compile(rf"\s*[\[(]({'|'.join(_UNITS)})[\])]")
+_UNITS = tuple(one for one in RADIANS_PER if one != "h")
 #: What the header says of an offset that is counted the other way: the place less what was read.
 _OPPOSITE = re.compile(
     r"(true|catalog\w*|command\w*|demand\w*)\s*(-|minus)\s*(obs|meas|read|enc)\w*"
@@ -199,17 +244,19 @@ _OPPOSITE = re.compile(
 
 
 #: Columns that have one name and unit, ours.
-_OURS = LABELS | NUMBERS | {TIME, DAY, HOUR_OF_DAY, SCAN_RATE, "wind_az_deg"}
+_TIMES = {TIME, DAY, HOUR_OF_DAY}
+_OURS = LABELS | NUMBERS | _TIMES | {SCAN_RATE, "wind_az_deg"}
 
 
-def propose(table: Sheet) -> dict[str, str]:
+def propose(table: Sheet, doubts: list[str] | None = None) -> dict[str, str]:
     """Return a map of columns by what their names say; angles without a unit are guessed.
 
     Unit and sign are the name's, or the header's of it; else directions are taken for degrees,
     offsets for arcseconds and as observed less true. A date with a time of day is the time, a label
-    that begins with a date tells the session.
+    that begins with a date tells the session. Times that would not be read are added to `doubts`.
     """
-    found = _by_names(table.names, table.meta)
+    doubts = [] if doubts is None else doubts
+    found = _by_names(table, doubts)
     if not found:
         return {}
     first = zip(table.names, next(iter(table.rows), ()), strict=False)
@@ -221,38 +268,70 @@ def propose(table: Sheet) -> dict[str, str]:
     moments = [name for name, cell in dated.items() if _ISO.fullmatch(cell)]
     if moments and not {TIME, DAY} & set(found):
         found[TIME] = moments[0]
-    if dated and not {"session", TIME} & set(found):
-        day = f"{next(iter(dated))}|date"
-        found["session"] = day
+    if dated and not {"session", TIME} & set(found) and not {DAY, HOUR_OF_DAY} <= set(found):
+        found["session"] = f"{next(iter(dated))}|date"
         if HOUR_OF_DAY in found:
-            found.setdefault(DAY, day)
+            found[DAY] = found["session"]
+    if HOUR_OF_DAY in found and DAY not in found:
+        doubts.append(f"{found.pop(HOUR_OF_DAY)} has hours of a day, expected a column of days too")
     return found
 
 
-def _by_names(names: Sequence[str], told: Mapping[str, str]) -> dict[str, str]:
+#: Columns that are left out where the other one is there.
+_INSTEAD = (("d_xel", "d_az"), ("sigma_xel", "sigma_az"), (TIME, DAY), (TIME, HOUR_OF_DAY))
+
+
+def _by_names(table: Sheet, doubts: list[str]) -> dict[str, str]:
+    """Return the columns that names say, by their numbers where a name stands there twice."""
     found: dict[str, str] = {}
-    for name in names:
-        bare = _FORMAT.sub("", name).strip()
-        said = told.get(bare, "").lower()
-        if angle_of(bare) is not None or bare in _OURS:
-            found[bare] = bare
-            continue
-        spoken = _TOLD.sub("", bare.lower())
-        unit = next((one for one in _UNITS if spoken.endswith(one)), "")
-        plain = re.sub(r"[.\s\-]+", "_", spoken.removesuffix(unit)).strip("_")
-        if not unit and (there := _TOLD.search(name.lower()) or _TOLD.search(said)):
-            unit = there[1]
-        for pattern, quantity in _CALLED:
-            if re.fullmatch(pattern, plain) is None:
-                continue
-            ours, _, part = quantity.partition("|")
-            if ours not in _OURS:
-                offset = ours.startswith(("d_", "sigma_"))
-                ours = f"{ours}_{unit or ('arcsec' if offset else 'deg')}"
-            if ours not in found or "true" in plain:
-                sign = "-" if ours.startswith("d_") and _OPPOSITE.search(said) else ""
-                found[ours] = sign + bare + (f"|{part}" if part else "")
-            break
-    if any(one.startswith("d_xel") for one in found):
-        found = {key: value for key, value in found.items() if not key.startswith("d_az")}
+    bare_names = [_FORMAT.sub("", name).strip() for name in table.names]
+    for n, bare in enumerate(bare_names):
+        here = bare if bare_names.count(bare) == 1 else str(n + 1)
+        ours, _, part = _meant(table, n, bare, doubts).partition("|")
+        if ours and (ours not in found or "true" in bare.lower()):
+            said = table.meta.get(bare, "").lower()
+            turned = ours.startswith("d_") and ours != bare and _OPPOSITE.search(said)
+            found[ours] = ("-" if turned else "") + here + (f"|{part}" if part else "")
+    for better, other in _INSTEAD:
+        if any(one.startswith(better) for one in found):
+            found = {key: value for key, value in found.items() if not key.startswith(other)}
     return found
+
+
+def _meant(table: Sheet, n: int, bare: str, doubts: list[str]) -> str:
+    """Return the contract's name of a column, with a part behind it, "" for none."""
+    plain = re.sub(r"[.\s\-*]+", "_", parted(table.names[n])[0]).strip("_")
+    called = (quantity for pattern, quantity in _CALLED if re.fullmatch(pattern, plain))
+    known = angle_of(bare) is not None or bare in _OURS
+    ours = bare if known else next(called, "")
+    cell = next(filter(None, table.column(n)), "")
+    if ours.partition("|")[0] in _TIMES:
+        kind = _kind_of_time(ours, cell)
+        if cell and not kind:
+            expected = _EXPECTED.get(ours.partition("|")[2], a_time(cell))
+            doubts.append(f"{bare} has {cell[:40]!r}, expected {expected}")
+        return kind
+    colons = "|dms" if ":" in cell else ""
+    if known or not ours or ours in _OURS:
+        return ours + (colons if angle_of(ours) else "")
+    unit = _unit(table.names[n], "".join(table.units[n : n + 1]), table.meta)
+    ours = f"{ours}_{unit or ('arcsec' if ours.startswith(('d_', 'sigma_')) else 'deg')}"
+    if angle_of(ours) is None:
+        doubts.append(f"{bare} is in {unit}, expected numbers in {', '.join(_UNITS)}")
+        return ""
+    return ours + colons
+
+
+def _kind_of_time(quantity: str, cell: str) -> str:
+    """Return whether a cell is a time, a day or its hours, "" for nothing that is read."""
+    ours, _, part = quantity.partition("|")
+    try:
+        if part:
+            PARTS[part](cell)
+            return quantity
+        if ours != DAY and is_hours(cell):
+            return HOUR_OF_DAY
+        seconds_of(cell)
+    except (ValueError, OverflowError):
+        return ""
+    return TIME if ":" in cell else DAY

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.errors import BadInput
+from pyport.recordings.formats.cells import are_units, joined
 from pyport.recordings.formats.csv import comment, read_text
 
 #: Signs between columns, in the order in which they are tried; None for blanks.
@@ -22,7 +24,10 @@ LOOKED_AT = 50
 
 @dataclass(frozen=True)
 class Sheet:
-    """A delimited table: header keys, names ("" where it has none), cells, and lines."""
+    """A delimited table: header keys, names ("" where it has none), cells, and lines.
+
+    `units` are those of a line below the names, "" where it tells none, empty without such a line.
+    """
 
     path: Path
     meta: dict[str, str]
@@ -30,6 +35,7 @@ class Sheet:
     header_line: int
     rows: list[list[str]]
     lines: list[int]
+    units: tuple[str, ...] = ()
 
     def column(self, n: int) -> NDArray[Any]:
         """Return a column's cells."""
@@ -42,26 +48,24 @@ def sheet(path: Path) -> Sheet:
     Raises `BadInput`: it is no table: rows have different numbers of cells, however they are taken.
     """
     meta, remarks, body = _lines(path)
-    widths = {one: _consistent(body, one) for one in DELIMITERS}
-    # a decimal comma stands in the rows, and not between the names above them
-    as_named = {one for one, n in widths.items() if len(_cells(body[0][1], one)) == n > 1}
-    delimiter, width = max(widths.items(), key=lambda one: (one[0] in as_named, one[1]))
-    if width < 2:
-        wanted = "expected a table delimited by commas, semicolons, tabs, bars or blanks"
-        raise BadInput(f"rows have different numbers of cells: {wanted}", path, body[0][0])
+    delimiter, width = _delimited(path, body)
     rows = [_cells(text, delimiter) for _, text in body]
     lines = [number for number, _ in body]
-    names, header = _names(rows, remarks, delimiter)
+    names, header = _names(rows, remarks, delimiter, width)
     if header == 0 and names:
         header, rows, lines = lines[0], rows[1:], lines[1:]
+    told: tuple[str, ...] = ()
+    if names and len(rows) > 1 and len(rows[0]) == width and are_units(rows[0]):
+        told, rows, lines = tuple(rows[0]), rows[1:], lines[1:]
     if len(names) > width:
         raise BadInput(f"{len(names)} names above rows of {width} cells", path, max(header, 1))
     for row, line in zip(rows, lines, strict=True):
         if len(row) != width:
-            raise BadInput(f"{len(row)} cells, expected {width} as in the others", path, line)
+            count = f"{len(row)} cell{'s' * (len(row) != 1)}"
+            raise BadInput(f"{count}, expected {width} as in the others", path, line)
     if not rows:
         raise BadInput("no rows below the column names", path, header)
-    return Sheet(path, meta, names, max(header, 1), rows, lines)
+    return Sheet(path, meta, names, max(header, 1), rows, lines, told)
 
 
 def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, str]], list[tuple[int, str]]]:
@@ -71,41 +75,57 @@ def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, str]], list[tupl
     body: list[tuple[int, str]] = []
     for number, line in enumerate(read_text(path).splitlines(), 1):
         text = line.strip()
-        pair = comment(text) if text.startswith("#") else None
-        if pair is not None:
-            meta[pair[0]] = pair[1]
-        elif text.startswith("#") and not body:
-            remarks.append((number, text.lstrip("#").strip()))
-        elif text and not text.startswith("#"):
-            body.append((number, text))
+        if text.startswith(("#", "!")):
+            pair = comment(text.lstrip("#!"))
+            if pair is not None:
+                meta[pair[0]] = pair[1]
+            elif not body:
+                remarks.append((number, text.lstrip("#!").strip()))
+        elif text:
+            body.append((number, line.strip(" ")))
     if not body:
         raise BadInput("no rows, expected a table", path)
     return meta, remarks, body
 
 
-def _consistent(body: Sequence[tuple[int, str]], delimiter: str | None) -> int:
-    """Return how many cells each row has, 0 where they differ."""
-    counts = {len(_cells(text, delimiter)) for _, text in body[1:LOOKED_AT] or body}
-    return counts.pop() if len(counts) == 1 else 0
+def _delimited(path: Path, body: Sequence[tuple[int, str]]) -> tuple[str | None, int]:
+    """Return the sign between columns and how many there are, of most rows if not of all."""
+    found = []
+    for one in DELIMITERS:
+        counts = [len(_cells(text, one)) for _, text in body[1:LOOKED_AT] or body]
+        width, rows = Counter(counts).most_common(1)[0]
+        # a decimal comma stands in the rows, and not between the names above them
+        as_named = len(_cells(body[0][1], one)) == width > 1
+        found.append((rows == len(counts), as_named, width, rows > len(counts) / 2, one))
+    same = [one for one in found if one[0] and one[2] > 1]
+    usual = [one for one in found if one[1] and one[3]]
+    if not same and not usual:
+        wanted = "expected a table delimited by commas, semicolons, tabs, bars or blanks"
+        raise BadInput(f"rows have different numbers of cells: {wanted}", path, body[0][0])
+    _, _, width, _, delimiter = max(same or usual, key=lambda one: (one[1], one[2]))
+    return delimiter, width
 
 
 def _cells(text: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
-        return text.split()
+        return joined(text).split()
     return next(csv.reader([text], delimiter=delimiter, skipinitialspace=True), [])
 
 
 def _names(
-    rows: Sequence[list[str]], remarks: Sequence[tuple[int, str]], delimiter: str | None
+    rows: Sequence[list[str]],
+    remarks: Sequence[tuple[int, str]],
+    delimiter: str | None,
+    width: int,
 ) -> tuple[tuple[str, ...], int]:
     """Return the names of columns and their line; line 0 where they are the first row."""
-    width = len(rows[-1])
     for number, text in reversed(remarks):
         told = _cells(text, delimiter)
-        if len(told) == width:
+        if len(told) == width and not are_units(told):
             return tuple(one.strip() for one in told), number
     first = [one.strip() for one in rows[0]]
-    if len(rows) > 1 and not any(map(_is_number, first)) and any(map(_is_number, rows[1])):
+    below = rows[2:3] if len(rows) > 1 and are_units(rows[1]) else rows[1:2]
+    if below and not any(map(_is_number, first)) and any(map(_is_number, below[0])):
         return tuple(first), 0
     return (), 1
 

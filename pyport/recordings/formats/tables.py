@@ -44,15 +44,19 @@ def read_ecsv(path: Path) -> Raw:
         raise BadInput(f"no ECSV table: {reason[0] if reason else error!r}", path) from None
     header, rows = (lines[0], lines[1:]) if lines else (1, [])
     columns: dict[str, NDArray[Any]] = {}
+    units: dict[str, str] = {}
     for column in table.itercols():
         name, cells = _with_unit(column, path)
+        if name == column.name and column.unit is not None:
+            units[name] = str(column.unit)
         if name in columns:
             raise BadInput(f"two columns are called {name!r}, expected one", path, header)
         columns[name] = cells
     if not len(table):
         raise BadInput("no rows below the column names", path, header)
     meta = {str(key): _told(value) for key, value in table.meta.items()}
-    return Raw(path, meta, header, columns, np.array(rows[: len(table)], np.int64))
+    lines_of_rows = np.array(rows[: len(table)], np.int64)
+    return Raw(path, meta, header, columns, lines_of_rows, units=units)
 
 
 def _told(value: object) -> str:
