@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from pyport.recordings.raw import FileOptions
 
 
-def _proposed(name: str, given: FileOptions) -> dict[str, str]:
-    """Return a map of columns for a table that is none of the contract; empty for one that is."""
+def _proposed(name: str, given: FileOptions) -> tuple[dict[str, str], list[str]]:
+    """Return a map of columns for a table that is none of the contract, and what is doubtful of it.
+
+    Empty for one that is.
+    """
     from pyport.columns import angle_of
     from pyport.files import is_file
     from pyport.recordings.formats import mapped
@@ -31,14 +34,32 @@ def _proposed(name: str, given: FileOptions) -> dict[str, str]:
     path = Path(name)
     known = path.suffix.lower() in tables.BY_SUFFIX and path.suffix.lower() != ".csv"
     if not is_file(path) or given.format or given.columns or known:
-        return {}
+        return {}, []
     if path.suffix.lower() == ".csv" and tables.katpoint_csv.looks_like(path):
-        return {}
+        return {}, []
     table = sheet(path)
     offsets = {one[0] for one in map(angle_of, table.names) if one is not None}
     if offsets & OFFSETS:
-        return {}
-    return mapped.propose(table)
+        return {}, []
+    doubts: list[str] = []
+    found = mapped.propose(table, doubts)
+    return found, doubts + _trial(name, given, found)
+
+
+def _trial(name: str, given: FileOptions, found: dict[str, str]) -> list[str]:
+    """Return what is doubtful of a file that is read by a map: it is refused, or has radians."""
+    from dataclasses import replace
+
+    from pyport.planning.look import of_radians
+    from pyport.recordings import read
+
+    if not found or _lacking(found):
+        return []
+    try:
+        said = of_radians(read(name, replace(given, mapping=found)))
+    except BadInput as error:
+        return [f"refused as it stands: {error}"]
+    return [said] if said else []
 
 
 def _lacking(found: Iterable[str]) -> str:
@@ -53,13 +74,17 @@ def _lacking(found: Iterable[str]) -> str:
     return " and ".join(name for name, there in wanted.items() if not there)
 
 
-def _say_map(name: str, found: dict[str, str], kept: Path | None, *, as_json: bool) -> None:
+def _say_map(
+    name: str, found: dict[str, str], doubts: list[str], kept: Path | None, *, as_json: bool
+) -> None:
     if as_json:
-        click.echo(json.dumps({"columns": found}, indent=1))
+        click.echo(json.dumps({"columns": found, "doubts": doubts}, indent=1))
         return
     click.echo(f"{name}: columns by other names; proposed, to be checked (units, signs):")
     for ours, theirs in found.items():
         click.echo(f"  {ours:22s} {theirs}")
+    for one in doubts:
+        click.echo(f"to be settled: {one}")
     told = ", ".join(f"{ours}={theirs}" for ours, theirs in found.items())
     lacking = _lacking(found)
     command = shlex.join(["pyport", "look", name, "--columns", str(kept) if kept else told])
@@ -122,7 +147,7 @@ def look(
     from pyport.recordings.formats import mapped
     from pyport.runs.stages import working
 
-    proposed = {} if given.mapping else _proposed(recordings, given)
+    proposed, doubts = ({}, []) if given.mapping else _proposed(recordings, given)
     columns = given.mapping or proposed
     if save_columns is not None and columns:
         mapped.save(columns, save_columns)
@@ -131,7 +156,7 @@ def look(
         click.echo(f"{save_columns}: {said}", err=True)
     if proposed:
         if not quiet:
-            _say_map(recordings, proposed, save_columns, as_json=as_json)
+            _say_map(recordings, proposed, doubts, save_columns, as_json=as_json)
         return
     if elevations is not None and not elevations[0] < elevations[1]:
         raise click.UsageError(f"--elevations: {elevations[0]} is not below {elevations[1]}")
