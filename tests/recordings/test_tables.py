@@ -141,6 +141,7 @@ def test_a_day_and_a_time_of_day(tmp_path, names, cells, columns):
     [
         ("timestamp", "01/02/2024 18:00", "day and month could be exchanged"),
         ("timestamp", "2024 Jan 01 18:00:00", "timestamp has '2024 Jan 01 18:00:00', expected ISO"),
+        ("seen", "2024-01-01 18:00 CET", ""),
         ("UT", "18:00:00", "UT has hours of a day, expected a column of days too"),
         ("MJD", "2460311.25", "MJD has '2460311.25', expected days since 1858-11-17 (MJD) between"),
         ("MJD", "310.75", "MJD has '310.75', expected days since 1858-11-17"),
@@ -152,7 +153,7 @@ def test_look_proposes_no_time_that_is_refused(tmp_path, name, cell, said):
     proposed, doubts = looked(path)
 
     assert said in doubts
-    assert set(proposed) == {"az_deg", "el_deg", "d_el_arcsec"}
+    assert set(proposed) - {"session"} == {"az_deg", "el_deg", "d_el_arcsec"}
     assert len(read(path, FileOptions(mapping=proposed))) == 2
 
 
@@ -212,6 +213,24 @@ def test_the_first_row_of_another_length_is_named(tmp_path, sign, odd):
 
 
 @pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "az el del note\n1 2 3 a b\n1 2 3 a\n1 2 3 a b c\n",
+            "2: 5 cells, expected 4 as in line 1",
+        ),
+        ("A summary\naz\tel\tdel\n1\t2\t3\n1\t2\t3\n", "1: 1 cell, expected 3 as in the others"),
+        ("one\ntwo\n", "1: 1 cell, expected a table delimited by commas"),
+    ],
+)
+def test_what_is_no_table_is_refused_with_counts(tmp_path, text, said):
+    """Of the first line that is odd, however the cells are taken."""
+    with pytest.raises(BadInput) as caught:
+        by(table(tmp_path, text), MAP)
+    assert f"night.txt:{said}" in str(caught.value)
+
+
+@pytest.mark.parametrize(
     "text",
     [
         "time,az,el,del\nUTC,deg,,mdeg\n2024-01-01,10,40,1\n2024-01-01,20,50,2\n",
@@ -245,6 +264,14 @@ def test_a_map_means_a_table(tmp_path, name):
     assert len(by(path, MAP)) == 2
     with pytest.raises(BadInput, match="ALTAZ"):
         by(path, MAP, format="tpoint-dat")
+
+
+def test_a_table_under_the_suffix_of_another_format_is_told_of_maps(tmp_path):
+    """Where it is refused."""
+    path = table(tmp_path, "! a night\n! az el del\n10 40 1\n20 50 2\n", "night.dat")
+
+    with pytest.raises(BadInput, match="--columns reads any other table"):
+        read(path)
 
 
 def test_radians_under_degrees_are_noticed(tmp_path):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -51,7 +52,6 @@ from pyport.toml_text import toml_spelled
 
 _FORMAT = re.compile(r"\([^()]*\)$")
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
-_ISO = re.compile(_DATE.pattern + r"[T ]\d{2}:\d{2}.*")
 _MJD_OF_1970, _JD_OF_1970 = 40587.0, 2440587.5
 
 
@@ -259,13 +259,13 @@ def propose(table: Sheet, doubts: list[str] | None = None) -> dict[str, str]:
     found = _by_names(table, doubts)
     if not found:
         return {}
-    first = zip(table.names, next(iter(table.rows), ()), strict=False)
+    first = zip(table.names, _here(table), next(iter(table.rows), ()), strict=False)
     dated = {
-        bare: cell.strip()
-        for name, cell in first
-        if (bare := _FORMAT.sub("", name).strip()) and _DATE.match(cell.strip())
+        here: cell.strip()
+        for name, here, cell in first
+        if _FORMAT.sub("", name).strip() and _DATE.match(cell.strip())
     }
-    moments = [name for name, cell in dated.items() if _ISO.fullmatch(cell)]
+    moments = [here for here, cell in dated.items() if _kind_of_time(TIME, cell) == TIME]
     if moments and not {TIME, DAY} & set(found):
         found[TIME] = moments[0]
     if dated and not {"session", TIME} & set(found) and not {DAY, HOUR_OF_DAY} <= set(found):
@@ -277,16 +277,22 @@ def propose(table: Sheet, doubts: list[str] | None = None) -> dict[str, str]:
     return found
 
 
+def _here(table: Sheet) -> list[str]:
+    """Return what a map calls each column: its name, its number where the name is there twice."""
+    bare = [_FORMAT.sub("", name).strip() for name in table.names]
+    times = Counter(bare)
+    return [one if times[one] == 1 else str(n) for n, one in enumerate(bare, 1)]
+
+
 #: Columns that are left out where the other one is there.
 _INSTEAD = (("d_xel", "d_az"), ("sigma_xel", "sigma_az"), (TIME, DAY), (TIME, HOUR_OF_DAY))
 
 
 def _by_names(table: Sheet, doubts: list[str]) -> dict[str, str]:
-    """Return the columns that names say, by their numbers where a name stands there twice."""
+    """Return the columns that names say."""
     found: dict[str, str] = {}
-    bare_names = [_FORMAT.sub("", name).strip() for name in table.names]
-    for n, bare in enumerate(bare_names):
-        here = bare if bare_names.count(bare) == 1 else str(n + 1)
+    for n, here in enumerate(_here(table)):
+        bare = _FORMAT.sub("", table.names[n]).strip()
         ours, _, part = _meant(table, n, bare, doubts).partition("|")
         if ours and (ours not in found or "true" in bare.lower()):
             said = table.meta.get(bare, "").lower()

@@ -100,10 +100,20 @@ def _delimited(path: Path, body: Sequence[tuple[int, str]]) -> tuple[str | None,
     same = [one for one in found if one[0] and one[2] > 1]
     usual = [one for one in found if one[1] and one[3]]
     if not same and not usual:
-        wanted = "expected a table delimited by commas, semicolons, tabs, bars or blanks"
-        raise BadInput(f"rows have different numbers of cells: {wanted}", path, body[0][0])
+        raise _uneven(path, body)
     _, _, width, _, delimiter = max(same or usual, key=lambda one: (one[1], one[2]))
     return delimiter, width
+
+
+def _uneven(path: Path, body: Sequence[tuple[int, str]]) -> BadInput:
+    """Return what is wrong with the first row that has another number of cells than the first."""
+    counts = {one: [len(_cells(text, one)) for _, text in body] for one in DELIMITERS}
+    likely = max(counts.values(), key=lambda those: (those[0] > 1) * those.count(those[0]))
+    odd = next((n for n, count in enumerate(likely) if count != likely[0]), 0)
+    cells = f"{likely[odd]} cell{'s' * (likely[odd] != 1)}"
+    usual = f"{likely[0]} as in line {body[0][0]} of " if odd else ""
+    wanted = f"expected {usual}a table delimited by commas, semicolons, tabs, bars or blanks"
+    return BadInput(f"{cells}, {wanted}", path, body[odd][0])
 
 
 def _cells(text: str, delimiter: str | None) -> list[str]:

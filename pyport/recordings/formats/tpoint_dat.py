@@ -121,7 +121,8 @@ def _options(body: list[Line], path: Path) -> dict[str, str]:
     kinds = [one for one in ("ALTAZ", POLAR) if one in options]
     if len(kinds) != 1:
         wanted = f"expected one of them: azimuths and elevations, or hour angles ({POLAR})"
-        raise BadInput(f"no line ': ALTAZ' or ': {POLAR}', {wanted}", path)
+        way = "--columns reads any other table"
+        raise BadInput(f"no line ': ALTAZ' or ': {POLAR}', {wanted}; {way}", path)
     return {OPTIONS: " ".join(options)} | ({MOUNT: "equatorial"} if kinds == [POLAR] else {})
 
 
