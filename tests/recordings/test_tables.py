@@ -99,6 +99,28 @@ def test_a_unit_of_ecsv_is_not_overridden(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("name", "ours", "wanted"),
+    [
+        ("T [K]", "temperature_c", "deg_C"),
+        ("wind (km/h)", "wind_speed_m_s", "m/s"),
+        ("freq (GHz)", "frequency_mhz", "MHz"),
+        ("P (mbar)", "pressure_hpa", ""),
+        ("T (C)", "temperature_c", ""),
+    ],
+)
+def test_a_condition_in_another_unit_is_refused(tmp_path, name, ours, wanted):
+    """Not proposed either; the same unit by another name, or one that is not known, is read."""
+    path = table(tmp_path, f"az,el,del,{name}\n10,40,1,300\n20,50,2,310\n")
+
+    if wanted:
+        with pytest.raises(BadInput, match=rf"--columns {ours}=4: .*, expected {wanted}"):
+            by(path, f"{MAP}, {ours}=4")
+    else:
+        assert len(by(path, f"{MAP}, {ours}=4")) == 2
+    assert not wanted or ours not in mapped.propose(sheet(path))
+
+
+@pytest.mark.parametrize(
     ("name", "ours"),
     [
         ("errAz", "sigma_az_arcsec"), ("AzErr", "sigma_az_arcsec"), ("sigma_el", "sigma_el_arcsec"),

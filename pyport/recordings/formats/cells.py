@@ -147,9 +147,30 @@ def parted(name: str) -> tuple[str, str]:
     return (plain, unit) if ending is None else (plain[: ending.start()], ending[0])
 
 
+def bracketed(name: str) -> str:
+    """Return what stands in brackets at the end of a name, "" for nothing."""
+    found = _BRACKETS.search(name.strip())
+    return "" if found is None else found[0].strip(" []()")
+
+
 def in_brackets(text: str) -> str:
     """Return the unit of angle that stands in brackets in a text, "" for none."""
     return next(filter(None, map(angle_unit, re.findall(r"[\[(]([^\[\]()]*)[\])]", text))), "")
+
+
+def unit_missed(name: str, told: str) -> str:
+    """Return the unit of a number of the contract where a table tells another of the same kind.
+
+    "" where it tells none, or one that Astropy does not know or takes for something else.
+    """
+    wanted = dict(_QUANTITIES.values()).get(name, "")
+    if not wanted or not told:
+        return ""
+    from astropy import units
+
+    theirs, ours = units.Unit(told, parse_strict="silent"), units.Unit(wanted)
+    alike = theirs.is_equivalent(ours, units.temperature())
+    return wanted if alike and theirs != ours else ""
 
 
 def are_units(cells: Sequence[str]) -> bool:

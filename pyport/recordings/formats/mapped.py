@@ -35,7 +35,7 @@ from pyport.columns import (
 )
 from pyport.errors import BadInput
 from pyport.files import write_file
-from pyport.recordings.formats.cells import angle_unit, in_brackets, parted
+from pyport.recordings.formats.cells import angle_unit, bracketed, in_brackets, parted, unit_missed
 from pyport.recordings.formats.csv import read_text
 from pyport.recordings.formats.sheet import Sheet, sheet
 from pyport.recordings.raw import (
@@ -84,8 +84,7 @@ def mapped(raw: Raw, columns: Mapping[str, str], names: Sequence[str] = ()) -> R
         name, _, part = theirs.partition("|")
         negative = name.startswith("-")
         key = _found(raw, ours, name.lstrip("-").strip(), called)
-        told = _unit(called.get(key, ""), raw.units.get(key, ""), raw.meta)
-        _refuse_other_unit(raw, ours, theirs, told)
+        _refuse_other_unit(raw, ours, theirs, key, called.get(key, ""))
         cells = np.asarray(raw.columns[key])
         if part:
             if part.strip() not in PARTS:
@@ -116,14 +115,23 @@ def _found(raw: Raw, ours: str, name: str, called: Mapping[str, str]) -> str:
     raise raw.error(f"--columns: no column {name!r}: {meant}")
 
 
-def _refuse_other_unit(raw: Raw, ours: str, theirs: str, told: str) -> None:
-    """Refuse an angle in another unit than the file gives its column, "" where it gives none."""
+def _refuse_other_unit(raw: Raw, ours: str, theirs: str, key: str, name: str) -> None:
+    """Refuse a column in another unit than the one that the file gives it."""
     quantity, _, unit = ours.rpartition("_")
-    if unit not in RADIANS_PER or told in {"", unit}:
+    beside = raw.units.get(key, "")
+    told = _unit(name, beside, raw.meta)
+    if unit not in RADIANS_PER:
+        told = beside or bracketed(name)
+        expected = unit_missed(ours, told)
+    elif told in {"", unit}:
         return
-    other = f"numbers in {', '.join(_UNITS)}"
-    expected = f"{quantity}_{told}={theirs}" if told in RADIANS_PER else other
-    raise raw.error(f"--columns {ours}={theirs}: the file has it in {told}, expected {expected}")
+    else:
+        others = f"numbers in {', '.join(_UNITS)}"
+        expected = f"{quantity}_{told}={theirs}" if told in RADIANS_PER else others
+    if expected:
+        raise raw.error(
+            f"--columns {ours}={theirs}: the file has it in {told}, expected {expected}"
+        )
 
 
 def _unit(name: str, beside: str, meta: Mapping[str, str]) -> str:
@@ -318,9 +326,13 @@ def _meant(table: Sheet, n: int, bare: str, doubts: list[str]) -> str:
             doubts.append(f"{bare} has {cell[:40]!r}, expected {expected}")
         return kind
     colons = "|dms" if ":" in cell else ""
+    beside = "".join(table.units[n : n + 1])
+    if wanted := unit_missed(ours, beside or bracketed(table.names[n])):
+        doubts.append(f"{table.names[n]} is in another unit, expected numbers in {wanted}")
+        return ""
     if known or not ours or ours in _OURS:
         return ours + (colons if angle_of(ours) else "")
-    unit = _unit(table.names[n], "".join(table.units[n : n + 1]), table.meta)
+    unit = _unit(table.names[n], beside, table.meta)
     ours = f"{ours}_{unit or ('arcsec' if ours.startswith(('d_', 'sigma_')) else 'deg')}"
     if angle_of(ours) is None:
         doubts.append(f"{bare} is in {unit}, expected numbers in {', '.join(_UNITS)}")
