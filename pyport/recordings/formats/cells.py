@@ -138,7 +138,7 @@ def angle_unit(text: str) -> str:
     return _SPELLED.get(text.strip().lower(), "")
 
 
-def parted(name: str) -> tuple[str, str]:
+def name_and_unit(name: str) -> tuple[str, str]:
     """Return a column's name in small letters, without brackets and unit of angle; and the unit."""
     plain = name.strip().lower()
     unit = in_brackets(plain)

@@ -35,7 +35,13 @@ from pyport.columns import (
 )
 from pyport.errors import BadInput
 from pyport.files import write_file
-from pyport.recordings.formats.cells import angle_unit, bracketed, in_brackets, parted, unit_missed
+from pyport.recordings.formats.cells import (
+    angle_unit,
+    bracketed,
+    in_brackets,
+    name_and_unit,
+    unit_missed,
+)
 from pyport.recordings.formats.csv import read_text
 from pyport.recordings.formats.sheet import Sheet, sheet
 from pyport.recordings.raw import (
@@ -137,7 +143,7 @@ def _refuse_other_unit(raw: Raw, ours: str, theirs: str, key: str, name: str) ->
 def _unit(name: str, beside: str, meta: Mapping[str, str]) -> str:
     """Return the unit that a table gives a column: beside its name, in it, or in the header."""
     told = meta.get(_FORMAT.sub("", name).strip(), "")
-    own = angle_unit(beside.strip("[]() ")) or parted(name)[1]
+    own = angle_unit(beside.strip("[]() ")) or name_and_unit(name)[1]
     return own or in_brackets(told)
 
 
@@ -314,7 +320,7 @@ def _by_names(table: Sheet, doubts: list[str]) -> dict[str, str]:
 
 def _meant(table: Sheet, n: int, bare: str, doubts: list[str]) -> str:
     """Return the contract's name of a column, with a part behind it, "" for none."""
-    plain = re.sub(r"[.\s\-*]+", "_", parted(table.names[n])[0]).strip("_")
+    plain = re.sub(r"[.\s\-*]+", "_", name_and_unit(table.names[n])[0]).strip("_")
     called = (quantity for pattern, quantity in _CALLED if re.fullmatch(pattern, plain))
     known = angle_of(bare) is not None or bare in _OURS
     ours = bare if known else next(called, "")
