@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import DEG, HOUR, Array
 from pyport.columns import (
     ANGLES,
     DAY,
@@ -33,10 +33,11 @@ from pyport.recordings.schema import Recordings, SetAside
 
 #: No cable reaches further [deg].
 LARGEST_AZ_DEG = 720
-LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 100
+LOWEST_EL_DEG, HIGHEST_EL_DEG = -10, 180
 #: Beyond the zenith only where the header says so: a telescope that plunges is rare, a mistake
 #: (a zenith distance, an azimuth in the wrong column) is not.
 PLUNGE = "highest_el_deg"
+LARGEST_HOUR_ANGLE_H = 24
 LARGEST_OFFSET_DEG = 180
 #: On the sky no telescope that found its source is further off; an azimuth in place of an offset,
 #: or a record of another format, is. A file whose encoders have no zero says so by the key.
@@ -241,10 +242,18 @@ def check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
             f"elevation outside [{LOWEST_EL_DEG}, {HIGHEST_EL_DEG}] deg, expected a telescope's",
         )
         highest = _key(raw, PLUNGE, HIGHEST_EL_DEG) or 90.0
+        above = angles["el"] > (highest + 1e-9) * DEG
+        needed = np.ceil(np.max(angles["el"] / DEG, where=above, initial=highest) - 1e-9)
         raw.refuse(
-            angles["el"] > (highest + 1e-9) * DEG,
-            f"elevation above {highest:g} deg, expected less, or a line '# {PLUNGE}: 95' for a "
-            "telescope that goes beyond the zenith",
+            above,
+            f"elevation above {highest:g} deg, expected less, or a line '# {PLUNGE}: {needed:g}' "
+            "for a telescope that goes beyond the zenith",
+        )
+    if "hour_angle" in angles:
+        raw.refuse(
+            np.abs(angles["hour_angle"]) > LARGEST_HOUR_ANGLE_H * HOUR,
+            f"hour angle outside +-{LARGEST_HOUR_ANGLE_H} h, expected hours in a column "
+            "hour_angle_h, degrees in hour_angle_deg",
         )
     if "dec" in angles:
         beyond = np.abs(angles["dec"]) > np.pi / 2 + 1e-12
@@ -268,11 +277,7 @@ def _position(
     az, el = angles.get("az", nothing), angles.get("el", nothing)
     if mount is not ALTAZ and {mount.first.column, mount.second.column} <= set(angles):
         az, el = mounted.place(mount, angles, 0.0 if site is None else site.latitude, az, el)
-        raw.refuse(
-            el < LOWEST_EL_DEG * DEG,
-            f"{mount.first.name} and {mount.second.name} of a place below the horizon, expected a "
-            "telescope's (units, signs, the latitude)",
-        )
+        _refuse_below(raw, el, f"{mount.first.name} and {mount.second.name}")
         return az, el
     if {"az", "el"} <= set(angles) and site is None:
         return az, el
@@ -280,12 +285,19 @@ def _position(
         seen_az, seen_el = sky.horizon(angles["hour_angle"], angles["dec"], site.latitude)
         lost = np.isnan(az) | np.isnan(el)
         az, el = np.where(lost, seen_az, az), np.where(lost, seen_el, el)
+        _refuse_below(raw, el, "hour angle and declination")
     elif not {"az", "el"} <= set(angles):
         instead = "hour_angle_h, dec_deg and a line '# latitude_deg: ...'"
         if not mount.needs_latitude and mount is not ALTAZ:
             instead = f"{mount.first.column}_deg and {mount.second.column}_deg"
         raise raw.error(f"no columns az_deg and el_deg, expected them, or {instead}")
     return az, el
+
+
+def _refuse_below(raw: Raw, el: Array, axes: str) -> None:
+    """Refuse places below the horizon that the angles of some axes tell."""
+    wrong = f"{axes} of a place below the horizon, expected a telescope's"
+    raw.refuse(el < LOWEST_EL_DEG * DEG, f"{wrong} (units, signs, the latitude)")
 
 
 def _add_equatorial(columns: dict[str, NDArray[Any]], az: Array, el: Array, site: Site) -> None:

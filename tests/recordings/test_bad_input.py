@@ -22,7 +22,22 @@ CASES = {
     "not_a_number": (GOOD + "1,2,3\n1,2,three\n", 3, "'three', expected a number"),
     "infinite": (GOOD + "1,2,inf\n", 2, "infinite"),
     "azimuth": (GOOD + "1,2,3\n1e9,2,3\n", 3, "azimuth outside +-720"),
-    "elevation": (GOOD + "1,-11,3\n", 2, "elevation outside [-10, 100]"),
+    "beyond_the_zenith": (
+        "# highest_el_deg: 120\n" + GOOD + "1,125,3\n",
+        3,
+        "elevation above 120 deg, expected less, or a line '# highest_el_deg: 125'",
+    ),
+    "degrees_for_hours": (
+        "# latitude_deg: 50\nhour_angle_h,dec_deg,d_el_arcsec\n2,30,5\n34,30,5\n",
+        4,
+        "hour angle outside +-24 h, expected hours in a column hour_angle_h",
+    ),
+    "other_hemisphere": (
+        "# latitude_deg: -50\nhour_angle_h,dec_deg,d_el_arcsec\n2,30,5\n2,60,5\n",
+        4,
+        "hour angle and declination of a place below the horizon, expected a telescope's",
+    ),
+    "elevation": (GOOD + "1,-11,3\n", 2, "elevation outside [-10, 180]"),
     "offset": (GOOD + "1,2,181\n", 2, "above 180 deg"),
     "too_few": (GOOD + "1,2,3\n1,2\n", 3, "2 cells, expected 3"),
     "too_many": (GOOD + "1,2,3,4\n", 2, "4 cells, expected 3"),

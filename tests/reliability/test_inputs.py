@@ -84,12 +84,13 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path, text, line, words):
     assert words in refusal(path)
 
 
-def test_beyond_the_zenith_where_the_header_says_so(tmp_path):
+@pytest.mark.parametrize(("highest", "el"), [(95, 94), (125, 120), (180, 179)])
+def test_beyond_the_zenith_where_the_header_says_so(tmp_path, highest, el):
     """A telescope that plunges announces it."""
     path = tmp_path / "night.csv"
-    path.write_text("# highest_el_deg: 95\n" + HEADER + "1,94,3,,\n")
+    path.write_text(f"# highest_el_deg: {highest}\n" + HEADER + f"1,{el},3,,\n")
 
-    np.testing.assert_allclose(np.degrees(read(path).at.el), [94])
+    np.testing.assert_allclose(np.degrees(read(path).at.el), [el])
 
 
 def test_nan_is_a_blank(tmp_path):
