@@ -132,6 +132,7 @@ def correlation(fit: Fit) -> Array:
 
 def warnings(fit: Fit) -> Iterator[str]:
     """Yield a sentence for everything that a user should know before trusting the numbers."""
+    yield from fit.recordings.notes
     if (other := misread.of_fit(fit)) is not None:
         yield other.of_fit
     everything = named(fit)

@@ -62,6 +62,7 @@ def _head(look: Look) -> Iterable[str]:
     yield f"Noise {look.noise / ARCSEC:.3g} arcsec ({look.how})."
     if said := of_radians(look.recordings):
         yield f"Unit: {said}."
+    yield from (f"Warning: {one}." for one in look.recordings.notes)
 
 
 def _sky(look: Look) -> Iterable[str]:
@@ -157,6 +158,7 @@ def as_json(look: Look) -> dict[str, object]:
             "file": look.recordings.file.name,
             "input": as_input(look.recordings),
             "recordings": len(look.recordings),
+            "warnings": look.recordings.notes,
             "antenna": look.antenna,
             "antennas": look.antennas,
             "model": look.model.name,

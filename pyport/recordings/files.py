@@ -20,6 +20,7 @@ from pyport.recordings import naming
 from pyport.recordings.formats import csv
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import masked
+from pyport.recordings.notes import noted
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.schema import Recordings, tabulate
 from pyport.recordings.where import where
@@ -100,17 +101,18 @@ def read(
     BadInput
         With file and line: what is wrong and what was expected.
     """
-    path = resolve(name)
+    path, raw = resolve(name), None
     if path.is_dir():
         from pyport.recordings.stream import read_data_set
 
         recordings = read_data_set(path, given, spread, beside)
     else:
-        recordings = interpret(read_raw(path, given))
+        raw = read_raw(path, given)
+        recordings = interpret(raw)
     kept = where(recordings, given.where) if given.where else recordings
     if not len(kept):
         raise BadInput(nothing_left(recordings, given.where), path)
-    return kept
+    return kept if raw is None else noted(kept, raw)
 
 
 def nothing_left(recordings: Recordings, expression: str = "") -> str:

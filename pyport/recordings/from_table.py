@@ -14,6 +14,7 @@ from pyport.recordings import naming
 from pyport.recordings.files import nothing_left, read
 from pyport.recordings.formats.cells import in_its_unit
 from pyport.recordings.interpret import interpret
+from pyport.recordings.notes import noted
 from pyport.recordings.raw import FileOptions, Raw
 from pyport.recordings.schema import Recordings
 
@@ -33,10 +34,11 @@ def from_table(table: Table, header: Header | None = None) -> Recordings:
         return table
     if isinstance(table, str | Path):
         return read(place("table", table), FileOptions(keys))
-    found = interpret(raw_table(table, keys))
+    raw = raw_table(table, keys)
+    found = interpret(raw)
     if not len(found):
         raise BadInput(nothing_left(found), "table")
-    return found
+    return noted(found, raw)
 
 
 def raw_table(table: Table, keys: Mapping[str, str] | None = None) -> Raw:

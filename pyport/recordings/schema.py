@@ -77,6 +77,8 @@ class Recordings:
         Rows of the file that are not among the n, none missing; of a data set the first ones.
     reduction
         How the rows of a data set became the n; None for those of one file.
+    notes
+        What the file says against itself, a sentence each.
     """
 
     at: Circumstances
@@ -89,6 +91,7 @@ class Recordings:
     meta: dict[str, str] = field(default_factory=dict)
     set_aside: tuple[SetAside, ...] = ()
     reduction: Reduction | None = None
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         """Return n."""

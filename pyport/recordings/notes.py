@@ -1,0 +1,151 @@
+"""What a file of recordings says against itself. It is read all the same; these notes are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+
+from pyport.angles import DEG, Array
+from pyport.columns import angle_of
+from pyport.effects.base import Circumstances, MissingColumn
+from pyport.effects.sky.frame import from_sky
+from pyport.recordings.mounted import OFFSETS
+from pyport.recordings.raw import Raw
+from pyport.recordings.schema import Recordings
+from pyport.recordings.sky import horizon
+
+#: Places of 1950 are a degree off today, refraction at the horizon half of one.
+ELSEWHERE_DEG = 1.5
+#: So many rows, evenly chosen, show where most of them point.
+MOST_ROWS = 1000
+#: Zones of civil time [h]: whole hours, and the half ones of India and Australia.
+ZONES_H = (*range(-12, 15), 5.5, 9.5)
+#: By rounding some offsets stand in several rows, others in nearly as many: in three times as many
+#: rows as any others stands what was not measured.
+MANY = 3
+
+#: What a direction would be if something was read otherwise: words, azimuth and elevation [rad].
+Otherwise: TypeAlias = tuple[str, Array, Array]
+
+
+def noted(recordings: Recordings, raw: Raw) -> Recordings:
+    """Return recordings with the notes of what `raw`, which they were read from, says of them."""
+    told = {angle[0] for name in raw.columns if (angle := angle_of(name)) is not None}
+    notes = _of_directions(recordings, told), _of_offsets(recordings, raw)
+    return replace(recordings, notes=tuple(filter(None, notes)))
+
+
+def _of_directions(recordings: Recordings, told: set[str]) -> str:
+    """Return how far directions are from those of the same rows' other coordinates, if they are."""
+    at, places = recordings.at, {"az", "el", "dec"}
+    note = ""
+    if at.site is not None and places | {"hour_angle"} <= told:
+        note = _compared(
+            recordings, "hour angle, declination", ("hour_angle", "dec"), _by_hour_angle
+        )
+    timed = "time" in at and at.site is not None and at.site.longitude is not None
+    if not note and timed and places | {"ra"} <= told:
+        what = "right ascension, declination, time"
+        note = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
+    return note
+
+
+def _compared(
+    recordings: Recordings,
+    what: str,
+    names: tuple[str, ...],
+    readings: Callable[[Circumstances], Iterator[Otherwise]],
+) -> str:
+    """Return how far directions are from those that columns say, and what would explain it."""
+    columns = np.array([recordings.at.az, recordings.at.el, *map(recordings.at.column, names)])
+    rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
+    if not len(rows):
+        return ""
+    at = recordings.at.take(rows[:: len(rows) // MOST_ROWS + 1])
+    try:
+        (_, *there), *others = readings(at)
+    except MissingColumn:  # no date of these centuries
+        return ""
+    distance = _distance_deg(at.az, at.el, *there)
+    if distance < ELSEWHERE_DEG:
+        return ""
+    found = [(_distance_deg(at.az, at.el, *place), words) for words, *place in others]
+    south = recordings.meta.get("azimuth_zero", "").lower() == "south"
+    found += [(_distance_deg(*place, *there), words) for words, *place in _turned(at, south=south)]
+    less = [f"{left:.1f} deg if {words}" for left, words in sorted(found) if left < ELSEWHERE_DEG]
+    return (
+        f"azimuth and elevation are {distance:.3g} deg (median of {len(at)} rows) from where "
+        f"{what} and site say" + f", but {', or '.join(less)}" * bool(less)
+    )
+
+
+def _distance_deg(az: Array, el: Array, other_az: Array, other_el: Array) -> float:
+    """Return the median distance of directions."""
+    import erfa
+
+    return float(np.median(erfa.seps(az, el, other_az, other_el))) / DEG
+
+
+def _by_hour_angle(at: Circumstances) -> Iterator[Otherwise]:
+    """Yield where hour angle and declination are, as they stand and otherwise."""
+    hour_angle, dec, latitude = at.numbers("hour_angle"), at.numbers("dec"), at.latitude()
+    yield "", *horizon(hour_angle, dec, latitude)
+    yield "the hour angle has the opposite sign", *horizon(-hour_angle, dec, latitude)
+    yield "the latitude has the opposite sign", *horizon(hour_angle, dec, -latitude)
+
+
+def _by_time(at: Circumstances) -> Iterator[Otherwise]:
+    """Yield where right ascension and declination are at these times, and otherwise.
+
+    Raises `MissingColumn`: the times are of no year whose sky is known.
+    """
+    import erfa
+
+    place = erfa.s2c(at.numbers("ra"), at.numbers("dec"))
+
+    def seen(at: Circumstances, later_s: float = 0.0) -> tuple[Array, Array]:
+        north, east, up = from_sky(at, place, later_s).T
+        return np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
+
+    yield "", *seen(at)
+    for hours in filter(None, ZONES_H):
+        way = "ahead of" if hours > 0 else "behind"
+        yield f"the times are {abs(hours):g} h {way} UTC", *seen(at, -3600 * hours)
+    for name in ("latitude", "longitude"):
+        site = replace(at.site, **{name: -getattr(at.site, name)})  # type: ignore[type-var]
+        yield f"the {name} has the opposite sign", *seen(replace(at, site=site))
+
+
+def _turned(at: Circumstances, *, south: bool) -> Iterator[Otherwise]:
+    """Yield where azimuth and elevation are if azimuths count otherwise."""
+    zero = "north" if south else "south"
+    yield f"azimuth counts from {zero} ('# azimuth_zero: {zero}')", at.az + np.pi, at.el
+    yield "azimuth counts in the opposite sense", -at.az, at.el
+
+
+def _of_offsets(recordings: Recordings, raw: Raw) -> str:
+    """Return which offsets of both axes stand in more rows than rounding explains, if any do."""
+    names = [
+        name
+        for name in raw.columns
+        if (angle := angle_of(name)) is not None and angle[0] in OFFSETS
+    ]
+    if len(names) != 2:
+        return ""
+    kept = np.isin(raw.line, recordings.line)
+    pairs = np.stack([raw.numbers(name)[kept] for name in names], axis=1)
+    pairs = pairs[np.isfinite(pairs).all(axis=1)]
+    values, counts = np.unique(pairs, axis=0, return_counts=True)
+    different = np.unique(np.append(counts, 1))
+    if not np.any(different[1:] >= MANY * different[:-1]):
+        return ""
+    pair = dict(zip(names, values[np.argmax(counts)].tolist(), strict=True))
+    told = " and ".join(f"{name} {value:.12g}" for name, value in pair.items())
+    other = " or ".join(f"{name} != {value:.12g}" for name, value in pair.items())
+    return (
+        f"{told} stand together in {counts.max()} of {len(pairs)} rows, which may mean that "
+        f'nothing was measured there: --where "{other}" excludes them'
+    )

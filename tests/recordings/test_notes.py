@@ -1,0 +1,156 @@
+"""What a file says against itself is said, and the file is read all the same."""
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import erfa
+import numpy as np
+import pytest
+
+import pyport
+from pyport.recordings import read
+from pyport.recordings.raw import FileOptions
+
+LATITUDE_DEG, LONGITUDE_DEG, ROWS = 50.5, 6.9, 60
+RNG = np.random.default_rng(4)
+DEC = np.arcsin(RNG.uniform(np.sin(np.radians(20)), np.sin(np.radians(80)), ROWS))
+HOUR_ANGLE = RNG.uniform(-1.5, 1.5, ROWS)
+OFFSETS = RNG.normal(0, 60, (2, ROWS)).round(2)
+
+
+def recorded(
+    path: Path,
+    *,
+    hours: float = 0,
+    from_deg: float = 0,
+    latitude: int = 1,
+    longitude: int = 1,
+    ra: float = 0,
+) -> tuple[str, ...]:
+    """Write directions with their right ascensions and times, one of them wrong; return notes."""
+    lines = [
+        f"# latitude_deg: {latitude * LATITUDE_DEG}",
+        f"# longitude_deg: {longitude * LONGITUDE_DEG}",
+        "time_utc,ra_deg,dec_deg,az_deg,el_deg,d_xel_arcsec,d_el_arcsec",
+    ]
+    for n in range(ROWS):
+        time = datetime(2024, 1, 1, 18, tzinfo=UTC) + timedelta(minutes=10 * n)
+        day = 2440587.5, time.timestamp() / 86400
+        sidereal = erfa.gmst06(*day, *day) + np.radians(LONGITUDE_DEG)
+        az, el = erfa.hd2ae(HOUR_ANGLE[n], DEC[n], np.radians(LATITUDE_DEG))
+        place = np.degrees([sidereal - HOUR_ANGLE[n] + ra, DEC[n], az, el])
+        place[[0, 2]] = (place[[0, 2]] - [0, from_deg]) % 360
+        told = (time + timedelta(hours=hours)).strftime("%Y-%m-%dT%H:%M:%S")
+        lines.append(",".join([told, *map(str, place), *map(str, OFFSETS[:, n])]))
+    path.write_text("\n".join(lines) + "\n")
+    return read(path).notes
+
+
+def by_hour_angle(path: Path, *, sign: int = 1, latitude: int = 1) -> tuple[str, ...]:
+    """Write directions with their hour angles, one of them wrong; return notes."""
+    lines = [f"# latitude_deg: {latitude * LATITUDE_DEG}"]
+    lines.append("hour_angle_h,dec_deg,az_deg,el_deg,d_xel_arcsec,d_el_arcsec")
+    az, el = erfa.hd2ae(HOUR_ANGLE, DEC, np.radians(LATITUDE_DEG))
+    place = sign * HOUR_ANGLE * 12 / np.pi, *np.degrees([DEC, az, el]), *OFFSETS
+    lines += [",".join(map(str, row)) for row in np.transpose(place)]
+    path.write_text("\n".join(lines) + "\n")
+    return read(path).notes
+
+
+def test_a_sound_file_says_nothing_against_itself(tmp_path):
+    """Precession, aberration and refraction are no contradiction."""
+    assert recorded(tmp_path / "night.csv") == ()
+    assert by_hour_angle(tmp_path / "night.csv") == ()
+    assert pyport.recordings.read("gmrt-cyg-a").notes == ()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ({"from_deg": 180}, "azimuth counts from south ('# azimuth_zero: south')"),
+        ({"hours": 9}, "the times are 9 h ahead of UTC"),
+        ({"hours": 5.5}, "the times are 5.5 h ahead of UTC"),
+        ({"latitude": -1}, "the latitude has the opposite sign"),
+        ({"longitude": -1}, "the longitude has the opposite sign"),
+    ],
+)
+def test_directions_that_contradict_right_ascension_and_time(tmp_path, wrong, why):
+    """The distance is said, and what makes it small."""
+    (note,) = recorded(tmp_path / "night.csv", **wrong)
+
+    assert f"(median of {ROWS} rows) from where right ascension, declination, time" in note
+    assert f"deg if {why}" in note
+
+
+def test_what_has_no_simple_explanation_is_said_as_well(tmp_path):
+    """A right ascension that is wrong by what no zone is."""
+    (note,) = recorded(tmp_path / "night.csv", ra=np.radians(37.5))
+
+    assert note.endswith("time and site say")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ({"sign": -1}, "the hour angle has the opposite sign"),
+        ({"latitude": -1}, "the latitude has the opposite sign"),
+    ],
+)
+def test_directions_that_contradict_the_hour_angle(tmp_path, wrong, why):
+    """Without times the hour angle is compared."""
+    (note,) = by_hour_angle(tmp_path / "night.csv", **wrong)
+
+    assert "from where hour angle, declination and site say, but " in note
+    assert f"0.0 deg if {why}" in note
+
+
+def with_pairs(path: Path, pairs: np.ndarray) -> str:
+    """Write recordings of these offsets, shape (n, 2)."""
+    lines = ["az_deg,el_deg,d_az_arcsec,d_zd_arcsec"]
+    lines += [f"{n},{20 + n / 9},{x},{y}" for n, (x, y) in enumerate(pairs)]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+@pytest.mark.parametrize("value", [-99.99, 0.0])
+def test_offsets_that_stand_for_nothing(tmp_path, value):
+    """They are named as the file spells them, with what excludes them."""
+    pairs = OFFSETS.T.copy()
+    pairs[::7] = value
+    file = with_pairs(tmp_path / "night.csv", pairs)
+
+    (note,) = read(file).notes
+
+    assert note.startswith(
+        f"d_az_arcsec {value:g} and d_zd_arcsec {value:g} stand together in 9 of"
+    )
+    kept = read(file, FileOptions(where=note.split('"')[1]))
+    assert (len(kept), kept.notes) == (ROWS - 9, ())
+
+
+def test_offsets_that_rounding_repeats_are_no_note(tmp_path):
+    """Coarse readings repeat; the most frequent is no odd one out."""
+    for step in (5, 20, 60):
+        pairs = np.round(RNG.normal(0, 60, (400, 2)) / step) * step
+        assert read(with_pairs(tmp_path / f"{step}.csv", pairs)).notes == ()
+
+
+def test_fit_diagnosis_and_look_show_the_notes(tmp_path):
+    """All of them warn."""
+    file = tmp_path / "night.csv"
+    (note,) = recorded(file, from_deg=180)
+
+    for answer in (pyport.fit(file), pyport.diagnose(file), pyport.look(file)):
+        assert f"arning: {note}" in " ".join(repr(answer).split())
+
+
+def test_a_table_in_memory_is_noted_as_a_file_is():
+    """Columns of numbers have names and units, too."""
+    table = {
+        "az_deg": np.arange(ROWS),
+        "el_deg": np.linspace(20, 80, ROWS),
+        "d_xel_arcsec": np.where(np.arange(ROWS) < 5, -99.99, OFFSETS[0]),
+        "d_el_arcsec": np.where(np.arange(ROWS) < 5, -99.99, OFFSETS[1]),
+    }
+
+    assert "-99.99 stand together in 5 of 60 rows" in pyport.fit(table).summary()
