@@ -52,8 +52,8 @@ def apply(
     from pyport.recordings.formats import registry as tables
 
     raw = read_raw(resolve(targets), given)
-    raw = with_conditions(raw, given.keys)
     asked = load_model(model)
+    raw = with_conditions(raw, given.keys, asked)
     done = applied(asked, raw, inverse=inverse, residuals=residuals, where=given.where)
     if out is not None:
         tables.write(done.table, out)
@@ -153,12 +153,15 @@ def compare(
     from pyport.models.conditions import known as is_condition
     from pyport.plots.pictures import FORMATS
     from pyport.recordings import read
+    from pyport.recordings.naming import KEYS
 
     if picture is not None and picture.suffix[1:] not in FORMATS:
         raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)
     measured = None if recordings is None else read(recordings, given)
-    told = columns_of({key: one for key, one in given.keys.items() if is_condition(key)})
-    found = compare(load_model(old), load_model(new), measured, told)
+    both = load_model(old), load_model(new)
+    needs = {*both[0].needs(), *both[1].needs()} - KEYS
+    about = {key: one for key, one in given.keys.items() if is_condition(key) or key in needs}
+    found = compare(*both, measured, columns_of(about, needs))
     if picture is not None:
         draw(found, picture, f"{new} - {old}", beam_arcsec)
     say("\n".join(text(found, beam_arcsec)), for_programs(found, beam_arcsec), as_json=as_json)

@@ -174,8 +174,8 @@ def lookup(
 
     if (az is None) != (zd is None) or not (errors or batch or az is not None):
         raise click.UsageError("give --az and --zd, or --batch FILE, or --errors")
-    beside = conditions_of(azimuth_zero, conditions)
     read = steering.read_table(table)
+    beside = conditions_of(azimuth_zero, conditions, read.model)
     if errors:
         _print_errors(read, table, beside, as_json=as_json)
     if az is not None:

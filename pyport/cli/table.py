@@ -34,9 +34,12 @@ def under_conditions(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def conditions_of(azimuth_zero: str | None, conditions: tuple[str, ...]) -> Conditions:
-    """Return what both options say, COLUMN=VALUE as columns inside the program."""
-    from pyport.models.conditions import columns_of
+def conditions_of(
+    azimuth_zero: str | None, conditions: tuple[str, ...], model: str | None
+) -> Conditions:
+    """Return what both options say of a model, COLUMN=VALUE as columns inside the program."""
+    from pyport.formats.models import load
+    from pyport.models.conditions import columns_of, needed
     from pyport.steering.tabulate import Conditions
 
     told: dict[str, object] = {}
@@ -45,7 +48,9 @@ def conditions_of(azimuth_zero: str | None, conditions: tuple[str, ...]) -> Cond
         if not equals:
             raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
         told[name.strip()] = value.strip()
-    return Conditions(azimuth_zero, dict(columns_of(told)) if told else {})
+    if not told:
+        return Conditions(azimuth_zero)
+    return Conditions(azimuth_zero, columns_of(told, needed(load(model)) if model else ()))
 
 
 @click.command(
@@ -122,7 +127,7 @@ def command(
             span(az) if az else steering.RT32_GRID.az_deg,
             span(zd) if zd else steering.RT32_GRID.zd_deg,
         )
-        beside = conditions_of(azimuth_zero, conditions)
+        beside = conditions_of(azimuth_zero, conditions, model)
         with working("tabulating"):
             table = steering.tabulate(model, refraction, grid, reading, beside)
         lines += _twice(model, table.refraction)

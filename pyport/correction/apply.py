@@ -19,6 +19,7 @@ from pyport.formats.convert import table_of
 from pyport.mounts import ALTAZ
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
+from pyport.recordings.naming import KEYS
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings, Table
 from pyport.recordings.sky import with_nights
@@ -106,13 +107,13 @@ def _kept(rows: Recordings, where: str) -> NDArray[np.bool_]:
     return keep
 
 
-def with_conditions(raw: Raw, told: Mapping[str, str]) -> Raw:
+def with_conditions(raw: Raw, told: Mapping[str, str], model: PointingModel) -> Raw:
     """Return a file's cells with columns for conditions that were told for all rows."""
-    n = len(raw.line)
+    n, known = len(raw.line), NUMBERS | LABELS | {TIME, SCAN_RATE} | set(model.needs())
     columns = {
         key: np.full(n, text, object)
         for key, text in told.items()
-        if key in NUMBERS | LABELS | {TIME, SCAN_RATE} or angle_of(key) is not None
+        if (key in known or angle_of(key) is not None) and key not in KEYS
     }
     for key in set(columns) & set(raw.columns):
         raise BadInput(f"--set {key}: the file has a column of this name", raw.file)

@@ -12,13 +12,13 @@ import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.arguments import place
-from pyport.columns import LABELS, SPELLED
+from pyport.columns import SPELLED
 from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
-from pyport.effects import Circumstances, Effect, MissingColumn, Site
+from pyport.effects import Circumstances, MissingColumn, Site
 from pyport.errors import BadInput
 from pyport.models import complete
-from pyport.models.conditions import Columns, Value
+from pyport.models.conditions import INSIDE, Columns, Value, needed
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ, Mount, turned
 
@@ -31,10 +31,6 @@ SETTLED = 1e-6 * ARCSEC
 TURNS = 60
 #: Later than any row of recordings.
 LATEST = 1e18
-#: No effect needs more columns than this.
-MOST_NEEDS = 6
-#: What columns are called inside the program, by their names in recordings.
-_INSIDE = {told: own for own, told in SPELLED.items()}
 
 
 class Offsets(NamedTuple):
@@ -158,7 +154,7 @@ class PointingModel:
 
     def columns_needed(self) -> list[str]:
         """Return the columns that the model follows, as they are called inside the program."""
-        return [_INSIDE.get(name, name) for name in self.needs()]
+        return [INSIDE.get(name, name) for name in self.needs()]
 
     def save(
         self,
@@ -190,11 +186,8 @@ class PointingModel:
 
     def needs(self) -> list[str]:
         """Return what the model has to be told beside a direction, as the contract names it."""
-        missing: dict[str, None] = {}
-        for term in self.model.terms:
-            if term.has_values:
-                missing |= dict.fromkeys(_missing(term.effect, self.model.site))
-        return [*missing, *(label for label in self._labels if self._varies(label))]
+        labels = (label for label in self._labels if self._varies(label))
+        return [*needed(self.model), *labels]
 
     def __repr__(self) -> str:
         """Return the coefficients as a table."""
@@ -251,12 +244,14 @@ class PointingModel:
             name for name in self.needs() if name not in {SPELLED.get(one, one) for one in given}
         ]
         names = ", ".join(missing) or "more than was given"
-        return BadInput(f"the model {self.name} needs {names}: give it by name")
+        return BadInput(
+            f"the model {self.name} needs {names}: give it by name, as a column or by --set"
+        )
 
     @cached_property
     def _others(self) -> frozenset[str]:
-        """Return columns beyond the contract's that terms of this model follow."""
-        return frozenset(name for term in self.model.terms for name in term.effect.needs)
+        """Return columns, beyond the contract's too, that terms of this model follow."""
+        return frozenset(needed(self.model))
 
     def _moved(
         self, az: Array, el: Array, x: Array, y: Array, site: Site | None
@@ -283,25 +278,6 @@ class PointingModel:
             if not np.nanmax(moved, initial=0.0) > SETTLED:
                 break
         return az, el
-
-
-def _missing(effect: Effect, site: Site | None) -> list[str]:
-    """Return all that an effect lacks where only a direction is known."""
-    found: list[str] = []
-    columns: Columns = {}
-    while len(found) <= MOST_NEEDS:
-        at = Circumstances(np.array([1.0]), np.array([math.pi / 4]), site, columns)
-        try:
-            effect.columns(at)
-        except MissingColumn as lack:
-            found.append(lack.column)
-            inside = _INSIDE.get(lack.column, lack.column)
-            if inside in columns or not inside.isidentifier() or inside == "latitude_deg":
-                break  # a site, or one of several: nothing more can be said
-            columns[inside] = np.array([""] if inside in LABELS else [1.0])
-        else:
-            break
-    return found
 
 
 def model_of(model: str | Path | Model | PointingModel) -> Model:

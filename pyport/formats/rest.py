@@ -16,7 +16,7 @@ from pyport.effects.empirical.fields import Bumps
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import NAMES, WORDS, ModelFile
-from pyport.models.conditions import columns_of
+from pyport.models.conditions import columns_of, needed
 from pyport.models.model import Model, Term
 from pyport.models.terms.shapes import Shape, Wave, product
 
@@ -213,8 +213,7 @@ def rest_of(
     if not lost:
         return Rest()
     (az_deg, el_deg), all_sky = sky()
-    needed = {name for term in model.terms for name in term.effect.needs}
-    told = columns_of(conditions, needed)
+    told = columns_of(conditions, needed(model))
     columns = {name: np.broadcast_to(one, len(all_sky)) for name, one in told.items()}
     at = replace(all_sky, site=model.site, columns=columns)
     try:
