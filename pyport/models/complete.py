@@ -193,15 +193,20 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
     """Return the table of a completed model for the terminal, empty for an undetermined one.
 
     What a coefficient is counted from (a mean temperature, a moment) stands below, as far as
-    `terms` tell; a field without a name has numbers that no control system takes, and what was
-    free in every stretch of time has none that hold after it.
+    `terms` tell; a field without a name has numbers that no control system takes, what was free in
+    every stretch of time has none that hold after it, and what the recordings leave open has one of
+    many.
     """
     if completed.undetermined:
         return []
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
     past = {one.finding for one in terms if one.effect.changes_with == "stretch"} - {None}
     values = [one for one in completed.values if one.effect != UNKNOWN and one.finding not in past]
-    told = [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
+    open_ = [label(one) for one in values if not one.determined]
+    values = [one for one in values if one.determined]
+    names = ", ".join(open_) if len(open_) <= MOST_LINES else f"{len(open_)} coefficients"
+    told = [f"nothing to enter, not determined by these recordings: {names}"] * bool(open_)
+    told += [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
     told += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
     counted = [term for term in terms if _counted(term) and term.finding not in past]
     told += [f"{term.effect.id}: {_counted(term)}" for term in counted]
@@ -247,9 +252,8 @@ def _line(one: Value, wide: int, widths: Sequence[int]) -> str:
     numbers = [f"{one.value:.{digits}f}", f"{one.before:.{digits}f}", f"{one.change:+.{digits}f}"]
     cells = [f"{text:>{width}s}" for text, width in zip(numbers, widths, strict=False)]
     known = "held" if one.sigma is None else f"+- {one.sigma:.{digits}f}"
-    open_ = "" if one.determined else ", not determined by these recordings"
     found = "" if one.finding is None else f"  finding {one.finding}"
-    return f"{label(one):{wide}s}  {'   '.join(cells)} {known} {one.unit}{open_}{found}".rstrip()
+    return f"{label(one):{wide}s}  {'   '.join(cells)} {known} {one.unit}{found}".rstrip()
 
 
 def decimals(one: Value) -> int:

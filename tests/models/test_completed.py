@@ -258,3 +258,17 @@ def test_what_wandered_is_nothing_to_enter():
 
     assert [line.split()[0] for line in told] == ["enter", "refraction", "finding"]
     assert told[-1] == "finding 1: " + PAST
+
+
+def test_what_is_not_determined_is_not_entered():
+    """Such a value is one of many: it is named, without the number."""
+    known, open_ = (
+        Value(name, name, "arcsec", 2.5, 0.1, 0.0, {}, None, determined=name == "tilt_north")
+        for name in ("tilt_north", "skew")
+    )
+    nothing = "nothing to enter, not determined by these recordings: skew"
+
+    assert lines(Completed({}, (open_,), np.eye(1))) == [nothing]
+    head, table, last = lines(Completed({}, (known, open_), np.eye(2)))
+    assert (head.strip(), table.split()[0]) == ("enter this into the control system", "tilt_north")
+    assert last == nothing
