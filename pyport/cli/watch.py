@@ -107,11 +107,19 @@ def command(
             seen = process.step() if once else forever(process, every_s)
             with contextlib.closing(process):
                 alarmed = _through(seen, stop=exit_on_alarm)
-        if once and process.watch is None:
-            wrong = f"{log}: fewer than {process.needed} recordings to begin with: give --history"
-            click.echo(wrong, err=True)
+        if once:
+            click.echo(f"{log}: {_so_far(process)}", err=True)
     if alarmed and exit_on_alarm:
         click.get_current_context().exit(ALARMED)
+
+
+def _so_far(process: Process) -> str:
+    """Return how much was watched, and how many alarms stand."""
+    if process.watch is None:
+        return f"fewer than {process.needed} recordings to begin with: give --history"
+    alarms = len(process.watch.standing)
+    stand = f"{alarms} alarm{'s stand' if alarms > 1 else ' stands'}" if alarms else "no alarm"
+    return f"{process.watch.row} pointings read, {stand}"
 
 
 @contextlib.contextmanager

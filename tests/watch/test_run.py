@@ -70,13 +70,28 @@ def test_it_prints_what_happened_and_leaves_its_files(night):
 
 
 def test_once_more_tells_nothing_new(night):
-    """A log that has not grown has nothing to tell."""
+    """A log that has not grown has nothing to tell; that is said to people, not to programs."""
     folder, _, _ = night
     before = (folder / "undisturbed" / EVENTS).read_text()
     done = CliRunner().invoke(program, arguments(folder, folder / "undisturbed"))
 
-    assert (done.exit_code, done.output) == (0, "")
+    rows = json.loads((folder / "undisturbed" / "status.json").read_text())["rows"]
+    said = f"{folder / 'night.csv'}: {rows} pointings read, 1 alarm stands\n"
+    assert (done.exit_code, done.stdout, done.stderr) == (0, "", said)
     assert (folder / "undisturbed" / EVENTS).read_text() == before
+
+
+def test_a_quiet_night_is_said_to_be_quiet(night, tmp_path):
+    """How many pointings were read, and that there is no alarm."""
+    folder, drawn, _ = night
+    above, rows = text(drawn.watched, drawn.header)
+    (tmp_path / "past.csv").write_bytes((folder / "past.csv").read_bytes())
+    (tmp_path / "night.csv").write_text("".join([*above, *rows[:5]]))
+
+    done = CliRunner().invoke(program, arguments(tmp_path, tmp_path / "out"))
+
+    assert done.stdout == ""
+    assert done.stderr.endswith("night.csv: 5 pointings read, no alarm\n")
 
 
 @pytest.mark.slow
