@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pyport.columns import LABELS
 from pyport.effects import Effect
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
@@ -24,9 +25,9 @@ from pyport.formats.model_file import (
     rounded,
     translated,
 )
-from pyport.formats.rest import Rest, Waves, rest_of, sky, sums, waves
+from pyport.formats.rest import Rest, Waves, rest_of, sky, sky_under, sums, waves
 from pyport.models import toml
-from pyport.models.model import Model
+from pyport.models.model import Model, Term
 from pyport.models.terms.field_system import GRAVITY
 from pyport.models.terms.shapes import shape_of
 from pyport.models.terms.words import SCALES
@@ -55,8 +56,8 @@ def write_model(
     `to`: the format, where the suffix does not tell.
     `rest_as`: a CSV file for the corrections by terms that the format has no name for.
     `leave_out`: leave those terms out.
-    `conditions`: what holds for `rest_as` beside directions, by name: `temperature_c`, `time_utc`,
-      ...
+    `conditions`: what the file, or `rest_as`, holds for beside directions, by name: `receiver`,
+      `temperature_c`, `time_utc`, ...
     Returns `format`, `number`, `rest`: what was written, how many terms, and what was not.
     Raises `BadInput`: the suffix is none of a model, coefficients differ between antennas or are
       not determined, or a term has no name in that format.
@@ -69,6 +70,8 @@ def write_model(
             raise BadInput("a model that nothing was fitted to is a file already", path)
         toml.write(model, path)
         return chosen.name, len(model.completed.values), Rest()
+    conditions = conditions or {}
+    model = _of_labels(model, conditions, path)
     told = _told(model, path)
     if not told and model.given is None:
         raise BadInput(f"the model {model.name} has no values to write: fit it first", path)
@@ -80,8 +83,8 @@ def write_model(
         lost.insert(0, f"the RT32's exact form ({model.base})")
     whole = rest_as is None and not leave_out
     nameless = [one for one, (_, entries) in zip(told, each, strict=True) if not entries]
-    instead = _waves(model, nameless, vocabulary) if lost and whole else Waves()
-    if instead.values:
+    instead = _waves(model, nameless, vocabulary, conditions) if lost and whole else None
+    if instead is not None:
         found, lost = [*found, *_entries(instead, vocabulary)], []
     if lost and whole:
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
@@ -95,7 +98,7 @@ def write_model(
     file = ModelFile(vocabulary, tuple(_summed(found)), title, phi, details)
     if chosen.vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
-    rest = replace(rest_of(model, file, lost, rest_as, conditions or {}), waves=instead)
+    rest = replace(rest_of(model, file, lost, rest_as, conditions), waves=instead or Waves())
     chosen.write(file, path)
     return chosen.name, len(file.entries), rest
 
@@ -152,6 +155,39 @@ class _Told:
 
 def _digits(value: float, unit: str) -> Decimal:
     return rounded(Decimal(repr(value / SCALES[unit])), _DECIMALS[unit])
+
+
+def _of_labels(model: Model, conditions: Mapping[str, Any], path: Path) -> Model:
+    """Return a model with the coefficients of the labels among some conditions alone.
+
+    Raises `BadInput`: a term has none for them.
+    """
+    asked = {name: str(conditions[name]) for name in LABELS if name in conditions}
+
+    def holds(of: Iterable[tuple[str, str]]) -> bool:
+        return all(asked.get(name, label) == label for name, label in of)
+
+    terms = []
+    for term in model.terms:
+        for names, known in ((term.per, [*term.by]), _split(term)):
+            if known and not any(holds(zip(names, each, strict=True)) for each in known):
+                wrong = " and ".join(f"{name} {asked[name]!r}" for name in names if name in asked)
+                wanted = ", ".join(map(" ".join, known))
+                said = f"{term.effect.id} has no coefficients for {wrong}"
+                raise BadInput(f"{said}, expected one of {wanted}", path)
+        by = {each: of for each, of in term.by.items() if holds(zip(term.per, each, strict=True))}
+        terms.append(replace(term, by=by))
+    completed = model.completed
+    if completed is not None:
+        values = tuple(one for one in completed.values if holds(one.labels.items()))
+        completed = replace(completed, values=values)
+    return replace(model, terms=tuple(terms), completed=completed)
+
+
+def _split(term: Term) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Return the label whose values an effect itself distinguishes, if it does, and those."""
+    member = term.effect.member
+    return ((member["by"],), [(one,) for one in member["values"]]) if "by" in member else ((), [])
 
 
 def _told(model: Model, path: Path) -> list[_Told]:
@@ -213,21 +249,26 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
     return list(found.values())
 
 
-def _waves(model: Model, lost: Sequence[_Told], vocabulary: str) -> Waves:
-    """Return waves for what is lost: fields nearly, what has a law of its own exactly."""
+def _waves(
+    model: Model, lost: Sequence[_Told], vocabulary: str, conditions: Mapping[str, Any]
+) -> Waves | None:
+    """Return waves for what is lost: fields nearly, what has a law of its own exactly.
+
+    None where there are no such waves.
+    """
     if model.mount is not ALTAZ or model.given is not None:
-        return Waves()
+        return None
     effects = {id(one.effect) for one in lost}
     terms = [one for one in model.terms if id(one.effect) in effects]
     if sum(len(one.effect.coefficients) for one in terms) != len(lost):
-        return Waves()
+        return None
     made = {} if model.completed is None else model.completed.made
     fields = [one for one in terms if one.effect.id == UNKNOWN]
     others = [one for one in terms if one.effect.id != UNKNOWN]
     about = waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1])
-    exact = sums(others, vocabulary, sky()[1])
+    exact = sums(others, vocabulary, sky_under(model, conditions)[1])
     if about is None or exact is None:
-        return Waves()
+        return None
     return Waves((*exact.values, *about.values), about.missed_arcsec)
 
 

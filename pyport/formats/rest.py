@@ -199,6 +199,16 @@ def sky() -> tuple[tuple[Array, Array], Circumstances]:
     return (az_deg, el_deg), Circumstances(az_deg * DEG, el_deg * DEG)
 
 
+def sky_under(
+    model: Model, conditions: Mapping[str, Any]
+) -> tuple[tuple[Array, Array], Circumstances]:
+    """Return the same for a model, at its site and under conditions that are given by name."""
+    grid, at = sky()
+    told = columns_of(conditions, needed(model))
+    columns = {name: np.broadcast_to(one, len(at)) for name, one in told.items()}
+    return grid, replace(at, site=model.site, columns=columns)
+
+
 def rest_of(
     model: Model,
     file: ModelFile,
@@ -212,10 +222,7 @@ def rest_of(
     """
     if not lost:
         return Rest()
-    (az_deg, el_deg), all_sky = sky()
-    told = columns_of(conditions, needed(model))
-    columns = {name: np.broadcast_to(one, len(all_sky)) for name, one in told.items()}
-    at = replace(all_sky, site=model.site, columns=columns)
+    (az_deg, el_deg), at = sky_under(model, conditions)
     try:
         x, y = (
             one - other
