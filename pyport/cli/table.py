@@ -39,7 +39,7 @@ def conditions_of(
 ) -> Conditions:
     """Return what both options say of a model, COLUMN=VALUE as columns inside the program."""
     from pyport.formats.models import load
-    from pyport.models.conditions import columns_of, needed
+    from pyport.models.conditions import columns_of
     from pyport.steering.tabulate import Conditions
 
     told: dict[str, object] = {}
@@ -50,7 +50,7 @@ def conditions_of(
         told[name.strip()] = value.strip()
     if not told:
         return Conditions(azimuth_zero)
-    return Conditions(azimuth_zero, columns_of(told, needed(load(model)) if model else ()))
+    return Conditions(azimuth_zero, columns_of(told, load(model).needs() if model else ()))
 
 
 @click.command(

@@ -18,8 +18,8 @@ from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, MissingColumn, Site
 from pyport.errors import BadInput
 from pyport.models import complete
-from pyport.models.conditions import INSIDE, Columns, Value, needed
-from pyport.models.model import Model
+from pyport.models.conditions import Columns, Value
+from pyport.models.model import INSIDE, Model
 from pyport.mounts import ALTAZ, Mount, turned
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ class PointingModel:
     def needs(self) -> list[str]:
         """Return what the model has to be told beside a direction, as the contract names it."""
         labels = (label for label in self._labels if self._varies(label))
-        return [*needed(self.model), *labels]
+        return [*self.model.needs(), *labels]
 
     def __repr__(self) -> str:
         """Return the coefficients as a table."""
@@ -251,7 +251,7 @@ class PointingModel:
     @cached_property
     def _others(self) -> frozenset[str]:
         """Return columns, beyond the contract's too, that terms of this model follow."""
-        return frozenset(needed(self.model))
+        return frozenset(self.model.needs())
 
     def _moved(
         self, az: Array, el: Array, x: Array, y: Array, site: Site | None

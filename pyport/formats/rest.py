@@ -16,7 +16,7 @@ from pyport.effects.empirical.fields import Bumps
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import NAMES, WORDS, ModelFile
-from pyport.models.conditions import columns_of, needed
+from pyport.models.conditions import columns_of
 from pyport.models.model import Model, Term
 from pyport.models.terms.shapes import Shape, Wave, product
 
@@ -204,7 +204,7 @@ def sky_under(
 ) -> tuple[tuple[Array, Array], Circumstances]:
     """Return the same for a model, at its site and under conditions that are given by name."""
     grid, at = sky()
-    told = columns_of(conditions, needed(model))
+    told = columns_of(conditions, model.needs())
     columns = {name: np.broadcast_to(one, len(at)) for name, one in told.items()}
     return grid, replace(at, site=model.site, columns=columns)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import difflib
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -15,15 +14,13 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.arguments import refusal
-from pyport.columns import LABELS, NUMBER, QUANTITIES, SPELLED, angle_of
-from pyport.effects.base import Circumstances, Effect, MissingColumn, Site
+from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
+from pyport.effects.base import Site
 from pyport.errors import BadInput
 from pyport.recordings.raw import seconds_of
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
-
-    from pyport.models.model import Model
 
 
 @dataclass(frozen=True)
@@ -95,10 +92,6 @@ _SPELLED = {one.spelled: spoken for spoken, one in QUANTITIES.items() if one.kin
 _PLAIN = frozenset({"scan_direction"})
 _TIMES = frozenset({"time", "time_utc"})
 NAMES = frozenset({*QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"})
-#: What columns are called inside the program, by their names in recordings.
-INSIDE = {told: own for own, told in SPELLED.items()}
-#: No effect needs more columns than this.
-MOST_NEEDS = 6
 
 Columns = dict[str, NDArray[Any]]
 
@@ -107,34 +100,6 @@ def known(name: str) -> bool:
     """Tell whether a condition is called so."""
     angle = angle_of(name)
     return name in NAMES or (angle is not None and angle[0] in QUANTITIES)
-
-
-def needed(model: Model) -> list[str]:
-    """Return what a model's terms need beside a direction, as recordings spell it, no labels."""
-    found: dict[str, None] = {}
-    for term in model.terms:
-        if term.has_values:
-            found |= dict.fromkeys(_missing(term.effect, model.site))
-    return list(found)
-
-
-def _missing(effect: Effect, site: Site | None) -> list[str]:
-    """Return all that an effect lacks where only a direction is known."""
-    found: list[str] = []
-    columns: Columns = {}
-    while len(found) <= MOST_NEEDS:
-        at = Circumstances(np.array([1.0]), np.array([math.pi / 4]), site, columns)
-        try:
-            effect.columns(at)
-        except MissingColumn as lack:
-            found.append(lack.column)
-            inside = INSIDE.get(lack.column, lack.column)
-            if inside in columns or not inside.isidentifier() or inside == "latitude_deg":
-                break  # a site, or one of several: nothing more can be said
-            columns[inside] = np.array([""] if inside in LABELS else [1.0])
-        else:
-            break
-    return found
 
 
 def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns:

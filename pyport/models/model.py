@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
+from pyport.columns import LABELS, SPELLED
 from pyport.effects import Circumstances, Coefficient, Effect, MissingColumn, Site, catalogue
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
@@ -22,6 +24,11 @@ if TYPE_CHECKING:
 #: Labels that split the coefficients of a classical model: each antenna has its own mount.
 PER_ANTENNA = ("antenna",)
 PER_ANTENNA_DAY = ("antenna", "session")
+
+#: What columns are called inside the program, by their names in recordings.
+INSIDE = {told: own for own, told in SPELLED.items()}
+#: No effect needs more columns than this.
+MOST_NEEDS = 6
 
 
 @dataclass(frozen=True)
@@ -149,6 +156,14 @@ class Model:
             and (not term.effect.prior if refit is None else term.effect.id in refit)
         ]
 
+    def needs(self) -> list[str]:
+        """Return what the terms need beside a direction, as recordings spell it, labels apart."""
+        found: dict[str, None] = {}
+        for term in self.terms:
+            if term.has_values:
+                found |= dict.fromkeys(_missing(term.effect, self.site))
+        return list(found)
+
     def on(self, mount: Mount) -> Model:
         """Return the model in the words of a mount: the classical terms are those of its axes.
 
@@ -260,3 +275,22 @@ BUILT_IN: dict[str, Callable[[], Model]] = {
     "rt32-exact": lambda: _rt32("rt32-exact", exact=True),
     "rt32-approximate": lambda: _rt32("rt32-approximate", exact=False),
 }
+
+
+def _missing(effect: Effect, site: Site | None) -> list[str]:
+    """Return all that an effect lacks where only a direction is known."""
+    found: list[str] = []
+    columns: dict[str, NDArray[Any]] = {}
+    while len(found) <= MOST_NEEDS:
+        at = Circumstances(np.array([1.0]), np.array([math.pi / 4]), site, columns)
+        try:
+            effect.columns(at)
+        except MissingColumn as lack:
+            found.append(lack.column)
+            inside = INSIDE.get(lack.column, lack.column)
+            if inside in columns or not inside.isidentifier() or inside == "latitude_deg":
+                break  # a site, or one of several: nothing more can be said
+            columns[inside] = np.array([""] if inside in LABELS else [1.0])
+        else:
+            break
+    return found

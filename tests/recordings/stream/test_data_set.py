@@ -168,7 +168,7 @@ def test_memory_is_bounded_by_growing_cells(tmp_path, monkeypatch):
     [
         (lambda c: {k: v for k, v in c.items() if k != "az_deg"}, "no columns az_deg and el_deg"),
         (lambda c: c | {"d_el_deg": c["d_el_arcsec"]}, "say the same"),
-        (lambda c: c | {"el_deg": c["el_deg"] + 90}, "elevation outside"),
+        (lambda c: c | {"el_deg": c["el_deg"] + 90}, "elevation above"),
         (lambda c: c | {"temperature_c": c["temperature_c"] / 0}, "temperature_c is infinite"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What a file of recordings says against itself. It is read all the same; these notes are shown."""
+"""Directions that contradict the hour angle, or right ascension and time, of the same rows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from pyport.angles import DEG, Array
 from pyport.columns import angle_of
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.effects.sky.frame import from_sky
-from pyport.recordings.mounted import OFFSETS
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 from pyport.recordings.sky import horizon
@@ -23,34 +22,25 @@ ELSEWHERE_DEG = 1.5
 MOST_ROWS = 1000
 #: Zones of civil time [h]: whole hours, and the half ones of India and Australia.
 ZONES_H = (*range(-12, 15), 5.5, 9.5)
-#: By rounding some offsets stand in several rows, others in nearly as many: in three times as many
-#: rows as any others stands what was not measured.
-MANY = 3
 
 #: What a direction would be if something was read otherwise: words, azimuth and elevation [rad].
 Otherwise: TypeAlias = tuple[str, Array, Array]
 
 
-def noted(recordings: Recordings, raw: Raw) -> Recordings:
-    """Return recordings with the notes of what `raw`, which they were read from, says of them."""
-    told = {angle[0] for name in raw.columns if (angle := angle_of(name)) is not None}
-    notes = _of_directions(recordings, told), _of_offsets(recordings, raw)
-    return replace(recordings, notes=tuple(filter(None, notes)))
-
-
-def _of_directions(recordings: Recordings, told: set[str]) -> str:
+def note(recordings: Recordings, raw: Raw) -> str:
     """Return how far directions are from those of the same rows' other coordinates, if they are."""
+    told = {angle[0] for name in raw.columns if (angle := angle_of(name)) is not None}
     at, places = recordings.at, {"az", "el", "dec"}
-    note = ""
+    said = ""
     if at.site is not None and places | {"hour_angle"} <= told:
-        note = _compared(
+        said = _compared(
             recordings, "hour angle, declination", ("hour_angle", "dec"), _by_hour_angle
         )
     timed = "time" in at and at.site is not None and at.site.longitude is not None
-    if not note and timed and places | {"ra"} <= told:
+    if not said and timed and places | {"ra"} <= told:
         what = "right ascension, declination, time"
-        note = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
-    return note
+        said = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
+    return said
 
 
 def _compared(
@@ -124,28 +114,3 @@ def _turned(at: Circumstances, *, south: bool) -> Iterator[Otherwise]:
     zero = "north" if south else "south"
     yield f"azimuth counts from {zero} ('# azimuth_zero: {zero}')", at.az + np.pi, at.el
     yield "azimuth counts in the opposite sense", -at.az, at.el
-
-
-def _of_offsets(recordings: Recordings, raw: Raw) -> str:
-    """Return which offsets of both axes stand in more rows than rounding explains, if any do."""
-    names = [
-        name
-        for name in raw.columns
-        if (angle := angle_of(name)) is not None and angle[0] in OFFSETS
-    ]
-    if len(names) != 2:
-        return ""
-    kept = np.isin(raw.line, recordings.line)
-    pairs = np.stack([raw.numbers(name)[kept] for name in names], axis=1)
-    pairs = pairs[np.isfinite(pairs).all(axis=1)]
-    values, counts = np.unique(pairs, axis=0, return_counts=True)
-    different = np.unique(np.append(counts, 1))
-    if not np.any(different[1:] >= MANY * different[:-1]):
-        return ""
-    pair = dict(zip(names, values[np.argmax(counts)].tolist(), strict=True))
-    told = " and ".join(f"{name} {value:.12g}" for name, value in pair.items())
-    other = " or ".join(f"{name} != {value:.12g}" for name, value in pair.items())
-    return (
-        f"{told} stand together in {counts.max()} of {len(pairs)} rows, which may mean that "
-        f'nothing was measured there: --where "{other}" excludes them'
-    )
