@@ -9,8 +9,9 @@ from pyport.recordings.mounted import OFFSETS
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 
-#: By rounding some offsets stand in several rows, others in nearly as many: in three times as many
-#: rows as any others stands what was not measured.
+#: What rounding repeats has neighbours in as many rows, and stands with other offsets in the other
+#: axis: none of 500 files with 40 rows of normal errors, rounded to their sigma or finer, had a pair
+#: in three times as many rows as either.
 MANY = 3
 
 
@@ -27,14 +28,18 @@ def note(recordings: Recordings, raw: Raw) -> str:
     one, other = (raw.numbers(name)[kept] for name in names)
     pairs = (one + 1j * other)[np.isfinite(one) & np.isfinite(other)]
     values, counts = np.unique(pairs, return_counts=True)
-    different = np.unique(np.append(counts, 1))
-    if not np.any(different[1:] >= MANY * different[:-1]):
+    if not len(counts):
         return ""
-    most = values[np.argmax(counts)]
+    most, rows = values[np.argmax(counts)], counts.max()
+    apart = max(np.sum(pairs.real == most.real), np.sum(pairs.imag == most.imag)) - rows
+    # the second most may stand for nothing as well
+    third = np.sort(np.append(counts, [1, 1]))[-3]
+    if rows < MANY * max(apart, third):
+        return ""
     pair = list(zip(names, (most.real, most.imag), strict=True))
     told = " and ".join(f"{name} {value:.15g}" for name, value in pair)
     others = " or ".join(f"{name} != {value:.15g}" for name, value in pair)
     return (
-        f"{told} stand together in {counts.max()} of {len(pairs)} rows, which may mean that "
+        f"{told} stand together in {rows} of {len(pairs)} rows, which may mean that "
         f'nothing was measured there: --where "{others}" excludes them'
     )
