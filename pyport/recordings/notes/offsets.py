@@ -9,9 +9,9 @@ from pyport.recordings.mounted import OFFSETS
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 
-#: What rounding repeats has neighbours in as many rows, and stands with other offsets in the other
-#: axis: none of 500 files with 40 rows of normal errors, rounded to their sigma or finer, had a pair
-#: in three times as many rows as either.
+#: What rounding repeats has neighbours in as many rows, and stands beside other offsets of the
+#: other axis: none of 500 files with 40 rows of normal errors, rounded to their sigma or finer,
+#: had a pair in three times as many rows as either.
 MANY = 3
 
 
