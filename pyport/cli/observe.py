@@ -47,19 +47,17 @@ def _proposed(name: str, given: FileOptions) -> tuple[dict[str, str], list[str]]
 
 
 def _trial(name: str, given: FileOptions, found: dict[str, str]) -> list[str]:
-    """Return what is doubtful of a file that is read by a map: it is refused, or has radians."""
+    """Return what is doubtful of a file that is read by a map: it is refused, or has notes."""
     from dataclasses import replace
 
-    from pyport.planning.look import of_radians
     from pyport.recordings import read
 
     if not found or _lacking(found):
         return []
     try:
-        said = of_radians(read(name, replace(given, mapping=found)))
+        return list(read(name, replace(given, mapping=found)).notes)
     except BadInput as error:
         return [f"refused as it stands: {error}"]
-    return [said] if said else []
 
 
 def _lacking(found: Iterable[str]) -> str:

@@ -28,8 +28,6 @@ from pyport.runs.workers import one_thread
 MOST = 4000
 #: Elevations that are suggested unless lower or higher ones were observed [deg].
 LOWEST_DEG, HIGHEST_DEG = 10.0, 85.0
-#: So few directions may well be near each other, north and low.
-FEWEST_OF_RADIANS = 3
 #: A noise of more arcseconds, or one over as many, is a slip of the pen.
 MOST_NOISE = 1e9
 
@@ -144,17 +142,6 @@ def busiest(recordings: Recordings) -> tuple[str, int]:
     """Return the antenna with the most recordings, and how many antennas there are."""
     names, counts = np.unique(recordings.label("antenna").astype(str), return_counts=True)
     return str(names[np.argmax(counts)]), len(names)
-
-
-def of_radians(recordings: Recordings) -> str:
-    """Return a sentence where directions in degrees are so small that they may be radians."""
-    az, el = np.abs(recordings.at.az) / DEG, np.abs(recordings.at.el) / DEG
-    if len(az) < FEWEST_OF_RADIANS or az.max() > 2 * np.pi or el.max() > np.pi / 2:
-        return ""
-    return (
-        f"azimuths up to {az.max():.3g} deg and elevations up to {el.max():.3g} deg: if they are "
-        "radians, read them as az_rad and el_rad, and look at the unit of the offsets"
-    )
 
 
 def _known(made: Design) -> tuple[tuple[Known, ...], float]:

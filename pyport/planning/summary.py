@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
-from pyport.planning.look import Look, of_radians
+from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
 from pyport.recordings.schema import as_input, counted
 from pyport.report import typed
@@ -60,8 +60,6 @@ def _head(look: Look) -> Iterable[str]:
     whose = f", antenna {look.antenna} of {look.antennas}" if look.antennas > 1 else ""
     yield f"{counted(as_input(look.recordings))}{whose}, model {look.model.name}"
     yield f"Noise {look.noise / ARCSEC:.3g} arcsec ({look.how})."
-    if said := of_radians(look.recordings):
-        yield f"Unit: {said}."
     yield from (f"Warning: {one}." for one in look.recordings.notes)
 
 

@@ -9,5 +9,9 @@ from pyport.recordings.schema import Recordings
 
 def noted(recordings: Recordings, raw: Raw) -> Recordings:
     """Return recordings with the notes of what `raw`, which they were read from, says of them."""
-    notes = directions.note(recordings, raw), offsets.note(recordings, raw)
+    notes = (
+        directions.note(recordings, raw),
+        directions.radians(recordings),
+        offsets.note(recordings, raw),
+    )
     return replace(recordings, notes=tuple(filter(None, notes)))

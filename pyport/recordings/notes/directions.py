@@ -18,6 +18,8 @@ from pyport.recordings.sky import horizon
 
 #: Places of 1950 are a degree off today, refraction at the horizon half of one.
 ELSEWHERE_DEG = 1.5
+#: So few directions may well be near each other, north and low.
+FEWEST_OF_RADIANS = 3
 #: So many rows, evenly chosen, show where most of them point.
 MOST_ROWS = 1000
 #: Zones of civil time [h]: whole hours, and the half ones of India and Australia.
@@ -41,6 +43,17 @@ def note(recordings: Recordings, raw: Raw) -> str:
         what = "right ascension, declination, time"
         said = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
     return said
+
+
+def radians(recordings: Recordings) -> str:
+    """Return that directions in degrees are so small that they may be radians, if they are."""
+    az, el = np.abs(recordings.at.az) / DEG, np.abs(recordings.at.el) / DEG
+    if len(az) < FEWEST_OF_RADIANS or az.max() > 2 * np.pi or el.max() > np.pi / 2:
+        return ""
+    return (
+        f"azimuths up to {az.max():.3g} deg and elevations up to {el.max():.3g} deg: if they are "
+        "radians, read them as az_rad and el_rad, and look at the unit of the offsets"
+    )
 
 
 def _compared(
