@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
-from pyport.diagnosis.case import Problem
+from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.disagreements import Disagreement, disagreements
 from pyport.diagnosis.holdout import Unseen, unseen
 from pyport.diagnosis.naming import findings as reading
@@ -26,6 +26,7 @@ from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.edge_paths import averaged
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData, projection, weigh, weigh_model
+from pyport.effects.base import Effect
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.fitting.combinations import Combination
@@ -228,18 +229,30 @@ def _unsearched(problem: Problem, few: guards.TooFew) -> Outcome:
 def _limits(problem: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the size [rad] at which each effect would have been seen in half of the cases.
 
-    The rms over the readings that it acts on.
+    The rms over the readings that it acts on, of the middle one of the members of its family.
     """
-    limits: dict[str, float] = {}
+    sizes: dict[str, list[float]] = {}
     for trial in outcome.last:
         known = float(np.trace(trial.information))
         # What is seen by rounding alone has no size at which it would have been seen.
         if not trial.candidate.effect.physical or "antenna" in trial.scope or known < TINY:
             continue
         own = trial.candidate
-        gain = gain_needed(trial, CONVINCING + own.price + among(problem, own.effect))
+        asked = CONVINCING + own.price + among(problem, own.effect)
+        gain = gain_needed(trial, asked, *_departing(problem, own.effect))
         columns = problem.picked(own.columns)
         touched = np.count_nonzero(columns.any(axis=1))
         size = float(np.sqrt(gain * (columns**2).sum() / (known * touched)))
-        limits[own.effect.id] = min(size, limits.get(own.effect.id, np.inf))
-    return limits
+        sizes.setdefault(own.effect.id, []).append(size)
+    limits = {name: float(np.median(each)) for name, each in sizes.items()}
+    return {name: size for name, size in limits.items() if np.isfinite(size)}
+
+
+def _departing(problem: Problem, effect: Effect) -> tuple[int, float]:
+    """Return how many sessions or sources may do what an effect does, and the readings of each."""
+    if problem.blocks.antennas > 1 or not (effect.is_change or effect.belongs_to):
+        return 1, np.inf
+    of = "source" if effect.belongs_to else "session"
+    counts = [len(set(one.labels)) for one in problem.frame.departures if one.of == of]
+    count = max(counts, default=1)
+    return count, len(np.unique(measurements(problem))) / count

@@ -60,17 +60,49 @@ def _log_chance(trials: Sequence[CandidateFit], gains: Array) -> Array:
     return np.asarray(log.min(axis=0))
 
 
-def gain_needed(trial: CandidateFit, evidence: float) -> float:
+def gain_needed(
+    trial: CandidateFit, evidence: float, departing: int = 1, readings: float = np.inf
+) -> float:
     """Return the gain at which a trial's coefficients, all equally well known, have some evidence.
 
     At its best prior variance a gain t of k coefficients has t - k - k log(t / k). Of noise whose
-    scale is known from n deviations a gain of n (exp(t / n) - 1) is worth no more than that.
+    scale is known from n deviations a gain of n (exp(t / n) - 1) is worth no more than that. What
+    sessions or sources that are `departing` may do as well is worth what is beyond theirs: as many
+    coefficients of one variance, whose prior is as wide as the scatter of each one's `readings`.
+    Infinite where no gain is enough.
     """
     from scipy.special import lambertw
 
     known = -trial.dof * float(lambertw(-np.exp(-1 - evidence / trial.dof), -1).real)
+    if departing > 1:
+        known = _beyond_departures(trial.dof, evidence, departing, readings)
     rest = min(trial.noise_dof, 1e6)
     return float(rest * np.expm1(known / rest))
+
+
+#: A gain that is called out of reach: a hundred sigma.
+MOST_GAIN = 1e4
+
+
+def _beyond_departures(count: int, evidence: float, departing: int, readings: float) -> float:
+    """Return the gain of some coefficients that has some evidence beyond that of departures."""
+    from scipy.optimize import brentq
+
+    others = count * (departing - 1)
+
+    def lacks(log_gain: float) -> float:
+        gain = float(np.exp(log_gain))
+        wide = 2 * float(np.log1p(max(gain / others - 1, 0.0) / readings))
+        return _worth(gain, count) - max(_worth(gain, others) - wide, 0.0) - evidence
+
+    if lacks(most := float(np.log(MOST_GAIN))) < 0:
+        return np.inf
+    return float(np.exp(brentq(lacks, float(np.log(count)), most)))
+
+
+def _worth(gain: float, count: int) -> float:
+    """Return the evidence of a gain of some coefficients at their best prior variance."""
+    return gain - count - count * float(np.log(gain / count)) if gain > count > 0 else 0.0
 
 
 @dataclass(frozen=True)

@@ -983,6 +983,21 @@ def test_the_gain_that_is_needed_has_the_evidence_that_is_asked(dof):
     assert gain_needed(trial(dof=dof, noise_dof=10), 12.0) > 1.5 * gain
 
 
+@pytest.mark.parametrize("sessions", [4, 12])
+def test_what_sessions_may_do_as_well_needs_a_larger_gain(sessions):
+    """A change of one of them beside departures of all, whose variance is the best there is."""
+    one = trial(noise_dof=10**7)
+    gain = gain_needed(one, 12.0, sessions, 25.0)
+    shares = np.full(sessions - 1, np.sqrt(gain / (sessions - 1)))
+    change, _ = at_best(np.ones(1), np.array([np.sqrt(gain)]))
+    departures, variance = at_best(np.ones(sessions - 1), shares)
+
+    wide = 2 * np.log1p(variance / 25.0)
+    assert change - departures + wide == pytest.approx(12.0, abs=0.5)
+    assert gain > gain_needed(one, 12.0) * (3 if sessions == 4 else 1.05)
+    assert gain_needed(one, 12.0, 2, 25.0) == np.inf
+
+
 @pytest.mark.parametrize("scale", [1.0, 3.0])
 @pytest.mark.parametrize(("names", "gain"), [(1, 9.22), (6, 13.16)])
 def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
@@ -995,6 +1010,27 @@ def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
     limits = diagnose._limits(problem, SimpleNamespace(last=(one,)))
 
     assert limits["refraction"] == pytest.approx(2 * scale * np.sqrt(gain / 10), rel=0.01)
+
+
+def test_a_limit_is_that_of_the_middle_member_and_of_a_change_that_of_its_sessions(monkeypatch):
+    """The best member of a family is no case of half of it; where none is enough there is none."""
+    asked = []
+    answers = iter((4.0, 100.0, 9.0, np.inf))
+    monkeypatch.setattr(
+        diagnose, "gain_needed", lambda *given: asked.append(given) or next(answers)
+    )
+    nights = SimpleNamespace(of="session", labels=("a", "b", "c", "a"))
+    problem = problem_with(
+        picked=lambda _: np.ones((10, 1)),
+        frame=SimpleNamespace(departures=(nights,)),
+        pointing=np.arange(30),
+        stack=SimpleNamespace(is_y=np.zeros(30, int)),
+    )
+    trials = (*(trial(sigma=1.0) for _ in range(3)), trial("epoch_tilt", sigma=1.0))
+    limits = diagnose._limits(problem, SimpleNamespace(last=trials))
+
+    assert limits == {"refraction": pytest.approx(3.0)}
+    assert [given[2:] for given in asked] == [(1, np.inf)] * 3 + [(3, 10.0)]
 
 
 def test_what_rounding_alone_sees_has_no_limit():
