@@ -275,10 +275,10 @@ def test_a_spoilt_state_is_refused(watch, tmp_path):
 
 
 def test_a_clock_that_jumps(watch):
-    """Back by a day, ahead by ten years, standing still: each row is taken in, all is finite."""
+    """Back by a day or to another century, ahead by ten years, standing still: each row is taken in, all is finite."""
     drawn = world()
     moments = drawn.watched["time_utc"].astype("M8[us]").copy()
-    for first, days in ((10, -1), (15, 3650), (20, -40_000)):
+    for first, days in ((10, -1), (15, 3650), (20, -15_000)):
         moments[first : first + 5] += np.timedelta64(days, "D")
     moments[25:30] = moments[25]
     rows = from_table(drawn.watched | {"time_utc": moments}, drawn.header)
