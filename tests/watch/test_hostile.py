@@ -275,7 +275,7 @@ def test_a_spoilt_state_is_refused(watch, tmp_path):
 
 
 def test_a_clock_that_jumps(watch):
-    """Back by a day, by decades, ahead by ten years, standing still: each row is taken in, finite."""
+    """Back by a day or decades, ahead by ten years, standing still: each row is taken in."""
     drawn = world()
     moments = drawn.watched["time_utc"].astype("M8[us]").copy()
     for first, days in ((10, -1), (15, 3650), (20, -15_000)):
