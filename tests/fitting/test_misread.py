@@ -23,6 +23,17 @@ def said(measured, model=ALTAZ):
     return None if other is None else other.of_fit
 
 
+def on_mount(kind, **columns):
+    """Return recordings of a mount whose every term is 30 arcsec, and the model of these terms."""
+    made = recordings(300, 7)
+    at = replace(made.at, mount=KINDS[kind], columns={**made.at.columns, **columns})
+    model = ALTAZ.on(at.mount)
+    drawn = [term.effect.columns(at) for term in model.fitted(None)]
+    x, y = (sum(one[axis].sum(axis=1) for one in drawn) * 30 * ARCSEC for axis in (0, 1))
+    noise = 3 * ARCSEC * np.random.default_rng(7).normal(size=(2, 300))
+    return replace(made, at=at, x=x + noise[0], y=y + noise[1]), model
+
+
 def turned(measured, where, **sign):
     """Return recordings with the sign of some offsets turned."""
     signs = {
@@ -168,13 +179,7 @@ def test_outliers_say_nothing_and_neither_do_arrays():
 
 def test_the_axes_of_other_mounts_have_their_own_names():
     """An hour angle counted in the opposite sense; on that mount there is no height to misread."""
-    made = recordings(300, 7)
-    at = replace(made.at, mount=KINDS["fork"])
-    model = load("altaz").on(at.mount)
-    drawn = [term.effect.columns(at) for term in model.fitted(None)]
-    x, y = (sum(one[axis].sum(axis=1) for one in drawn) * 30 * ARCSEC for axis in (0, 1))
-    noise = 3 * ARCSEC * np.random.default_rng(7).normal(size=(2, 300))
-    right = replace(made, at=at, x=x + noise[0], y=y + noise[1])
+    right, model = on_mount("fork")
 
     assert said(right, model) is None
     assert "hour angle is counted in the opposite sense" in said(replace(right, x=-right.x), model)
@@ -205,15 +210,8 @@ def test_what_is_recorded_often_is_no_surer():
 @pytest.mark.parametrize("side", ["east", "west"])
 def test_a_telescope_on_either_side_of_its_pier_is_read_alike(side):
     """Turned over its declination counts beyond the pole: the cosine is that of the other side."""
-    made = recordings(300, 12)
-    german = {**made.at.columns, "pier_side": np.full(300, side)}
-    at = replace(made.at, mount=KINDS["german"], columns=german)
-    model = load("altaz").on(at.mount)
-    drawn = [term.effect.columns(at) for term in model.fitted(None)]
-    x, y = (sum(one[axis].sum(axis=1) for one in drawn) * 30 * ARCSEC for axis in (0, 1))
-    noise = 3 * ARCSEC * np.random.default_rng(7).normal(size=(2, 300))
-    right = replace(made, at=at, x=x + noise[0], y=y + noise[1])
+    right, model = on_mount("german", pier_side=np.full(300, side))
 
     assert said(right, model) is None
-    wrong = replace(right, x=right.x / at.onto_sky)
+    wrong = replace(right, x=right.x / right.at.onto_sky)
     assert "lack the cosine" in said(wrong, model)
