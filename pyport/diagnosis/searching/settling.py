@@ -193,13 +193,16 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
 
 
 def _without_size(outcome: Outcome) -> list[tuple[Chosen, str]]:
-    """Return the choices whose reported size may be zero."""
+    """Return the choices whose reported size may be zero.
+
+    Coefficients that are drawn from a prior are drawn toward zero: of these the evidence says it.
+    """
     problem, chosen = outcome.problem, outcome.chosen
     together = joint.fit(problem, outcome.weighed, chosen)
     return [
         (one, f"its size is within {SEEN:g} sigma of zero")
         for n, one in enumerate(chosen, len(problem.base))
-        if joint.distance(together, n) < SEEN
+        if not one.candidate.effect.prior and joint.distance(together, n) < SEEN
     ]
 
 

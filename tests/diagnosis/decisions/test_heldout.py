@@ -248,10 +248,14 @@ def test_what_one_fit_cannot_predict_is_not_counted(monkeypatch):
     assert found.compared(np.ones(20, bool), ones).gross == 1
 
 
-def settled(monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 9.0, 9.0)):
+def settled(
+    monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 9.0, 9.0), prior=()
+):
     """Return what is to be dropped; rms by what is left of the choices, "" for the model alone."""
     names = ("refraction", "skew", "tilt")[: len(evidences)]
-    steps = tuple(step(trial(n, e)) for n, e in zip(names, evidences, strict=True))
+    some = (candidate(name) for name in names)
+    drawn = [replace(one, effect=replace(one.effect, prior=prior)) for one in some]
+    steps = tuple(step(trial(of=c, evidence=e)) for c, e in zip(drawn, evidences, strict=True))
     key = lambda some: " ".join(one.candidate.effect.id for one in some)  # noqa: E731
 
     def sigma(_rows, fewest):
@@ -309,6 +313,8 @@ def test_a_finding_without_a_size_is_dropped(monkeypatch, sigmas, dropped):
     rms = {"refraction skew": 1.0, "skew": 1.2, "refraction": 1.2, "": 2.0}
 
     assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas) == dropped
+    # Drawn toward zero by a prior they are near it whatever they are.
+    assert settled(monkeypatch, rms, (30.0, 20.0), sigmas=sigmas, prior=(1.0,)) is None
 
 
 @pytest.mark.parametrize(
