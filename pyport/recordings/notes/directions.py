@@ -68,14 +68,15 @@ def _compared(
     if not len(rows):
         return ""
     at = recordings.at.take(rows[:: len(rows) // MOST_ROWS + 1])
+    places = readings(at)
     try:
-        (_, *there), *others = readings(at)
+        _, *there = next(places)
+        distance = _distance_deg(at.az, at.el, *there)
+        if distance < ELSEWHERE_DEG:
+            return ""
+        found = [(_distance_deg(at.az, at.el, *place), words) for words, *place in places]
     except MissingColumn:  # no date of these centuries
         return ""
-    distance = _distance_deg(at.az, at.el, *there)
-    if distance < ELSEWHERE_DEG:
-        return ""
-    found = [(_distance_deg(at.az, at.el, *place), words) for words, *place in others]
     south = recordings.meta.get("azimuth_zero", "").lower() == "south"
     found += [(_distance_deg(*place, *there), words) for words, *place in _turned(at, south=south)]
     less = [f"{left:.1f} deg if {words}" for left, words in sorted(found) if left < ELSEWHERE_DEG]
