@@ -173,6 +173,28 @@ def test_what_goes_with_the_distance_from_the_sun_is_found_as_one_finding():
     )
 
 
+def on_the_cable(seed, y=None):
+    """Return 400 pointings whose azimuth is counted over nearly two turns; `y` of it [arcsec]."""
+    turn = np.random.default_rng([seed, 2]).integers(-1, 1, 400)
+    made = recordings(400, seed, y=y and (lambda at: y(at.az + 2 * np.pi * turn)))
+    return replace(made, at=replace(made.at, az=made.at.az + 2 * np.pi * turn))
+
+
+def test_what_goes_with_the_cable_is_a_curve_of_azimuth_beyond_a_turn():
+    """Cubed in azimuth as the axis counts it: on the circle two curves lie over each other."""
+    found = diagnose(on_the_cable(1, lambda az: (az / np.pi) ** 3), load("altaz"))
+
+    assert [(one.verdict, one.where.axes) for one in found.findings] == [("unknown", ("el",))]
+
+
+def test_a_circle_of_azimuth_has_no_cable():
+    """Within a turn both curves are one."""
+    of = [field.variant for _, field in families(prepare(recordings(60, 1), load("altaz")))]
+    beyond = [field.variant for _, field in families(prepare(on_the_cable(1), load("altaz")))]
+
+    assert set(beyond) - set(of) == {"follows unwrapped_az_deg"}
+
+
 def test_the_distance_from_the_sun_is_an_angle_between_directions():
     """Recorded places of the Sun are used; without them, time and site would do."""
     at = Circumstances(

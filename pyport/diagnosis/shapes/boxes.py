@@ -140,6 +140,11 @@ def _curves(problem: Problem) -> Iterator[Field]:
         first = (at.axes.az + np.pi) % (2 * np.pi) - np.pi
         names = f"{mount.first.column}_deg", f"{mount.second.column}_deg"
         yield from _angles(problem, at.axes, (names[0], first), names[1], in_axes=True)
+    if np.ptp(at.az) > 2 * np.pi:
+        # Of two readings of one direction a turn apart only the cable knows.
+        along = "unwrapped_az_deg", at.az[row] / DEG
+        counted = np.sort(at.az).tolist()
+        yield _curve(problem, "cable", along, count=ALONG_COLUMN, values=counted)
     for name, values in numbers(problem.recordings).items():
         if name not in ("az_deg", "el_deg", "time", "order"):
             ordered = np.sort(values[np.isfinite(values)]).tolist()

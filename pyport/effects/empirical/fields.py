@@ -98,6 +98,11 @@ def sun(at: Circumstances, count: int, values: Sequence[float]) -> Array:
     return _ranked(from_sun(at), count, values)
 
 
+def cable(at: Circumstances, count: int, values: Sequence[float]) -> Array:
+    """Return bumps over the ranks of azimuth as the axis counts it, beyond a turn, shape (n, K)."""
+    return _ranked(at.az, count, values)
+
+
 def _ranked(here: Array, count: int, values: Sequence[float]) -> Array:
     ordered = np.sort(np.asarray(values, float))
     rank = np.searchsorted(ordered, here) / len(ordered)
@@ -152,7 +157,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
 
 KINDS: dict[str, Callable[..., Array]] = {
     one.__name__: one
-    for one in (sky, wave, waves, azimuth, elevation, column, slew, sun, time, box, stretch, curve)
+    for one in (sky, wave, waves, azimuth, cable, elevation, column, slew, sun, time, box, stretch, curve)
 }
 
 
