@@ -155,10 +155,8 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
     return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
 
 
-KINDS: dict[str, Callable[..., Array]] = {
-    one.__name__: one
-    for one in (sky, wave, waves, azimuth, cable, elevation, column, slew, sun, time, box, stretch, curve)
-}
+_BUMPS = (sky, wave, waves, azimuth, cable, elevation, column, slew, sun, time, box, stretch, curve)
+KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _BUMPS}
 
 
 def values(bumps: Bumps, at: Circumstances) -> Array:
