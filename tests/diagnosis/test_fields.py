@@ -148,6 +148,19 @@ def test_a_notch_in_the_second_axis_lies_along_its_angle():
     assert (stretch.low, stretch.high) == pytest.approx((16, 24), abs=2)
 
 
+@pytest.mark.slow
+def test_what_depends_on_two_conditions_together_is_a_surface_over_both():
+    """Of either alone it is nothing: warm and dry as cold and damp, the other way elsewhere."""
+
+    def both(at):
+        warm, damp = at.numbers("temperature_c") - 8, at.numbers("humidity_pct") - 60
+        return 5 * np.tanh(warm * damp / 90)
+
+    found = diagnose(recordings(600, 4, y=both), load("altaz"))
+
+    assert [one.variant for one in found.findings] == ["el: follows temperature_c and humidity_pct"]
+
+
 def ring(at):
     """Return a ridge of 25 arcsec all around the Sun, 60 deg away from it."""
     return 25 / (1 + ((np.degrees(from_sun(at)) - 60) / 5) ** 2)
@@ -344,7 +357,9 @@ def test_a_blank_cell_hides_no_column(blank, known):
     assert bool(own) == known
     assert np.isfinite(columns).all()
     bumps = [
-        each for _, each in families(prepare(made, load("altaz"))) if "grease_c" in each.variant
+        each
+        for _, each in families(prepare(made, load("altaz")))
+        if each.variant == "follows grease_c"
     ]
     assert len(bumps) == known
     assert all(np.isfinite(one.values).all() for one in bumps)

@@ -96,7 +96,11 @@ def bumps():
         "sky": {"width_rad": 0.5},
         "wave": {"around": 2, "upward": 1},
         "azimuth": {"width_rad": 0.3},
-        "cable": {"count": 10, "values": np.linspace(-4.0, 4.0, 20).tolist()},
+        "pair": {
+            "names": ["temperature_c", "el_deg"],
+            "count": 4,
+            "values": [AT.numbers("temperature_c").tolist(), np.linspace(0.2, 1.4, 20).tolist()],
+        },
         "elevation": {"width_rad": 0.1, "centres_rad": [0.2, 0.3, 0.4]},
         "column": {
             "name": "temperature_c",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
 ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 #: Bumps along a column: so many over the ranks of its values.
 ALONG_COLUMN = 10
+#: And over two columns: so many over the ranks of each.
+OVER_TWO = 4
 #: Lengths of bumps in time. [s]
 IN_TIME = (6 * 3600.0, 86400.0)
 #: More bumps in time than this say that the campaign is too long for them.
@@ -102,7 +105,7 @@ def families(problem: Problem) -> Iterator[tuple[int, Field]]:
         *_after_slews(problem),
         *_in_time(problem),
     ]
-    for kind in (sky, waves, curves):
+    for kind in (sky, waves, curves, [*_surfaces(problem)]):
         for one in kind:
             yield len(kind), one
 
@@ -144,7 +147,7 @@ def _curves(problem: Problem) -> Iterator[Field]:
         # Of two readings of one direction a turn apart only the cable knows.
         along = "unwrapped_az_deg", at.az[row] / DEG
         counted = np.sort(at.az).tolist()
-        yield _curve(problem, "cable", along, count=ALONG_COLUMN, values=counted)
+        yield _curve(problem, "column", along, name="az_deg", count=ALONG_COLUMN, values=counted)
     for name, values in numbers(problem.recordings).items():
         if name not in ("az_deg", "el_deg", "time", "order"):
             ordered = np.sort(values[np.isfinite(values)]).tolist()
@@ -169,6 +172,26 @@ def _angles(
         along = second, at.el[row] / DEG
         yield _curve(
             problem, "elevation", along, width_rad=width, centres_rad=centres, **numbers_of
+        )
+
+
+def _surfaces(problem: Problem) -> Iterator[Field]:
+    """Yield bumps over every two columns of numbers together, elevation being one."""
+    ordered = {
+        name: np.sort(values[np.isfinite(values)]).tolist()
+        for name, values in numbers(problem.recordings).items()
+        if name not in ("az_deg", "time", "order")
+    }
+    for one, two in combinations(ordered, 2):
+        how, values = f"follows {one} and {two}", [ordered[one], ordered[two]]
+        yield _field(
+            problem,
+            "a smooth surface",
+            how,
+            "pair",
+            names=[one, two],
+            count=OVER_TWO,
+            values=values,
         )
 
 

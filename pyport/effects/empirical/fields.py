@@ -57,7 +57,23 @@ def elevation(at: Circumstances, width_rad: float, centres_rad: Sequence[float])
 
 def column(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
     """Return bumps over the ranks that a column's numbers have among `values`, shape (n, K)."""
-    return _ranked(at.numbers(name), count, values)
+    return _ranked(_along(at, name), count, values)
+
+
+def pair(
+    at: Circumstances, names: Sequence[str], count: int, values: Sequence[Sequence[float]]
+) -> Array:
+    """Return products of bumps over the ranks of two columns, shape (n, K)."""
+    one, other = (
+        _ranked(_along(at, name), count, of) for name, of in zip(names, values, strict=True)
+    )
+    return (one[:, :, None] * other[:, None]).reshape(len(at), -1)
+
+
+def _along(at: Circumstances, name: str) -> Array:
+    """Return a column of numbers or an angle [rad]: azimuth as it was counted, beyond a turn."""
+    angle = {"az_deg": at.az, "el_deg": at.el}.get(name)
+    return at.numbers(name) if angle is None else angle
 
 
 #: What moves less is tracked, not slewed to. [rad]
@@ -98,11 +114,6 @@ def sun(at: Circumstances, count: int, values: Sequence[float]) -> Array:
     return _ranked(from_sun(at), count, values)
 
 
-def cable(at: Circumstances, count: int, values: Sequence[float]) -> Array:
-    """Return bumps over the ranks of azimuth as the axis counts it, beyond a turn, shape (n, K)."""
-    return _ranked(at.az, count, values)
-
-
 def _ranked(here: Array, count: int, values: Sequence[float]) -> Array:
     ordered = np.sort(np.asarray(values, float))
     rank = np.searchsorted(ordered, here) / len(ordered)
@@ -137,8 +148,7 @@ def curve(at: Circumstances, name: str, low: float, high: float, order: int) -> 
 
     Outside they stay as they are at the ends; what is not known has none.
     """
-    here = {"az_deg": at.az, "el_deg": at.el}.get(name)
-    here = at.numbers(name) if here is None else here
+    here = _along(at, name)
     if name == "az_deg":  # recordings may have counted on beyond a turn
         here = np.where((here < low) | (here > high), low + (here - low) % (2 * np.pi), here)
     spread = np.clip(2 * (here - low) / (high - low) - 1, -1.0, 1.0)
@@ -155,7 +165,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
     return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
 
 
-_BUMPS = (sky, wave, waves, azimuth, cable, elevation, column, slew, sun, time, box, stretch, curve)
+_BUMPS = (sky, wave, waves, azimuth, elevation, column, pair, slew, sun, time, box, stretch, curve)
 KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _BUMPS}
 
 
@@ -235,5 +245,5 @@ def _needs(bumps: Bumps) -> tuple[str, ...]:
         return ("sun_az_deg and sun_el_deg, or time_utc with latitude_deg and longitude_deg",)
     if bumps["kind"] in {"time", "slew"} or bumps.get("name") == "time":
         return ("time_utc",)
-    named = bumps["kind"] in {"column", "curve"} and bumps["name"] not in {"az_deg", "el_deg"}
-    return (bumps["name"],) if named else ()
+    names = bumps.get("names", (bumps["name"],) if bumps["kind"] in {"column", "curve"} else ())
+    return tuple(one for one in names if one not in {"az_deg", "el_deg"})
