@@ -16,8 +16,9 @@ from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import _lack
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes import fields
-from pyport.diagnosis.shapes.boxes import Field, boxes, families
+from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
+from pyport.diagnosis.shapes.forms import Field, families
 from pyport.diagnosis.shapes.instead import _same_bumps, _together_with
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh

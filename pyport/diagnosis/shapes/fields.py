@@ -18,7 +18,7 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
-from pyport.diagnosis.shapes.boxes import Field, families
+from pyport.diagnosis.shapes.forms import Field, families
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.empirical.fields import field as as_effect

@@ -11,8 +11,9 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import predicts, trials_of
-from pyport.diagnosis.shapes.boxes import Field, boxes
+from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate
+from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.thresholds import (
     CONVINCING,

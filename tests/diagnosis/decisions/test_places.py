@@ -15,7 +15,7 @@ from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.finding import Evidence, Finding, Where
 from pyport.diagnosis.searching import changes
 from pyport.diagnosis.shapes import boxes, edges, fields
-from pyport.diagnosis.shapes.boxes import Field
+from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import View
 from pyport.effects import CATALOGUE

@@ -1,0 +1,236 @@
+"""Forms of a nameless misfit: bumps over the sky, along a column, over two, in time; waves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import DEG, Array
+from pyport.diagnosis.candidates import numbers
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.naming.finding import Interval
+from pyport.effects.base import Circumstances, MissingColumn
+from pyport.effects.empirical import fields
+from pyport.effects.empirical.fields import Bumps
+from pyport.mounts import ALTAZ
+
+#: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
+#: sectors of an encoder's disc. [rad]
+OVER_SKY = (6 * DEG, 20 * DEG, 45 * DEG)
+ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
+ALONG_ELEVATION = (2 * DEG, 5 * DEG)
+#: Bumps along a column: so many over the ranks of its values.
+ALONG_COLUMN = 10
+#: And over two columns: so many over the ranks of each.
+OVER_TWO = 4
+#: Lengths of bumps in time. [s]
+IN_TIME = (6 * 3600.0, 86400.0)
+#: More bumps in time than this say that the campaign is too long for them.
+MOST_BUMPS = 160
+#: Waves: this often around and this often up.
+WAVES_AROUND, WAVES_UPWARD = range(1, 6), range(4)
+
+
+@dataclass(frozen=True)
+class Field:
+    """A family of forms that a misfit may take.
+
+    Attributes
+    ----------
+    family, variant
+        What kind of field it is, and which of its kind.
+    values
+        Its bumps at the readings, shape (m, B).
+    is_y
+        Which readings are of elevation, shape (m,).
+    choices
+        How many of its kind are tried.
+    along
+        The column that it follows, and the column's values, shape (m,); none for the sky's.
+    region
+        Where it is confined to, where that is known beforehand.
+    of_time
+        Whether it belongs to the moments of its recordings: no other session has it.
+    bumps, axes, which
+        What its columns are made of, for any place in the sky: see `empirical.fields.field`;
+        no axes where both measure it alike.
+    """
+
+    family: str
+    variant: str
+    values: Array
+    is_y: NDArray[np.bool_]
+    choices: int = 1
+    along: tuple[str, Array] | None = None
+    region: tuple[Interval, ...] = ()
+    of_time: bool = False
+    bumps: Bumps = field(default_factory=dict)
+    axes: tuple[int, ...] = ()
+    which: tuple[int, ...] = ()
+
+    @property
+    def columns(self) -> Array:
+        """Return what its bumps do to the readings, one column for each of its axes, (m, K)."""
+        if not self.axes:
+            return self.values
+        return self.values[:, list(self.which)] * (self.is_y[:, None] == np.array(self.axes, bool))
+
+
+def families(problem: Problem) -> Iterator[tuple[int, Field]]:
+    """Yield every field that these recordings could show, as if both axes measured it alike.
+
+    With each comes how many there are of its kind.
+    """
+    sky = [
+        _field(
+            problem, "a smooth field over the sky", f"{w / DEG:.0f} deg wide", "sky", width_rad=w
+        )
+        for w in OVER_SKY
+    ]
+    waves = [
+        _field(problem, "a wave over the sky", _wave_name(m, n), "wave", around=m, upward=n)
+        for m in WAVES_AROUND
+        for n in WAVES_UPWARD
+    ]
+    curves = [
+        *_curves(problem),
+        *_about_the_sun(problem),
+        *_after_slews(problem),
+        *_in_time(problem),
+    ]
+    for kind in (sky, waves, curves, [*_surfaces(problem)]):
+        for one in kind:
+            yield len(kind), one
+
+
+def _field(
+    problem: Problem,
+    family: str,
+    variant: str,
+    kind: str,
+    *,
+    along: tuple[str, Array] | None = None,
+    of_time: bool = False,
+    **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
+) -> Field:
+    """Return a field with its bumps at the readings."""
+    bumps = {"kind": kind, **numbers_of}
+    values = fields.values(bumps, problem.recordings.at)[problem.stack.row]
+    return Field(
+        family, variant, values, problem.stack.is_y, along=along, of_time=of_time, bumps=bumps
+    )
+
+
+def _wave_name(m: int, n: int) -> str:
+    return f"goes with {m} A" + (f" and {n} E" if n else "")
+
+
+def _curves(problem: Problem) -> Iterator[Field]:
+    """Yield bumps along azimuth, elevation, the angles of other axes and every column of numbers.
+
+    A circle of azimuth is counted from north, other first axes from minus half a turn.
+    """
+    at, row = problem.recordings.at, problem.stack.row
+    yield from _angles(problem, at, ("az_deg", at.az % (2 * np.pi)), "el_deg")
+    if (mount := at.mount) is not ALTAZ:
+        first = (at.axes.az + np.pi) % (2 * np.pi) - np.pi
+        names = f"{mount.first.column}_deg", f"{mount.second.column}_deg"
+        yield from _angles(problem, at.axes, (names[0], first), names[1], in_axes=True)
+    if np.ptp(at.az) > 2 * np.pi:
+        # Of two readings of one direction a turn apart only the cable knows.
+        along = "unwrapped_az_deg", at.az[row] / DEG
+        counted = np.sort(at.az).tolist()
+        yield _curve(problem, "column", along, name="az_deg", count=ALONG_COLUMN, values=counted)
+    for name, values in numbers(problem.recordings).items():
+        if name not in ("az_deg", "el_deg", "time", "order"):
+            ordered = np.sort(values[np.isfinite(values)]).tolist()
+            along = name, values[row]
+            yield _curve(problem, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+
+
+def _angles(
+    problem: Problem,
+    at: Circumstances,
+    first: tuple[str, Array],
+    second: str,
+    **numbers_of: Any,  # noqa: ANN401 - what tells the bumps of this kind
+) -> Iterator[Field]:
+    """Yield bumps along two angles, what the first is called and counted as, and the second's."""
+    row = problem.stack.row
+    for width in ALONG_AZIMUTH:
+        along = first[0], first[1][row] / DEG
+        yield _curve(problem, "azimuth", along, width_rad=width, **numbers_of)
+    for width in ALONG_ELEVATION:
+        centres = np.arange(at.el[row].min(), at.el[row].max() + width, width).tolist()
+        along = second, at.el[row] / DEG
+        yield _curve(
+            problem, "elevation", along, width_rad=width, centres_rad=centres, **numbers_of
+        )
+
+
+def _surfaces(problem: Problem) -> Iterator[Field]:
+    """Yield bumps over every two columns of numbers together, elevation being one."""
+    ordered = {
+        name: np.sort(values[np.isfinite(values)]).tolist()
+        for name, values in numbers(problem.recordings).items()
+        if name not in ("az_deg", "time", "order")
+    }
+    for one, two in combinations(ordered, 2):
+        how, values = f"follows {one} and {two}", [ordered[one], ordered[two]]
+        yield _field(
+            problem,
+            "a smooth surface",
+            how,
+            "pair",
+            names=[one, two],
+            count=OVER_TWO,
+            values=values,
+        )
+
+
+def _after_slews(problem: Problem) -> Iterator[Field]:
+    """Yield bumps along how far the last slew went, where the moments of recordings are known."""
+    at = problem.recordings.at
+    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+        return
+    for name, went in zip(("az_deg", "el_deg"), fields.last_slew(at), strict=True):
+        known = np.sort(went[np.isfinite(went)]).tolist()
+        if len(set(known)) > ALONG_COLUMN:
+            how = f"follows the last slew in {name.removesuffix('_deg')}"
+            told = {"name": name, "count": ALONG_COLUMN, "values": known}
+            yield _field(problem, "a smooth curve", how, "slew", **told)
+
+
+def _about_the_sun(problem: Problem) -> Iterator[Field]:
+    """Yield bumps along the distance from the Sun, where its place is recorded or can be known."""
+    try:
+        away = fields.from_sun(problem.recordings.at)
+    except MissingColumn:
+        return
+    known = np.sort(away[np.isfinite(away)]).tolist()
+    if len(set(known)) > ALONG_COLUMN:
+        along = "sun_distance_deg", away[problem.stack.row] / DEG
+        yield _curve(problem, "sun", along, count=ALONG_COLUMN, values=known)
+
+
+def _curve(problem: Problem, kind: str, along: tuple[str, Array], **numbers_of: Any) -> Field:  # noqa: ANN401
+    return _field(problem, "a smooth curve", f"follows {along[0]}", kind, along=along, **numbers_of)
+
+
+def _in_time(problem: Problem) -> Iterator[Field]:
+    """Yield bumps in time, where there are recordings."""
+    at, row = problem.recordings.at, problem.stack.row
+    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+        return
+    time = at.numbers("time")[row]
+    for length in IN_TIME:
+        centres = np.unique(np.round(time / length)) * length
+        if 3 <= len(centres) <= MOST_BUMPS:
+            how = f"follows time, over {length / 3600:.0f} h"
+            told = {"length_s": length, "centres_s": centres.tolist()}
+            yield _field(problem, "a smooth curve", how, "time", of_time=True, **told)
