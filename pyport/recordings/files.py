@@ -135,8 +135,10 @@ def read_raw(path: Path, given: FileOptions = NOTHING) -> Raw:
     from pyport.recordings.formats import registry as tables
 
     raw = tables.read(path, given.format, given.columns, given.mapping)
+    raw = replace(raw, meta=naming.as_keys(raw.meta))
     try:
         naming.refuse_keys(given.keys, "--set ")
+        naming.refuse_slips(given.keys, "--set ")
         naming.refuse_columns(raw.columns)
     except BadInput as error:
         raise raw.error(error.message) from None

@@ -63,6 +63,7 @@ def _keys(header: Header) -> dict[str, str]:
         except (TypeError, ValueError):
             raise refusal(f"header {key}", value, "one number, angle, place or text") from None
     naming.refuse_keys(found, "header ")
+    naming.refuse_slips(found, "header ")
     return found
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import difflib
+import re
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,7 @@ from pyport.columns import (
     angle_of,
 )
 from pyport.effects import MissingColumn
+from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.recordings.mounted import OFFSETS, axes_of, names_of
 from pyport.recordings.schema import Recordings
@@ -116,6 +119,71 @@ _KEY = {
     **dict.fromkeys(("az_zero", "azimuth_origin", "zero_azimuth", "azimuth_from"), "azimuth_zero"),
     **dict.fromkeys(("highest_elevation_deg", "max_el_deg", "highest_el"), "highest_el_deg"),
 }
+#: Keys for which another that is spelled nearly so is a slip. What is short, or the height too
+#: (`elevation_limit`, `altitude`), is like words of comments.
+_SPELLED_OUT = {
+    **{one: one for one in KEYS - {"telescope", "height_m"}},
+    **{one: right for one, right in _KEY.items() if one.count("_") or "itude" in one},
+    **dict.fromkeys(("latitude_degrees", "latitude_north"), "latitude_deg"),
+    **dict.fromkeys(("longitude_degrees", "site_longitude"), "longitude_deg"),
+    "bookkeeping": "bookkeeping",
+}
+for _one in ("altitude_m", "elevation_m", "site_height", "max_el_deg", "lat_deg", "lon_deg"):
+    del _SPELLED_OUT[_one]
+#: `latitude` is one more letter apart, `altitude` something else.
+SLIP = 0.86
+_SOMETHING_ELSE = frozenset({"altitude", "altitude_deg", "attitude"})
+#: Longer ones are sentences.
+LONGEST_KEY = 40
+#: What a value says of azimuth's zero, whatever its key says of azimuth.
+_ZERO = re.compile(r"(\w+ )?(from )?(the )?(north|south)( (through|over|via|to|towards) \w+)?")
+
+
+def key_of(words: str) -> str:
+    """Return a header key in which blanks or hyphens may stand for underscores."""
+    return re.sub(r"[\s-]+", "_", words.strip())
+
+
+def is_key(key: str, value: str) -> bool:
+    """Tell whether a header key is one of the contract's, or nearly one."""
+    told = {*KEYS, *_KEY, MOUNT, "bookkeeping"}
+    return key.lower() in told or key_meant(key, value) is not None
+
+
+def as_keys(meta: Mapping[str, str]) -> dict[str, str]:
+    """Return header keys, those of the contract without blanks."""
+    return {
+        key_of(key) if is_key(key_of(key), value) else key: value for key, value in meta.items()
+    }
+
+
+def key_meant(key: str, value: str) -> str | None:
+    """Return the contract's key that another one is a slip of, None for none."""
+    small = key_of(key).lower()
+    if len(small) > LONGEST_KEY or small in {*KEYS, *_SOMETHING_ELSE, "bookkeeping"}:
+        return None
+    if small.startswith("az"):
+        zero = _ZERO.fullmatch(" ".join(value.lower().split()))
+        return "azimuth_zero" if zero else None
+    near = difflib.get_close_matches(small, _SPELLED_OUT, 1, SLIP)
+    return _SPELLED_OUT[near[0]] if near else None
+
+
+def comment(line: str) -> tuple[str, str] | None:
+    """Return the key and the value of a `# key: value` line, None for any other comment.
+
+    Blanks in a key, and an equals sign in place of the colon, are understood of the contract's keys
+    and of what is nearly one.
+    """
+    text = line.lstrip("#")
+    for words, sign, value in (text.partition("="), text.partition(":")):
+        key = key_of(words)
+        if sign and key and is_key(key, value.strip()):
+            return key, value.strip()
+    key, colon, value = (part.strip() for part in text.partition(":"))
+    return (key, value) if colon and key and " " not in key else None
+
+
 #: What other programs call columns, and what is expected.
 _COLUMN = {
     f"{theirs}{unit}": f"{one.name}{unit}" if unit else one.spelled
@@ -189,3 +257,14 @@ def refuse_keys(keys: Iterable[str], how: str) -> None:
             raise BadInput(f"{how}{key!r} is no key, did you mean {right!r}?")
         if key not in KEYS and key.lower() in KEYS:
             raise BadInput(f"{how}{key!r} is no key, did you mean {key.lower()!r}?")
+
+
+def refuse_slips(told: Mapping[str, str], how: str) -> None:
+    """Refuse a header key that is a slip of the contract's; `how` says where it was given.
+
+    Raises `BadInput`: with the right key.
+    """
+    for key, value in told.items():
+        right = key_meant(key, value)
+        if right is not None:
+            raise BadInput(f"{how}{key!r} is no key, did you mean {right!r}?")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
+from pyport.recordings.naming import comment, is_key
 from pyport.recordings.raw import Raw, TextColumn
 from pyport.recordings.schema import Table
 
@@ -216,13 +217,6 @@ def _content(path: Path) -> bytes:
     raise BadInput(wrong, path, sum(block.count(b"\n") for block in blocks) + 1)
 
 
-def comment(line: str) -> tuple[str, str] | None:
-    """Return the key and the value of a `# key: value` line, None for any other comment."""
-    key, colon, value = line.lstrip("#").partition(":")
-    key = key.strip()
-    return (key, value.strip()) if colon and key and " " not in key else None
-
-
 def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     """Read the cells of a CSV file; `names` are those of its columns where it has no header.
 
@@ -248,6 +242,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     above = skipped if names else skipped + 1
     columns = _names(",".join(names) or header, path, above)
     body = text[size if names else size + len(header) :]
+    _add_below(meta, key_line, body, path, above)
     plain = plain_columns(body.encode(), columns, above)
     if plain is not None:
         return Raw(path, meta, max(above, 1), *plain, key_line)
@@ -262,6 +257,26 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     cells = [np.array(column, object) for column in zip(*rows, strict=True)]
     named = dict(zip(columns, cells, strict=True))
     return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64), key_line)
+
+
+def _add_below(
+    meta: dict[str, str], key_line: dict[str, int], body: str, path: Path, above: int
+) -> None:
+    """Add the contract's keys that stand below the column names, where none is above.
+
+    Raises `BadInput`: a key has another value there than above.
+    """
+    if not body.startswith("#") and "\n#" not in body:
+        return
+    for number, line in enumerate(body.splitlines(), above + 1):
+        pair = comment(line) if line.startswith("#") else None
+        if pair is None or not is_key(*pair):
+            continue
+        key, value = pair
+        if meta.setdefault(key, value) != value:
+            wrong = f"{key} is {value!r}, expected {meta[key]!r} as in line {key_line[key]}"
+            raise BadInput(f"{wrong}, or one of the two alone", path, number)
+        key_line.setdefault(key, number)
 
 
 def _names(header: str, path: Path, line: int) -> list[str]:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pyport.recordings.notes import directions, offsets
+from pyport.recordings.notes import directions, keys, offsets
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 
@@ -10,6 +10,7 @@ from pyport.recordings.schema import Recordings
 def noted(recordings: Recordings, raw: Raw) -> Recordings:
     """Return recordings with the notes of what `raw`, which they were read from, says of them."""
     notes = (
+        *keys.notes(raw),
         directions.note(recordings, raw),
         directions.radians(recordings),
         offsets.note(recordings, raw),
