@@ -61,6 +61,7 @@ def apply(
         columns = {name: done.table.columns[name] for name in done.added}
         counts = {"rows": done.rows, "skipped": done.skipped, "unknown": done.unknown}
         told = {"file": out, **counts, "low": done.low, "rms_arcsec": done.rms, "columns": columns}
+        told["notes"] = done.notes
         say("", told, as_json=True)
         return
     if out is None:
@@ -95,7 +96,7 @@ def _spelled(name: str, cells: list[object], done: Applied) -> list[object]:
 
 
 def _words(done: Applied) -> list[str]:
-    found = []
+    found = [*done.notes]
     if done.skipped:
         found.append(f"{done.skipped} rows tell no direction")
     found += [
@@ -149,7 +150,7 @@ def compare(
     from pyport.correction.compared import as_json as for_programs
     from pyport.correction.compared import picture as draw
     from pyport.correction.compared import text
-    from pyport.models.conditions import columns_of
+    from pyport.models.conditions import columns_of, refuse_slips
     from pyport.models.conditions import known as is_condition
     from pyport.plots.pictures import FORMATS
     from pyport.recordings import read
@@ -161,6 +162,7 @@ def compare(
     both = load_model(old), load_model(new)
     needs = {*both[0].needs(), *both[1].needs()} - KEYS
     about = {key: one for key, one in given.keys.items() if is_condition(key) or key in needs}
+    refuse_slips(set(given.keys) - set(about) - KEYS, needs)
     found = compare(*both, measured, columns_of(about, needs))
     if picture is not None:
         draw(found, picture, f"{new} - {old}", beam_arcsec)

@@ -16,6 +16,8 @@ from pyport.effects import Circumstances
 from pyport.effects.sky.atmosphere import LOWEST_EL
 from pyport.errors import BadInput
 from pyport.formats.convert import table_of
+from pyport.models.conditions import refuse_slips
+from pyport.models.labels import taken_for
 from pyport.mounts import ALTAZ
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
@@ -42,6 +44,7 @@ class Applied:
     #: Of what is left of recordings, by axis and over the sky [arcsec], excluded rows not counted;
     #: empty without offsets.
     rms: dict[str, float]
+    notes: tuple[str, ...] = ()  #: whose coefficients were taken for others
 
 
 def applied(
@@ -94,6 +97,7 @@ def applied(
         _unknown(model, known),
         int((known.el < LOWEST_EL).sum()) if bent else 0,
         _rms(raw, there, found) if residuals else {},
+        tuple(taken_for(model.model.completed, known.columns)),
     )
 
 
@@ -108,13 +112,17 @@ def _kept(rows: Recordings, where: str) -> NDArray[np.bool_]:
 
 
 def with_conditions(raw: Raw, told: Mapping[str, str], model: PointingModel) -> Raw:
-    """Return a file's cells with columns for conditions that were told for all rows."""
+    """Return a file's cells with columns for conditions that were told for all rows.
+
+    Raises `BadInput`: the file has such a column, or the name is nearly that of a condition.
+    """
     n, known = len(raw.line), NUMBERS | LABELS | {TIME, SCAN_RATE} | set(model.needs())
     columns = {
         key: np.full(n, text, object)
         for key, text in told.items()
         if (key in known or angle_of(key) is not None) and key not in KEYS
     }
+    refuse_slips(set(told) - set(columns) - KEYS, known)
     for key in set(columns) & set(raw.columns):
         raise BadInput(f"--set {key}: the file has a column of this name", raw.file)
     return replace(raw, columns={**raw.columns, **columns})
@@ -156,8 +164,11 @@ def _unknown(model: PointingModel, at: Circumstances) -> dict[str, int]:
     found = {}
     for name in model.columns_needed():
         values = at.columns.get(name)
-        if values is not None and values.dtype.kind == "f" and np.isnan(values).any():
-            found[name] = int(np.isnan(values).sum())
+        if values is None:
+            continue
+        blank = np.isnan(values) if values.dtype.kind == "f" else values == ""
+        if np.any(blank):
+            found[name] = int(np.sum(blank))
     return found
 
 

@@ -27,7 +27,8 @@ from pyport.formats.model_file import (
 )
 from pyport.formats.rest import Rest, Waves, rest_of, sky, sky_under, sums, waves
 from pyport.models import toml
-from pyport.models.model import Model, Term
+from pyport.models.labels import split_of
+from pyport.models.model import Model
 from pyport.models.terms.field_system import GRAVITY
 from pyport.models.terms.shapes import shape_of
 from pyport.models.terms.words import SCALES
@@ -169,7 +170,8 @@ def _of_labels(model: Model, conditions: Mapping[str, Any], path: Path) -> Model
 
     terms = []
     for term in model.terms:
-        for names, known in ((term.per, [*term.by]), _split(term)):
+        split, those = split_of(term.effect)
+        for names, known in ((term.per, [*term.by]), ((split,), [(one,) for one in those])):
             if known and not any(holds(zip(names, each, strict=True)) for each in known):
                 wrong = " and ".join(f"{name} {asked[name]!r}" for name in names if name in asked)
                 wanted = ", ".join(map(" ".join, known))
@@ -182,12 +184,6 @@ def _of_labels(model: Model, conditions: Mapping[str, Any], path: Path) -> Model
         values = tuple(one for one in completed.values if holds(one.labels.items()))
         completed = replace(completed, values=values)
     return replace(model, terms=tuple(terms), completed=completed)
-
-
-def _split(term: Term) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return the label whose values an effect itself distinguishes, if it does, and those."""
-    member = term.effect.member
-    return ((member["by"],), [(one,) for one in member["values"]]) if "by" in member else ((), [])
 
 
 def _told(model: Model, path: Path) -> list[_Told]:

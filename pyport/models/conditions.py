@@ -95,6 +95,9 @@ NAMES = frozenset({*QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"
 
 Columns = dict[str, NDArray[Any]]
 
+#: `reciever` is nearer to `receiver`, `temprature_c` to `temperature_c`.
+SLIP = 0.85
+
 
 def known(name: str) -> bool:
     """Tell whether a condition is called so."""
@@ -140,6 +143,17 @@ def _one(
     near = difflib.get_close_matches(key, sorted(NAMES | set(others)), 1)
     meant = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(sorted(NAMES))}"
     raise BadInput(f"no condition is called {key!r}: {meant}")
+
+
+def refuse_slips(names: Collection[str], others: Collection[str]) -> None:
+    """Refuse names that are nearly those of conditions, or of `others`, and are none.
+
+    Raises `BadInput`: with the condition that may be meant.
+    """
+    for name in sorted(names):
+        near = difflib.get_close_matches(name.lower(), sorted(NAMES | set(others)), 1, SLIP)
+        if near and not known(name):
+            raise BadInput(f"--set {name}: no condition is called so, did you mean {near[0]!r}?")
 
 
 def has_unit(value: Any) -> bool:  # noqa: ANN401 - whatever is given

@@ -15,6 +15,7 @@ from pyport.angles import Array
 from pyport.columns import LABELS, SPELLED
 from pyport.effects import Circumstances, Coefficient, Effect, MissingColumn, Site, catalogue
 from pyport.errors import BadInput
+from pyport.models.labels import refuse_unknown
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class Term:
         except MissingColumn as lack:
             said = f"the model's term {self.effect.id} {lack}, which is not there"
             raise BadInput(said) from None
+        refuse_unknown(self.effect, at.columns)
         if not self.by:
             values = np.array(self.values)
             return x @ values, y @ values
