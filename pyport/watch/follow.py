@@ -10,8 +10,8 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from pyport.recordings.files import read_raw
 from pyport.recordings.formats import katpoint_csv
 from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
+from pyport.recordings.notes import sentences
 from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings, SetAside
 
@@ -55,6 +56,8 @@ class Batch:
     recordings: Recordings | None
     skipped: tuple[SetAside, ...]
     cursor: Cursor
+    #: What the recordings say against themselves, by kind: see `pyport.recordings.notes`.
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def new(path: Path, given: FileOptions, cursor: Cursor, size: int = BATCH) -> Iterator[Batch]:
@@ -107,7 +110,8 @@ def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
     if changed == cursor.changed:
         return
     try:
-        recordings = interpret(read_raw(path, given))
+        raw = read_raw(path, given)
+        recordings = interpret(raw)
     except (BadInput, OSError):
         if cursor.lines:
             return  # it is being written
@@ -116,12 +120,13 @@ def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
     done = cursor.lines if total >= cursor.lines else 0
     if done == total:
         yield Batch(None, (), replace(cursor, changed=changed))
+    said = sentences(recordings, raw) if done < total else {}
     for first in range(done, total, size):
         last = min(first + size, total)
         at = changed if last == total else cursor.changed
         part = recordings.take(np.arange(first, last))
         aside = recordings.set_aside if first == 0 else ()
-        yield Batch(part, aside, replace(cursor, lines=last, changed=at))
+        yield Batch(part, aside, replace(cursor, lines=last, changed=at), said)
 
 
 def _lines(
@@ -197,7 +202,8 @@ def _beyond(
                 offset = cursor.offset + sum(map(len, some))
                 text = [one.decode("utf-8-sig", errors="replace") for one in some]
                 header, rows = _split(cursor, text, given)
-                recordings, skipped = _read(log, given, header, rows, cursor.lines, len(text))
+                said: dict[str, str] = {}
+                recordings, skipped = _read(log, given, header, rows, cursor.lines, len(text), said)
                 cursor = Cursor(
                     cursor.file,
                     inode,
@@ -207,7 +213,7 @@ def _beyond(
                     header,
                 )
                 if recordings is not None or skipped or cursor.header:
-                    yield Batch(recordings, skipped, cursor)
+                    yield Batch(recordings, skipped, cursor, said)
 
 
 def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
@@ -240,23 +246,33 @@ def _has_number(line: str) -> bool:
 
 
 def _read(
-    path: Path, given: FileOptions, header: str, rows: list[str], lines: int, count: int
+    path: Path,
+    given: FileOptions,
+    header: str,
+    rows: list[str],
+    lines: int,
+    count: int,
+    said: dict[str, str],
 ) -> tuple[Recordings | None, tuple[SetAside, ...]]:
-    """Return the recordings in some lines; where they cannot be read together, one by one."""
+    """Return the recordings in some lines; where they cannot be read together, one by one.
+
+    What they say against themselves is added to `said`.
+    """
     first = lines + count - len(rows) + 1
     if not any(one.strip() and not one.startswith("#") for one in rows):
         return None, ()
     try:
-        found = _interpreted(path, given, header, rows)
+        found, notes = _interpreted(path, given, header, rows)
     except BadInput as error:
         if len(rows) == 1:
             return None, (SetAside(first, error.message),)
         parts = [
-            _read(path, given, header, [one], lines + n, count - len(rows) + 1)
+            _read(path, given, header, [one], lines + n, count - len(rows) + 1, said)
             for n, one in enumerate(rows)
         ]
         good = [one for one, _ in parts if one is not None]
         return (joined(good) if good else None), tuple(s for _, some in parts for s in some)
+    said.update(notes)
     above = header.count("\n")
     aside = tuple(replace(one, line=one.line - above - 1 + first) for one in found.set_aside)
     if not len(found):
@@ -264,12 +280,19 @@ def _read(
     return replace(found, line=found.line - above - 1 + first, set_aside=()), aside
 
 
-def _interpreted(path: Path, given: FileOptions, header: str, rows: list[str]) -> Recordings:
-    """Read lines as a file of their own would be read, and call it by the log's name."""
+def _interpreted(
+    path: Path, given: FileOptions, header: str, rows: list[str]
+) -> tuple[Recordings, dict[str, str]]:
+    """Read lines as a file of their own would be read, and call it by the log's name.
+
+    Returns the recordings, and what they say against themselves.
+    """
     with tempfile.TemporaryDirectory(prefix="pyport-") as folder:
         part = Path(folder) / path.name
         part.write_text(header + "".join(rows), encoding="utf-8", newline="")
-        return replace(interpret(read_raw(part, given)), file=path)
+        raw = read_raw(part, given)
+    found = interpret(raw)
+    return replace(found, file=path), sentences(found, raw)
 
 
 def joined(some: list[Recordings]) -> Recordings:

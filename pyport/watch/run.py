@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
+from pyport.recordings.notes import KEY
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
@@ -24,6 +26,10 @@ STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: So often the state is kept while nothing happens [s]: what came since is read from the log again
 #: after a kill. It waits for the disk longer than all else takes; an event waits for it, always.
 KEPT_EVERY_S = 30.0
+
+
+#: A log may grow by single rows, and one bad row says nothing of the others.
+ROWS_OF_NOTE = 3
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,8 @@ class Process:
     _kept: float = -math.inf
     _behind: bool = False
     _early: list[Recordings] = field(default_factory=list)
+    #: Rows of the log that came with each kind of note.
+    _noted: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         """Take up the state that an earlier process left."""
@@ -90,6 +98,8 @@ class Process:
             self.options.model,
             pointings_per_false_alarm=self.options.pointings_per_false_alarm,
         )
+        for one in self.watch.history.notes:
+            self.complain(f"warning: {past}: {one}")
         if self.watch.past_nights < FEWEST_NIGHTS:
             self.complain(
                 f"nights of {FEWEST_IN_NIGHT} pointings or more in the past:"
@@ -147,6 +157,14 @@ class Process:
             return seen
 
     def _complain(self, batch: Batch) -> None:
+        """Say what is left out, and once of each kind what the log says against itself."""
+        rows = 0 if batch.recordings is None else len(batch.recordings)
+        for kind, text in batch.notes.items():
+            enough = 1 if kind.startswith(KEY) else ROWS_OF_NOTE
+            before = self._noted[kind]
+            self._noted[kind] += rows
+            if before < enough <= self._noted[kind]:
+                self.complain(f"warning: {self.options.log}: {text}")
         for one in batch.skipped:
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
 

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from drawn_nights import text, world, write
 
 from pyport.cli import pyport as program
+from pyport.watch.run import Options, Process
 from pyport.watch.state import EVENTS
 
 #: Kills of the test; `make watch-kills` makes 200.
@@ -53,6 +54,31 @@ def state(out):
         told = json.loads(str(kept["told"]))
         told["beside"].pop("inode")
         return told, {name: kept[name].tobytes() for name in kept.files if name != "told"}
+
+
+@pytest.mark.parametrize("at_once", [True, False], ids=["at once", "row by row"])
+def test_what_past_and_log_say_against_themselves(tmp_path, at_once):
+    """Shown once, however many rows say it."""
+    drawn = world()
+    header = drawn.header | {"azimut_zero": "south"}
+    past = write(tmp_path / "past.csv", drawn.past, header)
+    above, rows = text(drawn.watched, header)
+    log, said = tmp_path / "night.csv", []
+    log.write_text("".join(above + rows[: 12 if at_once else 0]))
+    options = Options(log, "altaz", tmp_path / "out", history=str(past))
+    process = Process(options, lambda _: None, said.append)
+    list(process.step())
+    for row in () if at_once else rows[:12]:
+        with log.open("a") as file:
+            file.write(row)
+        list(process.step())
+
+    wrong = "header key 'azimut_zero' in line {} is not known and not used"
+    line = 1 + list(header).index("azimut_zero")
+    told = [one for one in said if one.startswith("warning: ")]
+    assert [one.rpartition(":")[0] for one in told] == [
+        f"warning: {file}: {wrong.format(line)}" for file in (past, log)
+    ]
 
 
 @pytest.mark.slow

@@ -9,10 +9,22 @@ from pyport.recordings.schema import Recordings
 
 def noted(recordings: Recordings, raw: Raw) -> Recordings:
     """Return recordings with the notes of what `raw`, which they were read from, says of them."""
-    notes = (
-        *keys.notes(raw),
-        directions.note(recordings, raw),
-        directions.radians(recordings),
-        offsets.note(recordings, raw),
-    )
-    return replace(recordings, notes=tuple(filter(None, notes)))
+    return replace(recordings, notes=tuple(sentences(recordings, raw).values()))
+
+
+def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[str, str]:
+    """Return a sentence for each kind of contradiction that there is, by what it is of.
+
+    `by_row`: whether `--where` chooses among the rows of `raw`, and not among means of them.
+    """
+    found = {
+        **{f"{KEY}{key}": text for key, text in keys.notes(raw)},
+        "directions": directions.note(recordings, raw),
+        "radians": directions.radians(recordings),
+        "offsets": offsets.note(recordings, raw, by_row=by_row),
+    }
+    return {kind: text for kind, text in found.items() if text}
+
+
+#: What is of a header key, and of no row.
+KEY = "key "

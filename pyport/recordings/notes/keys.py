@@ -8,8 +8,8 @@ from pyport.recordings.naming import key_meant
 from pyport.recordings.raw import Raw
 
 
-def notes(raw: Raw) -> Iterator[str]:
-    """Yield of each such key that it is not used, and which one was meant.
+def notes(raw: Raw) -> Iterator[tuple[str, str]]:
+    """Yield each such key, and that it is not used and which one may be meant.
 
     A key that is there in its right spelling is not missed; nor is the usual zero of azimuth.
     """
@@ -20,4 +20,5 @@ def notes(raw: Raw) -> Iterator[str]:
         if right == "azimuth_zero" and "south" not in value.lower():
             continue
         line = f" in line {raw.key_line[key]}" if key in raw.key_line else ""
-        yield f"header key {key!r}{line} is not known and not used: {right!r} may be meant"
+        said = f"header key {key!r}{line} is not known and not used: {right!r} may be meant"
+        yield key, said

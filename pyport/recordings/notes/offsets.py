@@ -15,8 +15,11 @@ from pyport.recordings.schema import Recordings
 MANY = 3
 
 
-def note(recordings: Recordings, raw: Raw) -> str:
-    """Return which offsets of both axes stand in more rows than rounding explains, if any do."""
+def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
+    """Return which offsets of both axes stand in more rows than rounding explains, if any do.
+
+    `by_row`: whether `--where` excludes them.
+    """
     names = [
         name
         for name in raw.columns
@@ -41,5 +44,5 @@ def note(recordings: Recordings, raw: Raw) -> str:
     others = " or ".join(f"{name} != {value:.15g}" for name, value in pair)
     return (
         f"{told} stand together in {rows} of {len(pairs)} rows, which may mean that "
-        f'nothing was measured there: --where "{others}" excludes them'
+        "nothing was measured there" + f': --where "{others}" excludes them' * by_row
     )

@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 from pyport.mounts import ALTAZ
 from pyport.recordings import interpret, mounted
 from pyport.recordings.formats.tables import is_text
-from pyport.recordings.raw import LONGEST_CELL, Raw
+from pyport.recordings.raw import LONGEST_CELL, WEATHER, Raw
 from pyport.recordings.stream.pieces import Piece
 
 #: So many excluded rows are listed; of the others the reasons are counted.
@@ -84,7 +84,7 @@ def chunk_of(batch: Any, piece: Piece, first_row: int, aside: Aside) -> Chunk:  
     Raises `BadInput`: a column that is needed is missing, has no unit, or holds what no telescope
       can have.
     """
-    raw, texts = _cells(batch, piece, first_row)
+    raw, texts = cells(batch, piece, first_row)
     angles = interpret.angles_of(raw)
     interpret.check_ranges(raw, angles)
     if not {"az", "el"} <= set(angles):
@@ -95,7 +95,7 @@ def chunk_of(batch: Any, piece: Piece, first_row: int, aside: Aside) -> Chunk:  
     x, y = mounted.offsets_of(raw, angles, Circumstances(az, el))
     time = raw.seconds(TIME) if TIME in raw.columns else np.zeros(len(az))
     numbers = {
-        name: raw.numbers(name)
+        name: _measured(name, raw.numbers(name))
         for name in raw.columns
         if name not in {TIME, "scan_direction"} and not _spoken_for(name)
     }
@@ -117,6 +117,13 @@ def chunk_of(batch: Any, piece: Piece, first_row: int, aside: Aside) -> Chunk:  
     return chunk.take(good)
 
 
+def _measured(name: str, values: Array) -> Array:
+    """Return a column's numbers, impossible weather as NaN: a mean would hide it."""
+    low, high = WEATHER.get(name, (-np.inf, np.inf))
+    with np.errstate(invalid="ignore"):
+        return np.where((values < low) | (values > high), np.nan, values)
+
+
 def _spoken_for(name: str) -> bool:
     """Tell whether a column is one of the position, the offsets or their errors."""
     angle = angle_of(name)
@@ -125,7 +132,7 @@ def _spoken_for(name: str) -> bool:
     }  # fmt: skip
 
 
-def _cells(batch: Any, piece: Piece, first_row: int) -> tuple[Raw, dict[str, Any]]:  # noqa: ANN401
+def cells(batch: Any, piece: Piece, first_row: int) -> tuple[Raw, dict[str, Any]]:  # noqa: ANN401
     """Return a batch's numbers and times as cells, and its text columns apart."""
     import pyarrow
 

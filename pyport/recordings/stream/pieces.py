@@ -11,6 +11,7 @@ from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.files import is_spelled
 from pyport.recordings.formats.tables import first_double, is_text, refused
+from pyport.recordings.naming import refuse_columns
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.
 PIECE_ROWS = 2_000_000
@@ -30,11 +31,13 @@ class Piece:
     #: What the names of the folders say of all rows: `antenna=W01`, `session=march`.
     labels: tuple[tuple[str, str], ...]
 
-    def batches(self) -> Iterator[Any]:
-        """Yield record batches of at most `CHUNK_ROWS` rows."""
+    def batches(self, rows: int = 0) -> Iterator[Any]:
+        """Yield record batches of at most so many rows, `CHUNK_ROWS` where nothing is said."""
         with opened(self.file) as file, refused(self.file):
             wanted = _wanted(file.schema_arrow, self.file)
-            yield from file.iter_batches(CHUNK_ROWS, row_groups=list(self.groups), columns=wanted)
+            yield from file.iter_batches(
+                rows or CHUNK_ROWS, row_groups=list(self.groups), columns=wanted
+            )
 
 
 def files_of(root: Path) -> list[Path]:
@@ -57,6 +60,7 @@ def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
         labels = labels_of(path.relative_to(root))
         with opened(path) as file:
             _agree(keys, file.schema_arrow.metadata, path)
+            _check_names(file.schema_arrow.names, path)
             _check_promise(file.metadata.num_rows, path)
             sizes = [
                 file.metadata.row_group(n).num_rows for n in range(file.metadata.num_row_groups)
@@ -72,6 +76,14 @@ def pieces_of(root: Path) -> tuple[list[Piece], dict[str, str]]:
         if groups:
             found.append(Piece(path, tuple(groups), first, labels))
     return found, keys
+
+
+def _check_names(names: list[str], path: Path) -> None:
+    """Refuse a column that would be left out for its name, as in a single file."""
+    try:
+        refuse_columns(names)
+    except BadInput as error:
+        raise BadInput(error.message, path) from None
 
 
 def _check_promise(rows: int, path: Path) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.effects.base import SubPointings
 from pyport.errors import BadInput
+from pyport.recordings import naming
 from pyport.recordings.interpret import interpret
 from pyport.recordings.raw import FileOptions
 from pyport.recordings.schema import Recordings, Reduction, SetAside
@@ -41,6 +42,7 @@ from pyport.recordings.stream.points import (
     places_of,
     second_totals,
 )
+from pyport.recordings.stream.sample import notes
 from pyport.runs.checkpoint import Checkpoint, State
 from pyport.runs.workers import Spread
 
@@ -166,7 +168,7 @@ def read_data_set(
     Raises `BadInput`: with file and row: what is wrong and what was expected.
     """
     pieces, keys = pieces_of(root)
-    keys |= dict(given.keys)
+    keys = _keys(root, keys, given)
     one, two = passes(pieces, beside)
     first = one.through(_First(), pieces, spread)
     if first.cells is None:
@@ -183,7 +185,22 @@ def read_data_set(
     at = replace(recordings.at, fine=_fine(points, fine, recordings.line - 1, root, keys))
     listed = tuple(SetAside(line, f"{file}: {why}") for file, line, why in first.aside.listed)
     told = _reduction(points, fine, first.aside, first.rows)
-    return replace(recordings, at=at, set_aside=listed, reduction=told)
+    said = tuple(notes(root, pieces, keys))
+    return replace(recordings, at=at, set_aside=listed, reduction=told, notes=said)
+
+
+def _keys(root: Path, keys: dict[str, str], given: FileOptions) -> dict[str, str]:
+    """Return the header keys of the files and those that were given, as of a single file.
+
+    Raises `BadInput`: one is nearly the contract's.
+    """
+    naming.refuse_slips(given.keys, "--set ")
+    try:
+        naming.refuse_keys(given.keys, "--set ")
+        naming.refuse_keys(keys, "header key ")
+    except BadInput as error:
+        raise BadInput(error.message, root) from None
+    return naming.as_keys(keys) | dict(given.keys)
 
 
 def _fine(

@@ -15,6 +15,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE
 from pyport.errors import BadInput
 from pyport.recordings import read
+from pyport.recordings.raw import FileOptions
 from pyport.recordings.stream import cells, pieces, points, reduce
 from pyport.recordings.stream.cells import LEVELS, grown, key_of
 from pyport.recordings.stream.chunk import Chunk
@@ -205,6 +206,40 @@ def test_files_must_agree(tmp_path):
     (tmp_path / "nothing").mkdir()
     with pytest.raises(BadInput, match="a folder without Parquet files"):
         read(tmp_path / "nothing")
+
+
+def test_what_the_rows_say_against_themselves(tmp_path):
+    """As of a single file, once of all files; means of the rows would not say it."""
+    assert read(write(tmp_path / "sound", campaign())).notes == ()
+
+    columns = campaign()
+    for name in ("d_xel_arcsec", "d_el_arcsec"):
+        columns[name][::20] = -99.99
+    columns["temperature_c"][::10] = -999.0
+    found = read(write(tmp_path / "not", columns, meta=META | {"azimut zero": "south"}))
+
+    assert found.notes == (
+        "header key 'azimut_zero' is not known and not used: 'azimuth_zero' may be meant",
+        (
+            "d_xel_arcsec -99.99 and d_el_arcsec -99.99 stand together in 200 of 4000 rows, which may "
+            "mean that nothing was measured there"
+        ),
+        "taken for blank, of 4000 rows looked at: temperature_c outside (-90.0, 60.0) in 400 rows",
+    )
+    assert np.nanmin(found.at.numbers("temperature_c")) > 0
+
+
+def test_names_and_keys_that_would_be_left_out(tmp_path):
+    """Refused as those of a single file."""
+    columns = campaign()
+    columns["mjd"] = np.arange(len(columns["az_deg"]), dtype=float)
+    del columns["time_utc"]
+    with pytest.raises(BadInput, match=r"night=00.*column 'mjd' is not known, did you mean time"):
+        read(write(tmp_path / "time", columns))
+    root = write(tmp_path / "sound", campaign())
+    for key in ("azimuth_from", "azimut_zero"):
+        with pytest.raises(BadInput, match=f"--set '{key}' is no key, did you mean 'azimuth_zero'"):
+            read(root, FileOptions({key: "south"}))
 
 
 def test_folders_name_labels(tmp_path):
