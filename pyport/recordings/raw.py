@@ -54,6 +54,8 @@ WEATHER = {
 NINES = (999, 9999, 99999, 999999, 999.9, 999.99, 9999.9, 9999.99)
 #: Header key under which it is said which cells were taken for blank.
 BLANK = "taken_for_blank"
+#: Header key under which it is said what a reader assumed of refraction.
+REFRACTION = "tpoint_refraction"
 
 
 #: Times outside are another count of days or of seconds than was thought.

@@ -10,6 +10,7 @@ import pyport
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.formats import models
+from pyport.formats.convert import convert
 from pyport.formats.model_file import Entry, ModelFile, translated
 from pyport.models.terms import editing, tpoint
 from pyport.models.terms.editing import named
@@ -50,6 +51,26 @@ def test_the_weather_of_the_run_lifts_the_star(tmp_path):
     lift = np.degrees(none.y[0] - thin.y[0]) * 3600
 
     assert lift == pytest.approx(36.29 / np.tan(np.radians(72.9)), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("star", "run", "said"),
+    [
+        (STAR, RUN + WEATHER, "refracted by the run's weather (6.25 C, 627.9 hPa, humidity 0.034,"),
+        (STAR, RUN, "not refracted, for the run's record has no weather or a pressure of 0"),
+        (STAR, f"{RUN} 6 0 4111 0.03 0.55", "not refracted, for the run's record has no weather"),
+        ("10 40 10.1 40.1", RUN, "taken for refracted ones, as the telescope sees them"),
+        ("10 40 10.1 40.1", RUN + WEATHER, "is added, and the run's weather is not used"),
+    ],
+)
+def test_what_was_assumed_of_refraction_is_said(tmp_path, star, run, said):
+    """Beside what a file says against itself; a conversion keeps it."""
+    file = written(tmp_path, star, run=run)
+    (note,) = read(file).notes
+    assert said in note
+
+    convert(str(file), tmp_path / "stars.csv")
+    assert read(tmp_path / "stars.csv").notes == (note,)
 
 
 def test_a_mean_place_moves_to_the_date(tmp_path):

@@ -25,7 +25,7 @@ from pyport.files import write_whole
 from pyport.recordings.formats import exact, tpoint_equatorial
 from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
 from pyport.recordings.mounted import sides
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import REFRACTION, Raw
 from pyport.recordings.schema import Table
 
 #: Why a row that was commented out is not used.
@@ -98,6 +98,7 @@ def _of_stars(
     widest = max(len(one.rest) for one in stars)
     rows = [one.polar() if MOUNT in meta else one.across() for one in stars]
     columns = {name: [f"{row[name]:.10f}" for row in rows] for name in rows[0]}
+    meta[REFRACTION] = tpoint_equatorial.refracted(told)
     _add_sides(meta, columns, [one.over for one in stars])
     for n in range(widest):
         cells = [one.rest[n] if n < len(one.rest) else "" for one in stars]
@@ -175,6 +176,7 @@ def _tabulated(
     angles = ("az_deg", "el_deg", "d_az_deg", "d_el_deg")
     angles = ("ha_deg", "dec_deg", "d_ha_deg", "d_dec_deg") if polar else angles
     names = (*angles, *extra, NOTE, SET_ASIDE)
+    meta[REFRACTION] = tpoint_equatorial.as_seen(meta[SITE].split())
     rows, over = [], []
     for line, words, note, masked in found:
         if len(words) < 4:

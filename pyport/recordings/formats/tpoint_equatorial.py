@@ -178,15 +178,41 @@ def _apparent(
     return math.degrees(float(star_ra) - float(origins)) % 360, math.degrees(float(star_dec))
 
 
+def refracted(site: Sequence[str]) -> str:
+    """Return in words what `star` makes of refraction with a run's record."""
+    told = _weather(site)
+    if told is None:
+        return (
+            "the catalogue's places are not refracted, for the run's record has no weather or a "
+            "pressure of 0: the elevation offsets hold all refraction that was not corrected for"
+        )
+    celsius, hpa, _, humidity, micron = told
+    weather = f"{celsius:g} C, {hpa:g} hPa, humidity {humidity:g}, {micron:g} um"
+    return f"the catalogue's places are refracted by the run's weather ({weather})"
+
+
+def as_seen(site: Sequence[str]) -> str:
+    """Return in words what is made of refraction where angles in degrees stand in the file."""
+    unused = "" if _weather(site) is None else ", and the run's weather is not used"
+    taken = "places are taken for refracted ones, as the telescope sees them"
+    return f"{taken} (TPOINT's format 4): no refraction is added{unused}"
+
+
+def _weather(site: Sequence[str]) -> list[float] | None:
+    """Return the weather of a run's record, None where it tells none or a pressure of zero."""
+    try:
+        told = [float(word) for word in site[6 : 6 + len(WEATHER)]]
+    except ValueError:
+        return None
+    return None if len(told) < len(WEATHER) or told[1] <= 0 else told
+
+
 def _refraction(site: Sequence[str], el: float) -> float:
     """Return how much higher a star stands in the run's weather [rad]; 0 where it tells none."""
     import erfa
 
-    try:
-        told = [float(word) for word in site[6 : 6 + len(WEATHER)]]
-    except ValueError:
-        return 0.0
-    if len(told) < len(WEATHER) or told[1] <= 0:
+    told = _weather(site)
+    if told is None:
         return 0.0
     celsius, hpa, _, humidity, micron = told
     a, b = erfa.refco(hpa, celsius, humidity, micron)

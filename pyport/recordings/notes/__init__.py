@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from pyport.recordings.notes import directions, keys, offsets
-from pyport.recordings.raw import Raw
+from pyport.recordings.raw import REFRACTION, Raw
 from pyport.recordings.schema import Recordings
 
 
@@ -21,6 +21,7 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
         **{f"{KEY}{key}": text for key, text in keys.notes(raw)},
         "directions": directions.note(recordings, raw),
         "radians": directions.radians(recordings),
+        "refraction": raw.meta.get(REFRACTION, ""),
         "offsets": offsets.note(recordings, raw, by_row=by_row),
     }
     return {kind: text for kind, text in found.items() if text}
