@@ -13,13 +13,13 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import DEG, Array
 from pyport.effects.base import Circumstances
 from pyport.effects.degeneracies import BY_ELEVATION
 from pyport.fitting import misread
 from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.two_axes import UNLIKELY
-from pyport.recordings.schema import Stack
+from pyport.recordings.schema import Recordings, Stack
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
 ON_SKY = (
@@ -147,6 +147,7 @@ def warnings(fit: Fit) -> Iterator[str]:
     if weak:
         yield f"within {WEAK:g} sigmas of zero: {', '.join(weak)}; try --drop"
     yield from _tied(fit, everything)
+    yield from _of_few_sources(fit)
     across, along = fit.recordings.at.mount.names
     for term, apart in fit.two_axes:
         if apart.p_value < UNLIKELY / len(fit.two_axes):
@@ -162,6 +163,60 @@ def warnings(fit: Fit) -> Iterator[str]:
         numbers=int(fit.noise.used.sum()),
         rank=int(known.sum()),
     )
+
+
+#: A source stays at its declination; names whose rows spread over more of them, by the median name
+#: and the middle four fifths of its rows, are names of something else [deg].
+WIDEST_DEC_DEG = 10.0
+#: Two numbers, a right ascension and a declination, are what a place is wrong by.
+OF_A_PLACE = 2
+
+
+def _of_few_sources(fit: Fit) -> Iterator[str]:
+    """Yield that the errors of few sources' places went into the coefficients, if they did.
+
+    Of the antenna with the fewest; one source alone may be a name for all rows, and what has none
+    in most rows has more sources than names.
+    """
+    recordings = fit.recordings
+    antenna, source = (recordings.label(name).astype(str) for name in ("antenna", "source"))
+    fewest: tuple[int, int] | None = None
+    for name in np.unique(antenna).tolist():
+        own = antenna == name
+        sources = np.unique(source[own & (source != "")])
+        blank = np.count_nonzero(own & (source == ""))
+        if len(sources) < 2 or 2 * blank > np.count_nonzero(own):
+            continue
+        count = _coefficients_of(fit, name)
+        if OF_A_PLACE * len(sources) <= count and (fewest is None or len(sources) < fewest[0]):
+            fewest = len(sources), count
+    if fewest is not None and _are_sources(recordings, source):
+        yield (
+            f"only {fewest[0]} sources for {fewest[1]} coefficients: what their places err by goes "
+            "into these terms and is not part of their errors; observe more sources"
+        )
+
+
+def _coefficients_of(fit: Fit, antenna: str) -> int:
+    """Return how many determined coefficients act on an antenna's readings."""
+    count = 0
+    for one in fit.coefficients:
+        labels = dict(zip(one.term.per, one.labels, strict=False))
+        if labels.get("antenna", antenna) == antenna:
+            count += int(np.isfinite(one.value).sum())
+    return count
+
+
+def _are_sources(recordings: Recordings, source: NDArray[np.str_]) -> bool:
+    """Tell whether what bears one name stands at one declination, where that is known."""
+    if "dec" not in recordings.at:
+        return True
+    dec = recordings.at.numbers("dec")
+    low, high = (
+        np.array([np.nanquantile(dec[source == one], at) for one in np.unique(source) if one])
+        for at in (0.1, 0.9)
+    )
+    return bool(np.nanmedian(high - low) < WIDEST_DEC_DEG * DEG)
 
 
 def _tied(fit: Fit, everything: list[tuple[str, Coefficients, int]]) -> Iterator[str]:
