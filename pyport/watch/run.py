@@ -13,7 +13,7 @@ from pathlib import Path
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
-from pyport.recordings.notes import KEY
+from pyport.recordings.notes import FEWEST_ROWS, KEY
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
@@ -26,10 +26,6 @@ STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: So often the state is kept while nothing happens [s]: what came since is read from the log again
 #: after a kill. It waits for the disk longer than all else takes; an event waits for it, always.
 KEPT_EVERY_S = 30.0
-
-
-#: A log may grow by single rows, and one bad row says nothing of the others.
-ROWS_OF_NOTE = 3
 
 
 @dataclass(frozen=True)
@@ -160,7 +156,7 @@ class Process:
         """Say what is left out, and once of each kind what the log says against itself."""
         rows = 0 if batch.recordings is None else len(batch.recordings)
         for kind, text in batch.notes.items():
-            enough = 1 if kind.startswith(KEY) else ROWS_OF_NOTE
+            enough = 1 if kind.startswith(KEY) else FEWEST_ROWS
             before = self._noted[kind]
             self._noted[kind] += rows
             if before < enough <= self._noted[kind]:

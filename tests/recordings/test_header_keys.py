@@ -45,6 +45,13 @@ def test_a_key_below_the_names_is_one_too(tmp_path):
         BadInput, match=r"7: azimuth_zero is 'south', expected 'north' as in line 1"
     ):
         read(written(tmp_path, "# azimuth_zero: north", below=below))
+    with pytest.raises(BadInput, match=r"2: latitude_deg is '35', expected '53' as in line 1"):
+        read(written(tmp_path, "# latitude_deg: 53", "# latitude_deg: 35"))
+    read(
+        written(
+            tmp_path, "# latitude_deg: 53", "# telescope: A", "# telescope: B", "# latitude_deg: 53"
+        )
+    )
 
 
 def test_another_word_for_a_key_is_refused_with_the_right_one(tmp_path):

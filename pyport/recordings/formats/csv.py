@@ -231,8 +231,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
         if header.startswith("#"):
             pair = comment(header)
             if pair is not None:
-                meta[pair[0]] = pair[1]
-                key_line[pair[0]] = skipped + 1
+                _add(meta, key_line, *pair, Line(path, skipped + 1, header))
         elif header.strip():
             break
         skipped += 1
@@ -259,24 +258,29 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64), key_line)
 
 
+def _add(meta: dict[str, str], key_line: dict[str, int], key: str, value: str, line: Line) -> None:
+    """Add a header key; of keys that decide nothing the last value is kept.
+
+    Raises `BadInput`: the contract's key has another value in a line before.
+    """
+    before = meta.get(key, value)
+    if before != value and is_key(key, value) and key != "telescope":
+        wrong = f"{key} is {value!r}, expected {before!r} as in line {key_line[key]}"
+        raise line.error(f"{wrong}, or one of the two alone")
+    meta[key], key_line[key] = value, line.number
+
+
 def _add_below(
     meta: dict[str, str], key_line: dict[str, int], body: str, path: Path, above: int
 ) -> None:
-    """Add the contract's keys that stand below the column names, where none is above.
-
-    Raises `BadInput`: a key has another value there than above.
-    """
+    """Add the contract's keys that stand below the column names; refuse as `_add` does."""
     if not body.startswith("#") and "\n#" not in body:
         return
     for number, line in enumerate(body.splitlines(), above + 1):
         pair = comment(line) if line.startswith("#") else None
         if pair is None or not is_key(*pair):
             continue
-        key, value = pair
-        if meta.setdefault(key, value) != value:
-            wrong = f"{key} is {value!r}, expected {meta[key]!r} as in line {key_line[key]}"
-            raise BadInput(f"{wrong}, or one of the two alone", path, number)
-        key_line.setdefault(key, number)
+        _add(meta, key_line, *pair, Line(path, number, line))
 
 
 def _names(header: str, path: Path, line: int) -> list[str]:

@@ -29,3 +29,5 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
 
 #: What is of a header key, and of no row.
 KEY = "key "
+#: A log may grow by single rows, and one bad row says nothing of the others.
+FEWEST_ROWS = 3
