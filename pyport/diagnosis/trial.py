@@ -77,6 +77,16 @@ def at_best(power: Array, along: Array) -> tuple[float, float]:
     return float(evidence[0]), float(variance[0])
 
 
+def of_equal_prior(information: Array, moments: Array) -> tuple[float, float]:
+    """Return what `at_best` does of columns whose coefficients have equal prior variance.
+
+    `information` (k, k) holds the columns' products and `moments` (k,) those with the data, the
+    model projected out of both.
+    """
+    power, vectors = np.linalg.eigh(information)
+    return at_best(np.maximum(power, 0.0), vectors.T @ moments)
+
+
 def each_at_best(power: Array, along: Array) -> tuple[Array, Array]:
     """Return what `at_best` does of each of n sets of directions, (n, K): shape (n,) each.
 
@@ -113,6 +123,11 @@ def shown(
         What is known of their coefficients beforehand, shape (k,), up to a factor.
     """
     unit = columns / units(length, precision)
-    power, vectors = np.linalg.eigh(unit.T @ unit)
+    return shown_of(unit.T @ unit, unit.T @ data)
+
+
+def shown_of(information: Array, moments: Array) -> tuple[Array, Array]:
+    """Return what `shown` does, of products of columns of unit length: (k, k) and (k,)."""
+    power, vectors = np.linalg.eigh(information)
     good = power > VISIBLE**2 * max(1.0, float(power[-1]))
-    return power[good], vectors[:, good].T @ (unit.T @ data)
+    return power[good], vectors[:, good].T @ moments

@@ -22,12 +22,12 @@ from pyport.diagnosis.naming.guards import Refusal, refusal
 from pyport.diagnosis.naming.scene import Scene
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.turns import Step
-from pyport.diagnosis.trial import CandidateFit, at_best
+from pyport.diagnosis.trial import CandidateFit, at_best, shown_of, units
 from pyport.effects import Effect, known
 from pyport.least_squares.gram import inverse_of
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import CONVINCING, ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH, VISIBLE
+from pyport.thresholds import CONVINCING, ENOUGH_TO_RESAMPLE, MOST_MEMBERS, OUT_OF_REACH
 
 DRAWS = 40
 #: So many of the nearest names compete with it.
@@ -168,12 +168,10 @@ def _worths(drawn: Array, model: int, slices: list[slice], excess: list[float]) 
     found = []
     for one, factor in zip(slices, excess, strict=True):
         own = slice(one.start - model, one.stop - model)
-        power = np.diag(drawn)[one]
-        length = np.where(power > 0, np.sqrt(np.maximum(power, 0)), np.inf)
-        values, vectors = np.linalg.eigh(left[own, own] / np.outer(length, length))
-        good = values > VISIBLE**2 * max(1.0, float(values[-1]))
-        along = vectors[:, good].T @ (left[own, -1] / length)
-        found.append(at_best(values[good] / factor, along / factor)[0] if good.any() else -np.inf)
+        length = units(np.sqrt(np.maximum(np.diag(drawn)[one], 0)))
+        information, moments = left[own, own] / np.outer(length, length), left[own, -1] / length
+        strength, along = shown_of(information, moments)
+        found.append(at_best(strength / factor, along / factor)[0] if len(along) else -np.inf)
     return np.array(found)
 
 

@@ -17,7 +17,7 @@ from pyport.diagnosis.shapes.oscillations import of_period
 from pyport.diagnosis.shapes.periods import OVERSAMPLED, highest
 from pyport.diagnosis.shapes.scans import Peak, Scan, View, view_of
 from pyport.diagnosis.shapes.wave_fits import NEAR, top
-from pyport.diagnosis.trial import at_best
+from pyport.diagnosis.trial import of_equal_prior
 from pyport.effects import catalogue
 from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import HARMONICS, SHORTEST_DEG
@@ -216,8 +216,7 @@ class _Fit:
         columns = self.problem.stack.columns(self.way.member(turns), self.problem.recordings.at)
         white = self.noise.whiten(columns)
         rest = white - self.basis @ (self.basis.T @ white)
-        power, vectors = np.linalg.eigh(rest.T @ rest)
-        return at_best(np.maximum(power, 0.0), vectors.T @ (rest.T @ self.left))
+        return of_equal_prior(rest.T @ rest, rest.T @ self.left)
 
 
 def _beside(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way) -> _Fit:

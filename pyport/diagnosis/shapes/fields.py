@@ -19,7 +19,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.shapes.forms import Field, families
-from pyport.diagnosis.trial import at_best
+from pyport.diagnosis.trial import at_best, of_equal_prior
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.fitting.combinations import HIDDEN
@@ -124,8 +124,7 @@ class Ground:
     def evidence(self, columns: Array) -> float:
         """Return the evidence of columns (m, K) of equal prior beside the model."""
         information, _, moments = self.products(columns)
-        power, vectors = np.linalg.eigh(information)
-        return at_best(np.maximum(power, 0.0), vectors.T @ moments)[0]
+        return of_equal_prior(information, moments)[0]
 
     def worth_of(self, field: Field) -> Worth:
         """Return what a field is worth in the readings that it has columns for."""

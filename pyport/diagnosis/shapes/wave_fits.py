@@ -12,7 +12,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.searching.confirming import beside_model
 from pyport.diagnosis.shapes.periods import OVERSAMPLED, near_best
 from pyport.diagnosis.shapes.scans import Scan, scan_of, stretches_of, view_of
-from pyport.diagnosis.trial import at_best
+from pyport.diagnosis.trial import of_equal_prior
 from pyport.effects.base import Effect
 from pyport.effects.empirical.oscillations import Stretch, oscillation
 from pyport.noise.covariance import Covariance
@@ -165,11 +165,7 @@ class _Waves:
         """Return the evidence of a period, the covariance of its amplitudes, and its variance."""
         rest = self.columns(period_s)[1]
         products, seen = rest.T @ rest, rest.T @ self.left
-        tried = []
-        for mix in self.mixes:
-            power, vectors = np.linalg.eigh(mix.T @ products @ mix)
-            along = vectors.T @ (mix.T @ seen)
-            tried.append((*at_best(np.maximum(power, 0.0), along), mix))
+        tried = [(*of_equal_prior(one.T @ products @ one, one.T @ seen), one) for one in self.mixes]
         evidence, variance, mix = max(tried, key=lambda one: one[0])
         return evidence, mix @ mix.T, variance
 
