@@ -10,7 +10,7 @@ import pytest
 
 import pyport
 from pyport.diagnosis.naming import guards
-from pyport.diagnosis.naming.guards import comes_back, night_of
+from pyport.diagnosis.naming.guards import comes_back, night_numbers
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
 from pyport.effects.circumstances import NIGHT_GAP_S
@@ -92,14 +92,14 @@ def test_what_is_the_telescopes_needs_no_label():
 def test_a_long_session_has_its_nights():
     """Gaps part nights within a session, sessions part them where no time is known."""
     one, *_ = scene((1.0, 1.0, 1.0))
-    assert len(np.unique(night_of(one))) == 3
+    assert len(np.unique(night_numbers(one))) == 3
     assert NIGHT_GAP_S < DAY_S
 
     sessions = np.repeat([0, 1], 12)
     two, *_ = scene((1.0, 1.0), session=sessions)
     at = two.problem.recordings.at
     two.problem.recordings.at = replace(at, columns={})
-    assert np.array_equal(night_of(two), sessions)
+    assert np.array_equal(night_numbers(two), sessions)
 
 
 def tracked(off_arcsec, seed=4):

@@ -20,8 +20,8 @@ from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.joint import rms
 from pyport.effects import CATALOGUE, Effect, MissingColumn
 from pyport.effects.base import LASTING, STEP, ZERO
-from pyport.effects.empirical.epochs import clock
 from pyport.least_squares import robust
+from pyport.recordings.sky import clock
 from pyport.thresholds import FIRST_REACH, OUTLIER_WEIGHT
 
 #: Pointings that a block must have beyond its shapes and zeros.

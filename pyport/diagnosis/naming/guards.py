@@ -218,8 +218,8 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
     left = scene.problem.residual - scene.joint.predicted + seen
     weight = scene.weighed.used / np.maximum(scene.floor, 1e-300) ** 2
     found = 0
-    for night in np.unique(night_of(scene)[rows]):
-        own = rows & (night_of(scene) == night)
+    for night in np.unique(night_numbers(scene)[rows]):
+        own = rows & (night_numbers(scene) == night)
         power = float((weight[own] * seen[own] ** 2).sum())
         if power <= 0:
             continue
@@ -229,7 +229,7 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
     return found >= 2
 
 
-def night_of(scene: Scene) -> NDArray[np.intp]:
+def night_numbers(scene: Scene) -> NDArray[np.intp]:
     """Return a number for the night of each reading, shape (m,): sessions, and gaps in them."""
     session, row = scene.problem.session, scene.problem.stack.row
     time = _times(scene)

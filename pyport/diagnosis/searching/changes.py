@@ -30,9 +30,10 @@ from pyport.diagnosis.weighing import (
     shown_beside,
 )
 from pyport.effects import Effect, catalogue
-from pyport.effects.empirical.epochs import clock, epoch_step
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
+from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 

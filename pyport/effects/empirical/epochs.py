@@ -20,7 +20,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.sky.site import clock as hour_angle_turned
+from pyport.effects.sky.site import hour_angle_turned
 from pyport.effects.telescope.geometry import sag_cosine, tilt
 from pyport.thresholds import SEVERAL
 
@@ -77,8 +77,8 @@ def _in_sessions(effect: Effect, sessions: Sequence[str]) -> Effect:
     )
 
 
-def clock(at: Circumstances) -> Array:
-    """Return what tells before from after: the time [s], or the order of the rows without one."""
+def _when(at: Circumstances) -> Array:
+    """Return the time [s], or the order of the rows without one; half of it must be known."""
     return at.numbers("time" if "time" in at or "order" not in at else "order")
 
 
@@ -90,7 +90,7 @@ def epoch_step(since: float, effect: Effect | None = None, *, of_order: bool = F
     when = (
         f"since row {int(since) + 2}" if of_order else f"since {np.datetime64(round(since), 's')}Z"
     )
-    inside = lambda at: (clock(at) >= since)[:, None]  # noqa: E731 - as short as it says
+    inside = lambda at: (_when(at) >= since)[:, None]  # noqa: E731 - as short as it says
     member = {"since_row" if of_order else "since_s": since}
     step = _within(effect or _OFFSET, inside, [when], f"step, {when}", member)
     return replace(step, parameter=since, changes_with="order" if of_order else "session")
@@ -150,7 +150,7 @@ def _moments(time: Array) -> Array:
 
 def _starts(at: Circumstances) -> Array:
     """Return when sessions began, but for the first one: just before, and not too many."""
-    time, session = clock(at), at.column("session").astype(str)
+    time, session = _when(at), at.column("session").astype(str)
     known = np.isfinite(time)
     names, number = np.unique(session[known], return_inverse=True)
     first = np.full(len(names), np.inf)
@@ -182,7 +182,7 @@ def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant per session, where there are some, and steps between recordings."""
     if "time" not in at and "order" not in at:
         return (_by_session(_OFFSET, at),)
-    members = _members(_OFFSET, at, _moments(clock(at)))
+    members = _members(_OFFSET, at, _moments(_when(at)))
     if not members:
         raise MissingColumn("a second moment")
     return members
@@ -191,7 +191,7 @@ def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
 def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
     """Return an effect with coefficients per session, and as a step between any two of them."""
     if "time" not in at and "order" in at and "session" not in at:
-        return _members(effect, at, _moments(clock(at)))
+        return _members(effect, at, _moments(_when(at)))
     if "time" not in at and "order" not in at:
         return (_by_session(effect, at),)
     if len(np.unique(at.column("session"))) < 2:

@@ -33,7 +33,7 @@ def site_longitude(at: Circumstances) -> tuple[Array, Array]:
     return stack(at, hour_angle_shift(at))
 
 
-def clock(at: Circumstances) -> tuple[Array, Array]:
+def hour_angle_turned(at: Circumstances) -> tuple[Array, Array]:
     """Return the offset for each radian of true minus assumed hour angle."""
     return stack(at, hour_angle_shift(at))
 
@@ -47,7 +47,7 @@ def _omitted_ut1(at: Circumstances) -> tuple[Array, Array]:
 
 def _clock(variant: str) -> Effect:
     """Return an error of the clock: the same at all times, or that of UT1-UTC left out."""
-    basis: Basis = clock
+    basis: Basis = hour_angle_turned
     coefficient = Coefficient("clock_error", "s", 15 * ARCSEC)
     if variant == _OMITTED_UT1:
         basis, coefficient = _omitted_ut1, Coefficient("share_of_ut1_utc", "", SIDEREAL, 1.0)

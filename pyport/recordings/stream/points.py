@@ -15,6 +15,7 @@ from pyport.least_squares import robust
 from pyport.recordings.raw import Raw
 from pyport.recordings.stream.cells import Cells, Codes
 from pyport.recordings.stream.chunk import Chunk
+from pyport.thresholds import OUTLIER_WEIGHT
 
 #: A cell's middle is the median of the means of so many parts, which no few outliers can move.
 PARTS = 5
@@ -107,8 +108,6 @@ def _antennas(cells: Cells) -> Codes:
 
 #: Readings beyond this many sigmas of their cell's middle lose weight as Tukey takes it from them.
 REACH = 6.0
-#: A reading of less weight than this is an outlier.
-OUTLIER = 0.05
 #: Angles whose mean is that of directions.
 CIRCULAR = frozenset(one.name for one in COLUMNS if one.circular)
 
@@ -135,7 +134,7 @@ def second_totals(
             np.bincount(cell, weight, count),
             np.bincount(cell, pulled, count),
             np.bincount(cell, pulled * known, count),
-            np.bincount(cell[far], weight[far] < OUTLIER, count),
+            np.bincount(cell[far], weight[far] < OUTLIER_WEIGHT, count),
         ]
     out += [np.bincount(cell, one, count) for one in (chunk.az, chunk.el, chunk.time)]
     sums = list(SUMMED)

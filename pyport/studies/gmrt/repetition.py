@@ -132,7 +132,7 @@ def mirrors(found: Sequence[Curve]) -> list[Mirror]:
 
 
 #: Scans this near to transit are looked at [rad].
-REACH = 2.5 * HOUR
+NEAR_TRANSIT = 2.5 * HOUR
 
 #: So many are needed on either side.
 EACH_SIDE = 3
@@ -178,7 +178,7 @@ def jumps_at_transit(found: Sequence[Track]) -> list[Jumps]:
 
 def _jump(track: Track) -> Jump | None:
     """Return the step of a track, None where it has too few scans on either side."""
-    near = np.abs(track.hour_angle) <= REACH
+    near = np.abs(track.hour_angle) <= NEAR_TRANSIT
     after = track.hour_angle[near] > 0
     if min(after.sum(), (~after).sum()) < EACH_SIDE:
         return None
