@@ -36,7 +36,7 @@ class Half:
 
 
 @dataclass(frozen=True)
-class Split:
+class Halves:
     """Two halves, and how far each axis alone differs between them."""
 
     halves: tuple[Half, Half]
@@ -66,7 +66,7 @@ class Disagreement:
     chosen: Chosen
     labels: tuple[str, ...]
     found: Difference
-    splits: tuple[Split, ...]
+    splits: tuple[Halves, ...]
     causes: tuple[tuple[str, Difference], ...]
 
 
@@ -136,7 +136,7 @@ class _Ground:
             tuple(self._causes(one, found)),
         )
 
-    def _split(self, one: Chosen, names: tuple[str, str], first: Mask) -> Split:
+    def _split(self, one: Chosen, names: tuple[str, str], first: Mask) -> Halves:
         """Compare both axes in each half, and both halves in each axis."""
         y = self.is_y
         quarters = self._acting(one, first & ~y, first & y, ~first & ~y, ~first & y)
@@ -151,7 +151,7 @@ class _Ground:
             Half(names[0], compared(xx, xy, yx, yy)),
             Half(names[1], compared(yx, yy, xx, xy)),
         )
-        return Split(halves, compared(xx, yx, xy, yy), compared(xy, yy, xx, yx))
+        return Halves(halves, compared(xx, yx, xy, yy), compared(xy, yy, xx, yx))
 
     def _causes(self, one: Chosen, found: Difference) -> Iterator[tuple[str, Difference]]:
         """Yield what takes most of a disagreement away and is worth its coefficients."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, HOUR
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.repeat import Repeat, Unseen, medians
+from pyport.diagnosis.arrays.repeat import Repeat, UnseenDays, medians
 from pyport.diagnosis.arrays.report import ArrayReport, Session
 from pyport.diagnosis.arrays.words import SECOND
 
@@ -108,7 +108,7 @@ def comparison_json(one: Comparison) -> dict[str, Any]:
     }
 
 
-def unseen_json(found: Unseen) -> dict[str, Any]:
+def unseen_json(found: UnseenDays) -> dict[str, Any]:
     """Return what was predicted, and what could not be."""
     return {
         "scheme": "each antenna's session from its other sessions and the session's other antennas",
@@ -139,7 +139,7 @@ def unseen_json(found: Unseen) -> dict[str, Any]:
     }
 
 
-def _medians(found: Unseen, session: str) -> dict[str, float]:
+def _medians(found: UnseenDays, session: str) -> dict[str, float]:
     one = medians(found.of(session))
     return {
         "rms_before_arcmin": one.before / ARCMIN,

@@ -97,12 +97,12 @@ def test_a_coefficient_of_one_axis_is_compared_with_nothing(monkeypatch):
 
 def test_no_half_is_compared_with_nothing():
     """The halves that were compared are named, and where there is none that is said."""
-    from pyport.diagnosis.disagreements import Half, Split
+    from pyport.diagnosis.disagreements import Half, Halves
     from pyport.diagnosis.naming.words import _place
 
     lower, upper = Half("below 45 deg", None), Half("above 45 deg", None)
     alike = SimpleNamespace(sigmas=0.4)
 
-    assert "can be compared" in _place((Split((lower, upper), None, None),), "tilt", ("x", "y"))
-    told = _place((Split((lower, upper), alike, None),), "tilt", ("x", "y"))
+    assert "can be compared" in _place((Halves((lower, upper), None, None),), "tilt", ("x", "y"))
+    told = _place((Halves((lower, upper), alike, None),), "tilt", ("x", "y"))
     assert told == "Each axis by itself says the same below 45 deg and above 45 deg."

@@ -30,7 +30,7 @@ from pyport.thresholds import SEVERAL, SIGNIFICANT
 
 
 @dataclass(frozen=True)
-class Split:
+class CommonAndOwn:
     """A coefficient of many antennas, taken apart.
 
     Attributes
@@ -70,7 +70,7 @@ class Split:
 
 def split(
     antenna: NDArray[np.str_], session: NDArray[np.str_], value: Array, sigma: Array
-) -> Split:
+) -> CommonAndOwn:
     """Take coefficients apart into a common part per session and an own part per antenna.
 
     Parameters
@@ -82,7 +82,7 @@ def split(
 
     Returns
     -------
-    Split
+    CommonAndOwn
         The own parts are random about zero with a scatter found from the data
         (DerSimonian & Laird 1986), so that one precise antenna does not define
         what is common to all.
@@ -107,7 +107,7 @@ def split(
     difference_sigma = np.sqrt(1 / np.bincount(s, 1 / sigma**2))
     mean = np.average(common, weights=1 / difference_sigma**2)
     chi_squared = float((((common - mean) / difference_sigma) ** 2).sum())
-    return Split(
+    return CommonAndOwn(
         tuple(map(str, sessions)),
         common,
         common_sigma,
@@ -134,7 +134,7 @@ PARALLEL = 0.999
 
 
 def of_array(
-    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: Split
+    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: CommonAndOwn
 ) -> list[Finding]:
     """Return what each antenna has, and what all antennas share, as two findings.
 
@@ -147,7 +147,7 @@ def of_array(
 
 
 def _own(
-    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: Split
+    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: CommonAndOwn
 ) -> Finding | None:
     """Return the part of each antenna; None where no antenna stands out."""
     problem, chosen = scene.problem, scene.joint.choices[choice]
@@ -186,7 +186,7 @@ def _own(
 
 
 def _shared(
-    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: Split
+    scene: Scene, choice: int, step: Step, earlier: Sequence[Chosen], parts: CommonAndOwn
 ) -> Finding:
     """Return the part that all antennas share, under the name of what they would share it for."""
     problem, chosen = scene.problem, scene.joint.choices[choice]
@@ -225,7 +225,7 @@ def _shared(
     )
 
 
-def taken_apart(scene: Scene, choice: int) -> Split | None:
+def taken_apart(scene: Scene, choice: int) -> CommonAndOwn | None:
     """Take what each antenna has of its own apart; None where that makes no sense."""
     chosen, problem = scene.joint.choices[choice], scene.problem
     if len(chosen.candidate.columns) != 1:

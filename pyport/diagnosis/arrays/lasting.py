@@ -111,7 +111,7 @@ class _BlockData:
 
 
 @dataclass(frozen=True)
-class _Fit:
+class _Solution:
     """A solution: parts, and the pieces of their covariance.
 
     `alone` (A, k, k) is that of own parts were the common ones known, `lever`
@@ -229,7 +229,7 @@ def _together(
     return data, tuple(map(str, antennas)), tuple(map(str, sessions))
 
 
-def _round(data: _BlockData, variance: Array, tails: Array) -> tuple[_Fit, Array]:
+def _round(data: _BlockData, variance: Array, tails: Array) -> tuple[_Solution, Array]:
     """Fit with given passing parts' variances; return it and their expected squares (B, k)."""
     power = variance / tails
     free = np.eye(power.shape[1]) + data.information * power[:, None, :]
@@ -242,7 +242,7 @@ def _round(data: _BlockData, variance: Array, tails: Array) -> tuple[_Fit, Array
     return fit, part**2 + np.maximum(left, 0.0)
 
 
-def _solve(data: _BlockData, gain: Array, pull: Array) -> _Fit:
+def _solve(data: _BlockData, gain: Array, pull: Array) -> _Solution:
     """Solve the normal equations, own parts eliminated antenna by antenna."""
     k, which, places = gain.shape[1], data.shared, data.places
     many = data.sessions * len(which)
@@ -264,10 +264,10 @@ def _solve(data: _BlockData, gain: Array, pull: Array) -> _Fit:
     value = (alone @ own_right[:, :, None])[:, :, 0]
     shared = np.linalg.inv(both - np.einsum("akc,akd->cd", lever, cross))
     common = shared @ (right - np.einsum("akc,ak->c", cross, value))
-    return _Fit(value - lever @ common, common, alone, lever, shared)
+    return _Solution(value - lever @ common, common, alone, lever, shared)
 
 
-def _levelled(data: _BlockData, fit: _Fit) -> tuple[Array, Array, Array]:
+def _levelled(data: _BlockData, fit: _Solution) -> tuple[Array, Array, Array]:
     """Return own (A, k), common (S c,) and covariance, own parts of shared shapes about zero."""
     antennas, k = fit.own.shape
     size = antennas * k

@@ -156,7 +156,7 @@ class AntennaDay:
 
 
 @dataclass(frozen=True)
-class Unseen:
+class UnseenDays:
     """Everything held out: what was predicted, and what could not be, with the reason."""
 
     days: tuple[AntennaDay, ...]
@@ -172,13 +172,13 @@ class Unseen:
         return [one for one in self.days if one.session == session]
 
 
-def unseen(
+def unseen_days(
     model: Sequence[Block],
     blocks: Sequence[Block],
     shapes: Sequence[Shape],
     shared: Collection[int],
     sessions: Collection[str] | None = None,
-) -> Unseen:
+) -> UnseenDays:
     """Predict every antenna-day from all the others.
 
     Parameters
@@ -222,7 +222,7 @@ def unseen(
                 *_why(one, predicted, before, after, usual, shapes),
             )
         )
-    return Unseen(tuple(days), tuple(unpredicted))
+    return UnseenDays(tuple(days), tuple(unpredicted))
 
 
 def _posterior(one: Block, number: int, whole: Lasting) -> Array:

@@ -11,7 +11,7 @@ from pyport.angles import ARCMIN, ARCSEC
 from pyport.diagnosis.arrays.blocks import Block, Shape, blocks, lasting_shapes, model_shapes
 from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
 from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
-from pyport.diagnosis.arrays.repeat import Repeat, Unseen, repeats, unseen
+from pyport.diagnosis.arrays.repeat import Repeat, UnseenDays, repeats, unseen_days
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.joint import Joint, rms, visible
@@ -94,7 +94,7 @@ class ArrayReport:
     repeats: dict[str, list[Repeat]]
     places: Places | None
     comparison: Comparison | None
-    unseen: Unseen | None
+    unseen: UnseenDays | None
 
     @property
     def tag_level(self) -> float | None:
@@ -160,7 +160,7 @@ def report(problem: Problem, fit: Joint, survey: Survey | None = None) -> ArrayR
         {shapes[n].name: repeats(found, shared, n) for n in shared} if several else {},
         implied,
         None if implied is None or survey is None else compare(implied, survey),
-        unseen(fitted, found, shapes, shared) if several and fitted else None,
+        unseen_days(fitted, found, shapes, shared) if several and fitted else None,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pyport.angles import ARCMIN, ARCSEC, HOUR
 from pyport.diagnosis.arrays.blocks import Block, blocks
 from pyport.diagnosis.arrays.places import Comparison, Places
-from pyport.diagnosis.arrays.repeat import FACTOR, Unseen, medians, unseen
+from pyport.diagnosis.arrays.repeat import FACTOR, UnseenDays, medians, unseen_days
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, Session, number_of, shared_shapes
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import Joint
@@ -173,7 +173,7 @@ def comparison(found: Comparison, radius_m: float) -> list[str]:
     return lines
 
 
-def held_out(found: Unseen) -> list[str]:
+def held_out(found: UnseenDays) -> list[str]:
     """Return how whole antenna-days were predicted, and what went wrong."""
     lines = _wrapped(
         "Each antenna's session predicted from its other sessions and the session's other "
@@ -217,7 +217,7 @@ def _wrapped(line: str) -> list[str]:
 
 
 @one_thread
-def predict(known: ArrayReport, problem: Problem, fit: Joint) -> Unseen:
+def predict(known: ArrayReport, problem: Problem, fit: Joint) -> UnseenDays:
     """Predict other recordings of an array from recordings that are known.
 
     Own parts come from the known recordings alone, what a session's antennas
@@ -235,7 +235,7 @@ def predict(known: ArrayReport, problem: Problem, fit: Joint) -> Unseen:
     fitted, others = (
         _renamed(blocks(problem, fit, some), taken, stem) for some in (known.form, known.shapes)
     )
-    return unseen(
+    return unseen_days(
         [*known.fitted, *fitted],
         [*known.blocks, *others],
         known.shapes,

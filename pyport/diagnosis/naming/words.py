@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pyport.angles import ARCSEC, handy
-from pyport.diagnosis.disagreements import Disagreement, Split
+from pyport.diagnosis.disagreements import Disagreement, Halves
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
@@ -154,7 +154,7 @@ def _parameters(one: Disagreement, place: int) -> tuple[Parameter, Parameter]:
     return x, y
 
 
-def _place(splits: tuple[Split, ...], name: str, axes: tuple[str, str]) -> str:
+def _place(splits: tuple[Halves, ...], name: str, axes: tuple[str, str]) -> str:
     """Say in which axis and which half of the recordings the matter lies."""
     apart = [
         (own.sigmas, axis, split)

@@ -202,7 +202,7 @@ def _refined(
 
 
 @dataclass(frozen=True)
-class _Fit:
+class _WavesBeside:
     """Waves of a family beside a model and a noise: its directions, and the data without them."""
 
     problem: Problem
@@ -219,8 +219,10 @@ class _Fit:
         return of_equal_prior(rest.T @ rest, rest.T @ self.left)
 
 
-def _beside(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way) -> _Fit:
+def _beside(
+    problem: Problem, noise: Covariance, chosen: Sequence[Chosen], way: Way
+) -> _WavesBeside:
     model = problem.expanded((*problem.base, *chosen))
     white = noise.whiten(np.concatenate([model, problem.residual[:, None]], axis=1))
     _, basis, left = beside_model(noise, white[:, :-1], white[:, -1])
-    return _Fit(problem, noise, way, basis, left)
+    return _WavesBeside(problem, noise, way, basis, left)

@@ -67,7 +67,7 @@ class Worth:
 
 
 @dataclass(frozen=True)
-class _Part:
+class _Rows:
     """Some rows of the whitened data: which, the model's directions and what it leaves there."""
 
     rows: Codes | slice
@@ -88,8 +88,8 @@ class Ground:
         self.whole = self._part(slice(None))
         self.axes = [self._part(np.flatnonzero((is_y == one) & there)) for one in (False, True)]
 
-    def _part(self, rows: Codes | slice) -> _Part:
-        return _Part(rows, self.basis[rows], self.left[rows])
+    def _part(self, rows: Codes | slice) -> _Rows:
+        return _Rows(rows, self.basis[rows], self.left[rows])
 
     def _without(self, columns: Array) -> Array:
         return np.asarray(columns - self.basis @ (self.basis.T @ columns))
@@ -100,7 +100,7 @@ class Ground:
         return self._products(self.weighed.covariance.whiten(columns), [self.whole])
 
     @stage("fields")
-    def _products(self, white: Array, parts: Sequence[_Part]) -> tuple[Array, Array, Array]:
+    def _products(self, white: Array, parts: Sequence[_Rows]) -> tuple[Array, Array, Array]:
         """Return what `products` does of whitened columns (M, K) that act on each part by itself.
 
         On the first of P parts first, then on the next: shapes (P K, P K), (P K, P K) and (P K,).

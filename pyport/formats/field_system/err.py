@@ -13,7 +13,7 @@ from pyport.angles import DEG, Array
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.field_system import ctl
-from pyport.formats.field_system.fit import Data, Fit, columns, fit, statistics
+from pyport.formats.field_system.fit import Data, ParameterFit, columns, fit, statistics
 from pyport.formats.model_file import Entry, ModelFile, rounded, translated
 from pyport.recordings.formats.xtr import ANTENNA
 from pyport.recordings.interpret import interpret
@@ -36,7 +36,7 @@ class Err:
     old: ModelFile
     fitted: ModelFile
     new: ModelFile
-    fit: Fit  #: the fit
+    fit: ParameterFit  #: the fit
 
 
 def fitted(raw: Raw, file: ModelFile) -> Err:
@@ -111,7 +111,7 @@ def _sky_noise(antenna: str) -> bool:
     return len(words) < 3 or not words[2].isdigit() or int(words[2]) % 2 == 1
 
 
-def _model(old: ModelFile, done: Fit, held: Sequence[bool] | None) -> ModelFile:
+def _model(old: ModelFile, done: ParameterFit, held: Sequence[bool] | None) -> ModelFile:
     """Return the fitted parameters as a model, with those that were held where they are told."""
     values, marks = ctl.numbered(old)
     new = dict(zip(done.numbers, done.value / DEG, strict=True))
@@ -207,7 +207,7 @@ def _fit_statistics(err: Err) -> str:
     )
 
 
-def _conditions(done: Fit) -> Iterator[str]:
+def _conditions(done: ParameterFit) -> Iterator[str]:
     inflation = dict(zip(done.numbers, done.inflation, strict=True))
     whole = [inflation.get(n, 0.0) for n in range(1, max(done.numbers) + 1)]
     yield "* "
@@ -218,7 +218,7 @@ def _conditions(done: Fit) -> Iterator[str]:
         yield "* "
 
 
-def _correlation(done: Fit) -> Iterator[str]:
+def _correlation(done: ParameterFit) -> Iterator[str]:
     place = {number: n for n, number in enumerate(done.numbers)}
     yield "* "
     for row in range(1, max(done.numbers) + 1):

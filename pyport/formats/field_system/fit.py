@@ -84,7 +84,7 @@ class Data:
 
 
 @dataclass(frozen=True)
-class Fit:
+class ParameterFit:
     """A fit of some of P1..P30."""
 
     numbers: tuple[int, ...]  #: which parameters were fitted
@@ -122,7 +122,9 @@ def columns(data: Data, numbers: Sequence[int], phi_deg: float) -> tuple[Array, 
     return found[0], found[1]
 
 
-def fit(data: Data, numbers: Sequence[int], phi_deg: float = field_system.ALTAZ_PHI_DEG) -> Fit:
+def fit(
+    data: Data, numbers: Sequence[int], phi_deg: float = field_system.ALTAZ_PHI_DEG
+) -> ParameterFit:
     """Fit parameters to data that no model was taken off.
 
     Raises `BadInput`: there are too few data in use for so many parameters, or these data cannot
@@ -153,7 +155,7 @@ def fit(data: Data, numbers: Sequence[int], phi_deg: float = field_system.ALTAZ_
         for own, basis in zip(variance, (across, along), strict=True)
         for spare in (own - np.einsum("ni,ij,nj->n", basis, covariance, basis),)
     ]
-    return Fit(
+    return ParameterFit(
         numbers=tuple(numbers),
         value=value,
         sigma=scatter[0] * sigma,

@@ -11,7 +11,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN
 from pyport.diagnosis.arrays.places import Comparison
-from pyport.diagnosis.arrays.repeat import Unseen, medians
+from pyport.diagnosis.arrays.repeat import UnseenDays, medians
 from pyport.diagnosis.arrays.report import SCAN, ArrayReport, report
 from pyport.diagnosis.arrays.words import comparison, held_out, predict, words
 from pyport.diagnosis.diagnose import Diagnosis, diagnose
@@ -50,7 +50,7 @@ class Evidence:
 
     array: ArrayReport  #: all days of Cyg A
     alone: dict[str, Comparison | None]  #: each day of Cyg A beside the survey; empty without one
-    crab: dict[str, Unseen]  #: each day of the Crab, predicted from Cyg A
+    crab: dict[str, UnseenDays]  #: each day of the Crab, predicted from Cyg A
     checks: tuple[Check, ...]  #: what must come out
 
     def as_json(self) -> dict[str, Any]:
@@ -152,7 +152,7 @@ def page(found: Evidence) -> str:
     return "\n\n".join(parts)
 
 
-def _verdict(one: Unseen) -> list[str]:
+def _verdict(one: UnseenDays) -> list[str]:
     """Say in one line whether a day of the Crab follows from Cyg A."""
     if not one.days:
         return ["  No antenna could be predicted."]

@@ -363,7 +363,7 @@ def apart(sigmas):
 def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
     """In an axis and a half."""
     half = disagreements.Half("below", apart(1.0))
-    split = disagreements.Split((half, half), apart(sigmas), apart(0.5))
+    split = disagreements.Halves((half, half), apart(sigmas), apart(0.5))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert said.startswith("It lies in x") == placed
@@ -373,7 +373,7 @@ def test_halves_three_sigma_apart_place_a_disagreement(sigmas, placed):
 def test_halves_two_sigma_apart_agree(sigmas, same):
     """Then the other axis has one tilt in both."""
     half = disagreements.Half("below", apart(1.0))
-    split = disagreements.Split((half, half), apart(8.0), apart(sigmas))
+    split = disagreements.Halves((half, half), apart(8.0), apart(sigmas))
     said = words._place((split,), "tilt", ("x", "y"))
 
     assert ("y has one in both" in said) == same
