@@ -18,8 +18,7 @@ from scipy.linalg import orth
 
 from pyport.angles import DEG, Array, Codes
 from pyport.diagnosis.naming.finding import Interval
-from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
-from pyport.effects import catalogue as effects_of
+from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, catalogue
 from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
@@ -114,10 +113,7 @@ class Untestable:
 
 
 def design(
-    recordings: Recordings,
-    stack: Stack,
-    catalogue: dict[str, Effect] | None = None,
-    beside: Array | None = None,
+    recordings: Recordings, stack: Stack, beside: Array | None = None
 ) -> tuple[Array, list[Candidate], list[Untestable]]:
     """Return the columns of all candidates, what they are, and what cannot be tested.
 
@@ -140,7 +136,7 @@ def design(
     start = 0
     recorded = conditions(recordings)
     drawn = orth(np.zeros((len(stack), 1)) if beside is None else beside)
-    for effect in (catalogue or effects_of(recordings.at.mount)).values():
+    for effect in catalogue(recordings.at.mount).values():
         if not effect.physical:
             continue
         try:

@@ -195,8 +195,8 @@ def _standardised(columns: Array) -> Array:
 
 def variance_function(
     deviation: Array, weight: Array, some: Sequence[Array], of: NDArray[np.bool_]
-) -> tuple[Array, tuple[float, ...]]:
-    """Return the log-variance of each reading, and how much each driver sways it.
+) -> Array:
+    """Return the log-variance of each reading (m,), zero on average over the deviations.
 
     Parameters
     ----------
@@ -206,16 +206,9 @@ def variance_function(
         Columns of each driver at all readings, (m, k).
     of
         Which readings the deviations are of, shape (m,).
-
-    Returns
-    -------
-    log_variance
-        Shape (m,), zero on average over the deviations.
-    sway
-        Rms share of each driver in it.
     """
     if len(deviation) < ENOUGH_SQUARES or not some:
-        return np.zeros(len(of)), tuple(0.0 for _ in some)
+        return np.zeros(len(of))
     square = weight * deviation**2
     every = np.concatenate([np.ones((len(of), 1)), *some], axis=1)
     columns = every[of]
@@ -237,12 +230,10 @@ def variance_function(
             one = kind == n
             prior[n] = float(own[one] @ own[one]) / max(float(known[one].sum()), 1e-6)
         prior = np.clip(prior, 1e-10, 10.0)
-    sway = tuple(
-        float(np.std(columns[:, 1:][:, kind == n] @ own[kind == n])) for n in range(len(some))
-    )
-    kept = np.concatenate([[False], np.array([sway[n] > FLAT for n in kind])])
+    share = [np.std(columns[:, 1:][:, kind == n] @ own[kind == n]) for n in range(len(some))]
+    kept = np.concatenate([[False], np.array(share)[kind] > FLAT])
     log_variance = np.clip(every[:, kept] @ values[kept], -MOST, MOST)
-    return log_variance - log_variance[of].mean(), tuple(one if one > FLAT else 0.0 for one in sway)
+    return np.asarray(log_variance - log_variance[of].mean())
 
 
 def recorded(recordings: Recordings, data: Stack) -> Array | None:

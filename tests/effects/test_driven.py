@@ -164,7 +164,8 @@ def test_every_member_is_paid_for():
         *(np.zeros(120), np.zeros(120), nothing, nothing, np.arange(120), "a.csv"),
         meta={"bookkeeping": "sheet temperature_c"},
     )
-    _, found, _ = design(given, stack(given), {"driven_term": CATALOGUE["driven_term"]})
+    _, every, _ = design(given, stack(given))
+    found = [one for one in every if one.effect.id == "driven_term"]
     tried = {one.effect.variant for one in found}
 
     assert {one.choices for one in found} == {len(found)}

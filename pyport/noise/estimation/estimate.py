@@ -209,7 +209,7 @@ def _scattered(
             noises.append(noise)
             continue
         shape, size = scatter.tails(deviation)
-        log_variance, _ = scatter.variance_function(
+        log_variance = scatter.variance_function(
             deviation / size,
             shape.weights(deviation / size),
             [one.columns[part.rows] for one in given.drivers],

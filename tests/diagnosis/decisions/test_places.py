@@ -468,7 +468,7 @@ def test_levels_and_columns_of_the_sky():
 @pytest.mark.parametrize(
     ("share", "tested"), [(1.2e-3, True), (0.8e-3, False), (0.1, True), (0.0, True)]
 )
-def test_what_the_fitted_terms_draw_nearly_all_of_is_not_tested(share, tested):
+def test_what_the_fitted_terms_draw_nearly_all_of_is_not_tested(share, tested, monkeypatch):
     """A thousandth of its length must be a candidate's own, but what is theirs may change."""
     given = recordings(200, 0)
     own = np.where(np.arange(200) % 2, 1.0, -1.0) * share / np.sqrt(1 - share**2)
@@ -476,9 +476,10 @@ def test_what_the_fitted_terms_draw_nearly_all_of_is_not_tested(share, tested):
         CATALOGUE["elevation_zero"], basis=lambda _: (np.zeros((200, 1)), np.ones((200, 1)))
     )
     nearly = replace(zero, basis=lambda _: (np.zeros((200, 1)), 1 + own[:, None]))
+    monkeypatch.setattr(candidates, "catalogue", lambda _: {"nearly": nearly})
     data = stack(given)
     beside = data.columns(zero, given.at)
-    _, found, untestable = candidates.design(given, data, {"nearly": nearly}, beside)
+    _, found, untestable = candidates.design(given, data, beside)
 
     assert bool(found) == tested
     assert bool(untestable) != tested
