@@ -146,17 +146,11 @@ def diagnose(
     if not len(problem.residual):
         raise BadInput("no offset that can be used, expected some", recordings.file)
     few = guards.too_few(problem)
-    dropped: tuple[Dropped, ...] = ()
-    if few is None:
-        outcome, dropped = searched(problem, tell)
-    else:
-        outcome = _unsearched(problem, few)
+    outcome, dropped = (_unsearched(problem, few), ()) if few else searched(problem, tell)
+    if few is None and not outcome.chosen:
+        outcome = _nothing_stands(outcome)
     problem, weighed = outcome.problem, outcome.weighed
     alone = weigh_model(problem, (), searching=False) if outcome.chosen else weighed
-    if few is None and not outcome.chosen:
-        # Nothing stands: what noise alone does is what the whole noise does.
-        last = tuple(trials_of(problem, projection(problem, alone, ())))
-        outcome = replace(outcome, p_value=family_p_value(last), last=last)
     before = joint.fit(problem, alone, ())
     after = joint.fit(problem, weighed, outcome.chosen)
     scene = scenes.scene(problem, outcome, after)
@@ -215,6 +209,13 @@ def searched(problem: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tu
         before, after = unseen(again.problem, both, outcome.chosen, again.chosen, partition).rms()
         outcome = again if after < before else outcome
     return outcome, dropped
+
+
+def _nothing_stands(outcome: Outcome) -> Outcome:
+    """Return an outcome without findings: what noise alone does is what the whole noise does."""
+    left = projection(outcome.problem, outcome.weighed, ())
+    last = tuple(trials_of(outcome.problem, left))
+    return replace(outcome, p_value=family_p_value(last), last=last)
 
 
 def _unsearched(problem: Problem, few: guards.TooFew) -> Outcome:

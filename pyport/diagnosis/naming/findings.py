@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
 
@@ -13,7 +13,7 @@ from pyport.diagnosis.arrays.findings import of_array, taken_apart
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.joint import contribution, largest_offset, visible
 from pyport.diagnosis.naming import classes, waves, words
-from pyport.diagnosis.naming.finding import Finding, Where, beyond
+from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
 from pyport.diagnosis.naming.scene import (
     Check,
     Scene,
@@ -62,6 +62,42 @@ def _partial(problem: Problem, curve: Array) -> bool:
     return not acting.all()
 
 
+def _parameters(scene: Scene, choice: int) -> list[Parameter]:
+    """Return the coefficients of a choice, of a wave its period, amplitude and phase."""
+    effect = scene.joint.choices[choice].candidate.effect
+    if effect.id == OSCILLATION:
+        return waves.of_oscillation(scene, choice)
+    plain = parameters_of(scene, choice)
+    return waves.of_drive(scene, choice, plain) if drive_waves.is_short(effect) else plain
+
+
+def _checks(
+    scene: Scene,
+    choice: int,
+    parameters: Sequence[Parameter],
+    bend_of: Callable[[str], tuple[Check, str | None]],
+) -> tuple[list[Check], str | None]:
+    """Return what is checked of a choice, and what would distinguish a wave from its like.
+
+    A wave looks like another on a grid, or like a bend.
+    """
+    problem, chosen, like = scene.problem, scene.joint.choices[choice], None
+    effect = chosen.candidate.effect
+    checks = halves(problem, scene.weighed, scene.joint, choice)
+    if effect.id == OSCILLATION:
+        checks.append(waves.own_period(scene, chosen))
+    if drive_waves.is_short(effect):
+        like = waves.alias(effect, drive_waves.way_of(problem, effect).step)
+        checks.append(waves.throughout(scene, chosen))
+    elif waves.may_be_a_bend(effect):
+        unbent, like = bend_of(effect.id)
+        checks.append(unbent)
+    checks += [
+        known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
+    ]
+    return checks, like
+
+
 def _single(
     scene: Scene, choice: int, step: Step, bend_of: Callable[[str], tuple[Check, str | None]]
 ) -> Finding:
@@ -72,29 +108,12 @@ def _single(
     problem, chosen = scene.problem, scene.joint.choices[choice]
     curve = contribution(problem, scene.joint, choice)
     seen = visible(problem, scene.weighed, curve)
-    effect = chosen.candidate.effect
-    of_time = effect.id == OSCILLATION
-    of_drive = drive_waves.is_short(effect)
-    parameters = (waves.of_oscillation if of_time else parameters_of)(scene, choice)
-    like = None
-    if of_drive:
-        parameters = waves.of_drive(scene, choice, parameters)
-        like = waves.alias(effect, drive_waves.way_of(problem, effect).step)
-    called = step.called
-    checks = halves(problem, scene.weighed, scene.joint, choice)
-    if of_time:
-        checks.append(waves.own_period(scene, chosen))
-    if of_drive:
-        checks.append(waves.throughout(scene, chosen))
-    elif waves.may_be_a_bend(effect):
-        unbent, like = bend_of(effect.id)
-        checks.append(unbent)
-    checks += [
-        known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
-    ]
+    effect, called = chosen.candidate.effect, step.called
+    parameters = _parameters(scene, choice)
+    checks, like = _checks(scene, choice, parameters, bend_of)
     whole = scene.outcome.chosen
     heldout = held_out(scene, scene.outcome.others(chosen), whole, np.ones(len(curve), bool))
-    together = None if of_time else scene.combination(choice)
+    together = None if effect.id == OSCILLATION else scene.combination(choice)
     mounts = declared(problem.recordings.meta)
     largest = largest_offset(problem)
     if together is not None:
@@ -102,7 +121,6 @@ def _single(
     few = len(called.members) <= MOST_MEMBERS
     refuting = [one.words for one in checks if not one.passed]
     named = effect.physical and few and not refuting
-    # A wave looks like another on a grid, or like a bend.
     one = len(called.members) == 1 and not called.others and not like
     verdict = ("named" if one else "ambiguous") if named else "unknown"
     where = Where(

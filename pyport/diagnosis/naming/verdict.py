@@ -59,19 +59,9 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     taken = {one.candidate.effect.id for one in others} | set(members)
     competing = [own, *(Chosen(one.candidate, one.scope) for one in _rivals(step, taken))]
     prices = [step.price, *(one.candidate.price for one in competing[1:])]
-    white = scene.weighed.white
-    parts = [problem.expanded([one], of=white) for one in competing]
-    model = problem.expanded(others, of=white)
-    columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
-    if columns.shape[1] > MOST_COLUMNS:
-        columns = columns[:, model.shape[1] :] - model @ _fitted(
-            model, columns[:, model.shape[1] :]
-        )
-        model = model[:, :0]
+    columns, slices = _in_columns(scene, others, competing)
     resampled, unit = _units(problem, own)
     products = _products(columns, np.resize(unit, len(columns)))
-    starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
-    slices = [slice(int(a), int(b)) for a, b in pairwise(starts)]
     excess = [_excess(scene, one) for one in competing]
     rng = np.random.default_rng([problem.seed, choice])
     price, least = np.array(prices), 0.0
@@ -81,7 +71,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
         # share of it. A gain scatters by twice its root, and so does what is left of it.
         odds = [confirmed(problem, others, one, one.candidate.price) for one in competing[1:]]
         sure = np.maximum([step.winner.evidence, *odds], 0.0)
-        whole = _worths(products.sum(axis=0), model.shape[1], slices, excess)
+        whole = _worths(products.sum(axis=0), slices, excess)
         share = np.clip(sure / np.maximum(whole, 1e-9), 1e-9, 1.0)
         scatter = 2 * np.sqrt(sure * (1 - share))
         price, least = np.zeros_like(price), CONVINCING
@@ -90,7 +80,7 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     for _ in range(DRAWS):
         times = np.bincount(rng.integers(0, len(products), len(products)), minlength=len(products))
         drawn = np.tensordot(times, products, axes=1)
-        worth = share * _worths(drawn, model.shape[1], slices, excess) - price
+        worth = share * _worths(drawn, slices, excess) - price
         worth = np.round(worth + scatter * rng.standard_normal(len(worth)), TIE)
         best = int(np.argmax(worth))
         if 0 < worth[best] <= least:
@@ -100,6 +90,26 @@ def stability(scene: Scene, choice: int, step: Step, members: Collection[str]) -
     kept = first.pop(own.candidate.effect.id, 0)
     names = {name: count for name, count in first.most_common() if name is not None}
     return Stability(resampled, DRAWS, kept, names, weak)
+
+
+def _in_columns(
+    scene: Scene, others: Sequence[Chosen], competing: Sequence[Chosen]
+) -> tuple[Array, list[slice]]:
+    """Return the whitened columns of a model, of what competes and the data, and where each is.
+
+    A model of too many columns is projected out of the others instead: none of its own is left.
+    """
+    problem, white = scene.problem, scene.weighed.white
+    parts = [problem.expanded([one], of=white) for one in competing]
+    model = problem.expanded(others, of=white)
+    columns = np.concatenate([model, *parts, white[:, -1:]], axis=1)
+    if columns.shape[1] > MOST_COLUMNS:
+        columns = columns[:, model.shape[1] :] - model @ _fitted(
+            model, columns[:, model.shape[1] :]
+        )
+        model = model[:, :0]
+    starts = np.cumsum([model.shape[1], *(part.shape[1] for part in parts)])
+    return columns, [slice(int(a), int(b)) for a, b in pairwise(starts)]
 
 
 def _fitted(model: Array, columns: Array) -> Array:
@@ -160,8 +170,12 @@ def _products(columns: Array, unit: Codes) -> Array:
     return out
 
 
-def _worths(drawn: Array, model: int, slices: list[slice], excess: list[float]) -> Array:
-    """Return the evidence for each of some blocks of columns beside the model, its price unpaid."""
+def _worths(drawn: Array, slices: list[slice], excess: list[float]) -> Array:
+    """Return the evidence for each of some blocks of columns beside the model, its price unpaid.
+
+    The model's columns are those before the first block's.
+    """
+    model = slices[0].start
     inverse = inverse_of(drawn[:model, :model])[0]
     cross = drawn[:model, model:]
     left = drawn[model:, model:] - cross.T @ inverse @ cross

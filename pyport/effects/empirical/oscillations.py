@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,14 +66,8 @@ def oscillation(
         waves = [wave for pair in columns for wave in pair]
         return stack(at, *[(x * wave, y * wave) for _, x, y in ways for wave in waves])
 
-    ways = [("_xel", 1.0, 0.0), ("_el", 0.0, 1.0)]
-    if direction_deg is not None:
-        line = direction_deg * DEG
-        ways = [("", float(np.cos(line)), float(np.sin(line)))]
+    ways = _ways(direction_deg)
     labels = [""] if stretches_s is None else [f"[{n + 1}]" for n in range(len(stretches_s))]
-    counted = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
-    wanders = "" if stretches_s is None else f", its phase free in {len(labels)} stretches of time"
-    sides = ", its sign changing with the side of the pier" if reversing else ""
     return Effect(
         OSCILLATION,
         "something hunts or is switched by turns: a servo, a heater, an air conditioner",
@@ -84,7 +79,7 @@ def oscillation(
             for wave in ("sine", "cosine")
         ),
         basis,
-        variant=f"period {period_s / 60:.4g} min{wanders or counted}{sides}",
+        variant=_variant(period_s, since_s, stretches_s, reversing=reversing),
         profile=_members,
         acts_in=AXES,
         pattern="a wave in time, of one period",
@@ -92,12 +87,49 @@ def oscillation(
         formula=("a sin(2 pi t / P) + b cos(2 pi t / P)", "c sin(2 pi t / P) + d cos(2 pi t / P)"),
         parameter=period_s,
         changes_with="time" if stretches_s is None else "stretch",
-        member={"period_s": period_s, "since_s": since_s}
-        | ({} if stretches_s is None else {"stretches_s": [list(one) for one in stretches_s]})
-        | ({} if direction_deg is None else {"direction_deg": direction_deg})
-        | ({"reversing": True} if reversing else {}),
+        member=_member(period_s, since_s, stretches_s, direction_deg, reversing=reversing),
         make=oscillation,
     )
+
+
+def _ways(direction_deg: float | None) -> list[tuple[str, float, float]]:
+    """Return the suffix of the coefficients of each line that it swings along, and its direction.
+
+    Along a line of its own, or along both axes.
+    """
+    if direction_deg is None:
+        return [("_xel", 1.0, 0.0), ("_el", 0.0, 1.0)]
+    line = direction_deg * DEG
+    return [("", float(np.cos(line)), float(np.sin(line)))]
+
+
+def _variant(
+    period_s: float, since_s: float, stretches_s: Sequence[Stretch] | None, *, reversing: bool
+) -> str:
+    phase = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
+    if stretches_s is not None:
+        phase = f", its phase free in {len(stretches_s)} stretches of time"
+    sides = ", its sign changing with the side of the pier" if reversing else ""
+    return f"period {period_s / 60:.4g} min{phase}{sides}"
+
+
+def _member(
+    period_s: float,
+    since_s: float,
+    stretches_s: Sequence[Stretch] | None,
+    direction_deg: float | None,
+    *,
+    reversing: bool,
+) -> dict[str, Any]:
+    """Return what `oscillation` makes the same effect of: what is as usual is left out."""
+    member: dict[str, Any] = {"period_s": period_s, "since_s": since_s}
+    if stretches_s is not None:
+        member["stretches_s"] = [list(one) for one in stretches_s]
+    if direction_deg is not None:
+        member["direction_deg"] = direction_deg
+    if reversing:
+        member["reversing"] = True
+    return member
 
 
 def _inside(time: Array, stretches_s: Sequence[Stretch]) -> list[NDArray[np.bool_]]:

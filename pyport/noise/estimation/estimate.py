@@ -7,7 +7,7 @@ noise what its candidates could explain; a final fit does not.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -22,6 +22,7 @@ from pyport.noise.estimation import departures
 from pyport.noise.estimation.drift import (
     BEYOND,
     Draft,
+    Grid,
     beside,
     draft,
     grid_of,
@@ -86,12 +87,7 @@ def estimate(
     # Beside known weights residuals tell how repeats scatter, and nothing where there are none.
     if like is None or not all(part.alone for part in parts):
         weights, residual = fitted(value, columns, given)
-    if like is None:
-        covariance = _white(parts, weights, residual, floors)
-        if given.recorded is not None:
-            covariance = _by_recorded(covariance, residual, given.recorded)
-    else:
-        covariance = like
+    covariance = like or _white(given, weights, residual, floors)
     # Noise beside everything that could be found is noise beside the model and those columns.
     wide = design if shapes is None else _joint(columns, parts)
     grid = grid_of(parts)
@@ -100,40 +96,14 @@ def estimate(
     if averaged:
         reach[-1] = BEYOND
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
-
-    def drafted(covariance: Covariance, beyond: float, which: tuple[int, int | None]) -> Draft:
-        n, start = which
-        part = parts[n]
-        rows = part.rows
-        return draft(
-            value[rows],
-            columns[n],
-            _departing(covariance, given.possible, n),
-            covariance.weights[rows],
-            covariance.precision[rows],
-            residual[rows],
-            part,
-            grid,
-            floors[part.is_y],
-            start,
-            beyond,
-        )
-
+    drifts = _Drifts(value, residual, columns, given, floors, grid)
     for beyond in reach:
         found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found, possible=given.possible)
-        drafts = side_by_side(partial(drafted, covariance, beyond), enumerate(starts))
+        drafts = side_by_side(partial(drifts.drafted, covariance, beyond), enumerate(starts))
         starts = [one.best for one in drafts]
-        chances = [beside(drafts, parts, n) for n in range(len(parts))]
-        if not averaged:
-            chances = [likeliest(one) for one in chances]
-        noises = [
-            replace(one.noise(chance, floors[part.is_y]), centred=given.centred)
-            for one, chance, part in zip(drafts, chances, parts, strict=True)
-        ]
-        covariance = replace(
-            covariance, noises=tuple(moderated(noises, parts)), starts=tuple(starts)
-        )
+        noises = drifts.noises(drafts, averaged=averaged)
+        covariance = replace(covariance, noises=tuple(noises), starts=tuple(starts))
         if like is None:
             covariance = _scattered(covariance, value, wide, given, floors)
         else:
@@ -142,16 +112,64 @@ def estimate(
     return replace(covariance, departures=found)
 
 
-def _white(
-    parts: Sequence[Series], weights: Array, residual: Array, floors: dict[bool, float]
-) -> Covariance:
-    """Return the covariance of scatter alone, as robust residuals show it."""
+@dataclass(frozen=True)
+class _Drifts:
+    """What the drift of each series is estimated from.
+
+    The data and the residuals of readings [rad], shape (m,), the columns fitted in each series,
+    and the drifts that are tried.
+    """
+
+    value: Array
+    residual: Array
+    columns: Sequence[Array]
+    given: Frame
+    floors: dict[bool, float]
+    grid: Grid
+
+    def drafted(
+        self, covariance: Covariance, beyond: float, which: tuple[int, int | None]
+    ) -> Draft:
+        """Return how likely each drift of a series is: of its number and the best one known."""
+        n, start = which
+        part = self.given.parts[n]
+        rows = part.rows
+        return draft(
+            self.value[rows],
+            self.columns[n],
+            _departing(covariance, self.given.possible, n),
+            covariance.weights[rows],
+            covariance.precision[rows],
+            self.residual[rows],
+            part,
+            self.grid,
+            self.floors[part.is_y],
+            start,
+            beyond,
+        )
+
+    def noises(self, drafts: Sequence[Draft], *, averaged: bool) -> list[Noise]:
+        """Return the noise of each series, every drift as likely as it is, or the likeliest."""
+        parts = self.given.parts
+        chances = [beside(drafts, parts, n) for n in range(len(parts))]
+        if not averaged:
+            chances = [likeliest(one) for one in chances]
+        noises = [
+            replace(one.noise(chance, self.floors[part.is_y]), centred=self.given.centred)
+            for one, chance, part in zip(drafts, chances, parts, strict=True)
+        ]
+        return moderated(noises, parts)
+
+
+def _white(given: Frame, weights: Array, residual: Array, floors: dict[bool, float]) -> Covariance:
+    """Return the covariance of scatter alone, as robust residuals and recorded errors show it."""
     noises = []
-    for part in parts:
+    for part in given.parts:
         own, weight = residual[part.rows], weights[part.rows]
         size = float(np.sqrt((weight * own**2).sum() / max(float(weight.sum()), 1.0)))
         noises.append(Noise(0.0, max(size, floors[part.is_y], 1e-14), dof=float(len(own))))
-    return Covariance(tuple(parts), tuple(noises), weights, np.ones(len(weights)))
+    white = Covariance(tuple(given.parts), tuple(noises), weights, np.ones(len(weights)))
+    return white if given.recorded is None else _by_recorded(white, residual, given.recorded)
 
 
 def _by_recorded(covariance: Covariance, residual: Array, variance: Array) -> Covariance:

@@ -362,9 +362,9 @@ def test_evidence_on_resampled_data_is_that_of_the_blocks():
     data = data + one[:, 0]
     columns = np.concatenate([model, one, data[:, None]], axis=1)
     products = columns.T @ columns
-    (plain,) = resampling._worths(products, 1, [slice(1, 2)], [1.0])
-    (twice,) = resampling._worths(2 * products, 1, [slice(1, 2)], [1.0])
-    (shared,) = resampling._worths(2 * products, 1, [slice(1, 2)], [2.0])
+    (plain,) = resampling._worths(products, [slice(1, 2)], [1.0])
+    (twice,) = resampling._worths(2 * products, [slice(1, 2)], [1.0])
+    (shared,) = resampling._worths(2 * products, [slice(1, 2)], [2.0])
 
     left = one[:, 0] - model[:, 0] * (model[:, 0] @ one[:, 0]) / (model[:, 0] @ model[:, 0])
     rest = data - model[:, 0] * (model[:, 0] @ data) / (model[:, 0] @ model[:, 0])
