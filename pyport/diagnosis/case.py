@@ -176,7 +176,7 @@ class Problem:
 
     @cached_property
     def named(self) -> tuple[Effect, ...]:
-        """Return an effect of each name that may be told."""
+        """Return an effect of each name that may be given."""
         return tuple({one.effect.id: one.effect for one in self.candidates}.values())
 
     @cached_property

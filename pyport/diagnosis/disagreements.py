@@ -158,7 +158,7 @@ class _Ground:
         others, white = self.others(one), self.weighed.white
         own = self.problem.expanded([one], of=white)
         alone = np.concatenate([others, own], axis=1)
-        told: dict[str, tuple[float, Difference]] = {}
+        causes: dict[str, tuple[float, Difference]] = {}
         for candidate in self.problem.candidates:
             more = self.problem.expanded([Chosen(candidate, "all")], of=white)
             gain = _gain(alone, more, self.data)
@@ -167,9 +167,9 @@ class _Ground:
             left = self.compare(one, np.concatenate([others, more], axis=1))
             if left is None or len(left.of) < len(found.of) or left.chi2 > MOSTLY * found.chi2:
                 continue
-            if gain > told.get(candidate.effect.id, (0.0, left))[0]:
-                told[candidate.effect.id] = gain, left
-        best = sorted(told.items(), key=lambda item: -item[1][0])[:MOST_CAUSES]
+            if gain > causes.get(candidate.effect.id, (0.0, left))[0]:
+                causes[candidate.effect.id] = gain, left
+        best = sorted(causes.items(), key=lambda item: -item[1][0])[:MOST_CAUSES]
         for name, (_, left) in best:
             yield name, left
 

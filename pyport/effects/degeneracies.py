@@ -329,9 +329,9 @@ def decisions(members: Collection[str]) -> list[str]:
 
     The members are ids on any one mount, in whose words it is said.
     """
-    told = [effect for name in members if (effect := known(name)) is not None]
-    plain = {one.on_altaz for one in told}
-    mount = next((BY_MODEL[one.mounts[0]] for one in told if one.of), ALTAZ)
+    effects = [effect for name in members if (effect := known(name)) is not None]
+    plain = {one.on_altaz for one in effects}
+    mount = next((BY_MODEL[one.mounts[0]] for one in effects if one.of), ALTAZ)
     pairs = [(frozenset(one.ids), one.decide) for one in ELSEWHERE.get(mount.model, ())]
     found = [decide for pair, decide in (*pairs, *DECIDE_BY.items()) if pair <= plain]
     return list(dict.fromkeys(said(one, mount.words) for one in found))

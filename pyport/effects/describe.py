@@ -29,9 +29,9 @@ that is linear in a few coefficients. Models are lists of effects, and a diagnos
 A is the azimuth from north through east, E the elevation, phi the latitude, q the parallactic
 angle, H the hour angle, positive west. x is the offset across, dA cos E, and y the offset along
 elevation; both are encoder minus true: what must be added to the true position to get where the
-telescope must be driven. Coefficients are told in arcseconds unless another unit is given.
+telescope must be driven. Coefficients are in arcseconds unless another unit is given.
 
-What looks like an effect is told with the circumstances under which it does; the usual terms are
+What looks like an effect is listed with the circumstances under which it does; the usual terms are
 those of the model `altaz`. Both are held to the curves themselves by tests.
 """
 

@@ -56,14 +56,14 @@ class Refit:
         self.value = value
         self.products = columns.T @ columns
         self.rank = columns.shape[1]
-        if not _told_apart(self.products):
+        if not _distinguished(self.products):
             self.rank = int(np.linalg.matrix_rank(columns)) if columns.size else 0
 
     def residual(self, weight: Array) -> Array:
         """Return what the weighted least-squares fit leaves of the data, shape (m,)."""
         columns, value = self.columns, self.value
         products = self._weighted(weight)
-        if not _told_apart(products):
+        if not _distinguished(products):
             root = np.sqrt(weight)
             solution = np.linalg.lstsq(columns * root[:, None], value * root, rcond=1e-9)[0]
         else:
@@ -80,7 +80,7 @@ class Refit:
         return np.asarray(root.T @ root)
 
 
-def _told_apart(products: Array) -> bool:
+def _distinguished(products: Array) -> bool:
     """Tell whether products alone distinguish the columns."""
     length = np.sqrt(np.diag(products))
     return bool(np.all(length > 0)) and cholesky(products / np.outer(length, length)) is not None

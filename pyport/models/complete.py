@@ -205,14 +205,14 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
     open_ = [label(one) for one in values if not one.determined]
     values = [one for one in values if one.determined]
     names = ", ".join(open_) if len(open_) <= MOST_LINES else f"{len(open_)} coefficients"
-    told = [f"nothing to enter, not determined by these recordings: {names}"] * bool(open_)
-    told += [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
-    told += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
+    lines = [f"nothing to enter, not determined by these recordings: {names}"] * bool(open_)
+    lines += [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
+    lines += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
     counted = [term for term in terms if _counted(term) and term.finding not in past]
-    told += [f"{term.effect.id}: {_counted(term)}" for term in counted]
+    lines += [f"{term.effect.id}: {_counted(term)}" for term in counted]
     if not values:
-        return told
-    return _table(values) + told
+        return lines
+    return _table(values) + lines
 
 
 def _table(values: Sequence[Value]) -> list[str]:

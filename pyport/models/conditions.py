@@ -1,4 +1,4 @@
-"""What a model is told by name beside a direction: a time, the weather, labels; with units."""
+"""What a model is given by name beside a direction: a time, the weather, labels; with units."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def known(name: str) -> bool:
     return name in NAMES or (angle is not None and angle[0] in QUANTITIES)
 
 
-def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns:
+def columns_of(given: Mapping[str, Any], others: Collection[str] = ()) -> Columns:
     """Return what was given by name as columns of the program, scalars of shape ().
 
     `others` are further columns that may be given as bare numbers.
@@ -113,7 +113,7 @@ def columns_of(told: Mapping[str, Any], others: Collection[str] = ()) -> Columns
     Raises `BadInput`: a name is none, or its value is no number, unit or time that it can be.
     """
     return {
-        name: column for key, value in told.items() for name, column in [_one(key, value, others)]
+        name: column for key, value in given.items() for name, column in [_one(key, value, others)]
     }
 
 

@@ -31,41 +31,41 @@ def effect_of(identity: str, member: Mapping[str, Any]) -> Effect:
 
     Raises `BadInput`: there is no such effect, or the member is none of it.
     """
-    told = dict(member)
-    column = told.pop("coefficient", None)
+    given = dict(member)
+    column = given.pop("coefficient", None)
     try:
-        effect = _whole(identity, told)
-        if told and not _NUMBERED & set(told):
+        effect = _whole(identity, given)
+        if given and not _NUMBERED & set(given):
             _try(effect)
         if column is not None:
             effect = apart(effect)[column]
     except BadInput:
         raise
     except (TypeError, ArithmeticError, ValueError, LookupError, AttributeError) as error:
-        wrong = f"{identity}: {told!r:.80} tells no member of it ({error})"
+        wrong = f"{identity}: {given!r:.80} tells no member of it ({error})"
         raise BadInput(wrong) from None
     return effect
 
 
-def _whole(identity: str, told: Mapping[str, Any]) -> Effect:
-    if "word" in told:
+def _whole(identity: str, given: Mapping[str, Any]) -> Effect:
+    if "word" in given:
         from pyport.models.terms.words import Word
 
-        return Word.of_member(told).effect()
-    if "rt32" in told:
+        return Word.of_member(given).effect()
+    if "rt32" in given:
         from pyport.models.model import rt32_parameter
 
-        return rt32_parameter(int(told["rt32"]))
+        return rt32_parameter(int(given["rt32"]))
     if identity == UNKNOWN:
-        return field(**told)
+        return field(**given)
     effect = known(identity)
     if effect is None:
         raise BadInput(f"no effect is called {identity!r}")
-    if not told:
+    if not given:
         return effect
     if effect.make is None:
         raise BadInput(f"{identity} is no family, expected no member")
-    return effect.make(**told)
+    return effect.make(**given)
 
 
 class _Everything(dict[str, NDArray[Any]]):
@@ -126,13 +126,13 @@ def frozen(effect: Effect, at: Circumstances) -> Effect:
 
     Raises `BadInput`: a file could not hold it: what it gives back differs.
     """
-    told = dict(effect.member)
-    column = told.pop("coefficient", None)
+    given = dict(effect.member)
+    column = given.pop("coefficient", None)
     if column is not None:
-        whole = frozen(_whole(effect.id, told), at)
+        whole = frozen(_whole(effect.id, given), at)
         return apart(whole)[column]
     family = catalogue(at.mount).get(effect.id) or known(effect.id)
-    if family is not None and family.profile is not None and not _NUMBERED & set(told):
+    if family is not None and family.profile is not None and not _NUMBERED & set(given):
         for one in _members(family, at):
             if one.member and _same(one, effect, at):
                 return one

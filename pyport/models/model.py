@@ -27,7 +27,7 @@ PER_ANTENNA = ("antenna",)
 PER_ANTENNA_DAY = ("antenna", "session")
 
 #: What columns are called inside the program, by their names in recordings.
-INSIDE = {told: own for own, told in SPELLED.items()}
+INSIDE = {spelled: own for own, spelled in SPELLED.items()}
 #: No effect needs more columns than this.
 MOST_NEEDS = 6
 

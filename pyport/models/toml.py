@@ -163,11 +163,11 @@ def _model(content: Mapping[str, Any], path: Path) -> Model:
     )
 
 
-def _read_site(told: Mapping[str, Any] | None) -> Site | None:
-    if told is None:
+def _read_site(table: Mapping[str, Any] | None) -> Site | None:
+    if table is None:
         return None
     latitude, longitude, height_m = (
-        None if told.get(name) is None else _number(told[name], name)
+        None if table.get(name) is None else _number(table[name], name)
         for name in ("latitude_deg", "longitude_deg", "height_m")
     )
     if latitude is None or abs(latitude) > 90:

@@ -1,4 +1,4 @@
-"""Pointings: readings of one moment and place, however often and with whatever last digits told.
+"""Pointings: readings of one moment and place, however often and with whatever last digits given.
 
 Readings of one pointing share its error. Were they taken for several pointings, telling a
 measurement twice would make it surer.

@@ -66,8 +66,8 @@ def _stability(one: found.Stability) -> Stability:
 
 def combination_of(one: combinations.Combination) -> Combination:
     """Return a combination of coefficients as the report spells it."""
-    told = one.as_json()
-    return Combination(**told | {"known": tuple(Known(**each) for each in told["known"])})
+    values = one.as_json()
+    return Combination(**values | {"known": tuple(Known(**each) for each in values["known"])})
 
 
 def completed(diagnosis: Diagnosis) -> Model:
@@ -78,7 +78,7 @@ def completed(diagnosis: Diagnosis) -> Model:
     for choice, chosen in enumerate(fit.choices):
         where = fit.slice(choice)
         sigma[where] = np.hypot(sigma[where], chosen.spread)
-    # The same correlations, with errors widened as those that are told of each coefficient.
+    # The same correlations, with errors widened as those that are stated of each coefficient.
     wider = np.divide(sigma, plain, out=np.zeros_like(sigma), where=plain > 0)
     covariance = fit.solution.covariance * np.outer(wider, wider)
     solved = [
@@ -132,9 +132,12 @@ def _solved(
     others = group(problem.recordings, rest)[1]
     groups = problem.blocks.groups(chosen.scope)
     for number, block in enumerate(np.unique(groups, return_index=True)[1]):
-        told = {"antenna": problem.blocks.antenna[block], "session": problem.blocks.session[block]}
+        labels_of = {
+            "antenna": problem.blocks.antenna[block],
+            "session": problem.blocks.session[block],
+        }
         for n, other in enumerate(others):
-            told |= dict(zip(rest, other, strict=True))
+            labels_of |= dict(zip(rest, other, strict=True))
             which = [
                 (place, of)
                 for place, of in enumerate(chosen.candidate.coefficients)
@@ -146,5 +149,5 @@ def _solved(
                 at = start + number * width + place
                 change[of], errors[of] = fit.solution.values[at], sigma[at]
                 places[of], known[of] = at, bool(fit.solution.known[at])
-            labels = tuple(str(told[label]) for label in term.per)
+            labels = tuple(str(labels_of[label]) for label in term.per)
             yield Solved(term, labels, change, errors, places, known)

@@ -123,14 +123,14 @@ def _change(held: HeldOut) -> str:
 
 def _in_fit(report: Report) -> str:
     """Return the rms in the fit, per axis and on the sky, and what they are of."""
-    fits, told = (report.fit.before, report.fit.after), []
+    fits, said = (report.fit.before, report.fit.after), []
     for name, key in (*((axis, key) for key, axis in report.mount.axes.items()), ("sky", "sky")):
         sizes = [getattr(one, f"rms_{key}_arcsec") for one in fits]
         values = [f"{one:.3g}" for one in sizes if one is not None][: 1 + report.mismatch]
         if values:
-            told.append(f"{name} {' -> '.join(values)}")
+            said.append(f"{name} {' -> '.join(values)}")
     return (
-        f"In the fit, rms: {', '.join(told)} arcsec; per axis, and on the sky the root of the mean "
+        f"In the fit, rms: {', '.join(said)} arcsec; per axis, and on the sky the root of the mean "
         "of x^2 + y^2, outliers excluded, not reduced for fitted terms (as TPOINT's sky rms)."
     )
 

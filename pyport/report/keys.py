@@ -16,35 +16,35 @@ def keys(kind: type = Report, path: str = "") -> Iterator[tuple[str, str, str]]:
     for one in dataclasses.fields(kind):
         if not one.metadata.get("written", True):
             continue
-        told, meaning = get_args(hints[one.name])
-        inner, many = _inside(told)
+        kind, meaning = get_args(hints[one.name])
+        inner, many = _inside(kind)
         here = f"{path}{one.name.rstrip('_')}"
-        yield here, _spelled(told), meaning
+        yield here, _spelled(kind), meaning
         if isinstance(inner, type) and dataclasses.is_dataclass(inner):
             yield from keys(inner, f"{here}{many}.")
 
 
-def _inside(told: Any) -> tuple[Any, str]:  # noqa: ANN401 - a type
+def _inside(kind: Any) -> tuple[Any, str]:  # noqa: ANN401 - a type
     """Return what a type holds, and what stands for its place in a path."""
-    if get_origin(told) is UnionType:
-        told = next(one for one in get_args(told) if one is not type(None))
-    if get_origin(told) is tuple:
-        return get_args(told)[0], "[]"
-    if get_origin(told) is dict:
-        return get_args(told)[1], ".NAME"
-    return told, ""
+    if get_origin(kind) is UnionType:
+        kind = next(one for one in get_args(kind) if one is not type(None))
+    if get_origin(kind) is tuple:
+        return get_args(kind)[0], "[]"
+    if get_origin(kind) is dict:
+        return get_args(kind)[1], ".NAME"
+    return kind, ""
 
 
-def _spelled(told: Any) -> str:  # noqa: ANN401 - a type
+def _spelled(kind: Any) -> str:  # noqa: ANN401 - a type
     """Return a type in words of JSON."""
-    if dataclasses.is_dataclass(told) or told is dict or get_origin(told) is dict:
+    if dataclasses.is_dataclass(kind) or kind is dict or get_origin(kind) is dict:
         return "object"
-    if get_origin(told) in {tuple, list}:
+    if get_origin(kind) in {tuple, list}:
         return "list"
-    if parts := get_args(told):
+    if parts := get_args(kind):
         return " or ".join("null" if one is type(None) else _spelled(one) for one in parts)
     names = {str: "text", int: "number", float: "number", bool: "true or false"}
-    return names.get(told, "any")
+    return names.get(kind, "any")
 
 
 def markdown() -> str:

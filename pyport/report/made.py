@@ -92,27 +92,27 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
 
 
 def _two_axes(one: Disagreement, names: tuple[str, str]) -> TwoAxes:
-    told = words.two_axes_json(one, names)
+    found = words.two_axes_json(one, names)
     return TwoAxes(
-        **told
+        **found
         | {
             "parameters": tuple(
                 OfBoth(each["name"], each["unit"], OfAxis(**each["xel"]), OfAxis(**each["el"]))
-                for each in told["parameters"]
+                for each in found["parameters"]
             ),
             "halves": tuple(
                 Halves(_figures(each["between_axes"]), _figures(each["between_halves"]))
-                for each in told["halves"]
+                for each in found["halves"]
             ),
             "causes": tuple(
-                Cause(each["effect"], Figures(**each["leaves"])) for each in told["causes"]
+                Cause(each["effect"], Figures(**each["leaves"])) for each in found["causes"]
             ),
         }
     )
 
 
-def _figures(told: dict[str, dict[str, float | None]]) -> dict[str, Figures]:
-    return {name: Figures(**one) for name, one in told.items()}
+def _figures(figures: dict[str, dict[str, float | None]]) -> dict[str, Figures]:
+    return {name: Figures(**one) for name, one in figures.items()}
 
 
 def _completed(model: Model) -> dict[str, Any] | None:
@@ -130,9 +130,9 @@ def _completed(model: Model) -> dict[str, Any] | None:
 
 
 def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
-    told = as_input(recordings)
-    aside = tuple(Excluded(**one) for one in told.pop("set_aside"))
-    return Input(**told, set_aside=aside, outliers=int((~diagnosis.weighed.used).sum()))
+    values = as_input(recordings)
+    aside = tuple(Excluded(**one) for one in values.pop("set_aside"))
+    return Input(**values, set_aside=aside, outliers=int((~diagnosis.weighed.used).sum()))
 
 
 def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:

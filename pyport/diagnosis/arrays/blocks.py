@@ -172,7 +172,7 @@ def blocks(problem: Problem, fit: joint.Joint, shapes: Sequence[Shape]) -> list[
             row = stack.row[rows[first]]
             parts = (mean[:, 0], mean[:, 1 : 1 + len(shapes)], own)
             found.append(_block(name, when, row, *parts, floor))
-    return _told(found)
+    return _informed(found)
 
 
 def _since(problem: Problem, moments: Sequence[float]) -> Codes:
@@ -186,7 +186,7 @@ def _since(problem: Problem, moments: Sequence[float]) -> Codes:
 def _block(
     antenna: str, session: str, row: Codes, value: Array, shapes: Array, zeros: Array, floor: float
 ) -> Block:
-    """Return a block with its robust weights and scatter; `_told` adds what it says."""
+    """Return a block with its robust weights and scatter; `_informed` adds what it says."""
     columns = np.concatenate([zeros, shapes], axis=1)
     weight, residual, _ = robust.weights(columns, value, FIRST_REACH, floor)
     spare = max(1.0, float(weight.sum()) - np.linalg.matrix_rank(columns))
@@ -195,7 +195,7 @@ def _block(
     return Block(antenna, session, row, value, shapes, zeros, weight, sigma, nothing, nothing)
 
 
-def _told(found: Sequence[Block]) -> list[Block]:
+def _informed(found: Sequence[Block]) -> list[Block]:
     """Add what blocks say of their shapes, few pointings believing less in their own scatter."""
     usual = float(np.median([one.sigma for one in found])) if found else 0.0
     out = []

@@ -43,7 +43,7 @@ class Lasting:
         The shapes that have a common part.
     own, common
         Shape (A, k) and (S, k) [internal units]; own parts of shared shapes are zero on average
-        over the antennas that are told well.
+        over the antennas that are well known.
     covariance
         Of own (A k of them) and then of the shared shapes' common parts (S times those).
     scatter
@@ -282,7 +282,7 @@ def _levelled(data: _BlockData, fit: _Solution) -> tuple[Array, Array, Array]:
     for n, shape in enumerate(data.shared):
         own = np.arange(antennas) * k + shape
         common = size + np.arange(data.sessions) * width + n
-        well = told_well(covariance[np.ix_(own, own)])
+        well = well_known(covariance[np.ix_(own, own)])
         turn = np.eye(len(value))
         turn[np.ix_(own, own)] -= well / well.sum()
         turn[np.ix_(common, own)] += well / well.sum()
@@ -290,8 +290,8 @@ def _levelled(data: _BlockData, fit: _Solution) -> tuple[Array, Array, Array]:
     return value[:size].reshape(antennas, k), value[size:], covariance
 
 
-def told_well(covariance: Array) -> Array:
-    """Return one for antennas told nearly as well as the median one beside the others, else 0."""
+def well_known(covariance: Array) -> Array:
+    """Return one for antennas known nearly as well as the median one beside the others, else 0."""
     about = np.eye(len(covariance)) - 1 / len(covariance)
     variance = np.diag(about @ covariance @ about.T)
     return (variance <= WORSE**2 * np.median(variance)).astype(float)

@@ -38,7 +38,7 @@ class Places:
         Implied displacement toward east of the median usable antenna, shape (A,), and its
         covariance without any lean of the mounts themselves, (A, A).
     usable
-        Which antennas are told well enough, by their errors alone, shape (A,).
+        Which antennas are known well enough, by their errors alone, shape (A,).
     radius_m
         Metres of displacement for a radian of lean.
     """
@@ -68,7 +68,7 @@ class Comparison:
     sigma_m
         Errors of the implied ones with the mounts' own leans in them, shape (n,).
     correlation, correlation_of_all
-        Of the two; and with the antennas that are told too poorly to be used.
+        Of the two; and with the antennas that are known too poorly to be used.
     slope, slope_sigma
         Implied over surveyed, by generalised least squares.
     lean_m

@@ -14,7 +14,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, Array
 from pyport.diagnosis.arrays.blocks import Block, Shape
-from pyport.diagnosis.arrays.lasting import Lasting, expected_without, lasting, told_well
+from pyport.diagnosis.arrays.lasting import Lasting, expected_without, lasting, well_known
 from pyport.diagnosis.joint import rms
 from pyport.thresholds import ENOUGH_ANTENNAS
 
@@ -26,7 +26,7 @@ class Repeat:
     Attributes
     ----------
     session, antennas
-        The session held out, and the n antennas told well both there and elsewhere.
+        The session held out, and the n antennas well known both there and elsewhere.
     common, common_sigma
         The session's common part when the antennas' own parts come from the others.
     correlation
@@ -99,8 +99,8 @@ def _compared(session: str, inside: Lasting, outside: Lasting, shape: int) -> Re
 
 
 def _well(parts: Lasting, shape: int) -> set[str]:
-    """Return the antennas whose own part is told well."""
-    well = told_well(parts.own_covariance(shape))
+    """Return the antennas whose own part is well known."""
+    well = well_known(parts.own_covariance(shape))
     return {name for name, good in zip(parts.antennas, well, strict=True) if good}
 
 
@@ -244,9 +244,9 @@ def _why(
         return (LOUD if one.sigma > NOISY * usual else AS_GOOD_AS_NOISE), ""
     # each shape by itself: what of the miss would go if it alone were this session's own?
     miss = one.score - one.information @ predicted
-    told = np.maximum(np.diag(one.information), 1e-300)
-    most = int(np.argmax(miss**2 / told))
-    return MOVED, f"{shapes[most].name.replace('_', ' ')} {miss[most] / told[most] / ARCMIN:+.1f}'"
+    power = np.maximum(np.diag(one.information), 1e-300)
+    most = int(np.argmax(miss**2 / power))
+    return MOVED, f"{shapes[most].name.replace('_', ' ')} {miss[most] / power[most] / ARCMIN:+.1f}'"
 
 
 @dataclass(frozen=True)

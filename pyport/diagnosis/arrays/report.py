@@ -9,7 +9,7 @@ import numpy as np
 
 from pyport.angles import ARCMIN, ARCSEC
 from pyport.diagnosis.arrays.blocks import Block, Shape, blocks, lasting_shapes, model_shapes
-from pyport.diagnosis.arrays.lasting import Lasting, lasting, told_well
+from pyport.diagnosis.arrays.lasting import Lasting, lasting, well_known
 from pyport.diagnosis.arrays.places import Comparison, Places, compare, places
 from pyport.diagnosis.arrays.repeat import Repeat, UnseenDays, repeats, unseen_days
 from pyport.diagnosis.case import Problem
@@ -102,7 +102,7 @@ class ArrayReport:
         scan = number_of(self.shapes, SCAN)
         if scan is None or self.rate is None:
             return None
-        own = self.parts.own[told_well(self.parts.own_covariance(scan)) > 0, scan]
+        own = self.parts.own[well_known(self.parts.own_covariance(scan)) > 0, scan]
         return float(np.std(own, ddof=1) / np.sqrt(len(own)) / self.rate) if len(own) > 1 else None
 
 

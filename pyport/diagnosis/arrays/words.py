@@ -84,16 +84,16 @@ def _own(found: ArrayReport) -> list[str]:
         return []
     parts = found.parts
     sigma = np.sqrt(np.diag(parts.own_covariance(scan)))
-    told = [
+    cells = [
         f"{name:>6} {value / ARCMIN:+6.2f} +- {error / ARCMIN:4.2f}"
         for name, value, error in zip(parts.antennas, parts.own[:, scan], sigma, strict=True)
     ]
-    return ["Each antenna's own half-difference between scans up and down [arcmin]:", *_rows(told)]
+    return ["Each antenna's own half-difference between scans up and down [arcmin]:", *_rows(cells)]
 
 
-def _rows(told: Sequence[str]) -> list[str]:
+def _rows(cells: Sequence[str]) -> list[str]:
     """Set short texts in rows of four."""
-    return ["  " + "  ".join(told[n : n + 4]) for n in range(0, len(told), 4)]
+    return ["  " + "  ".join(cells[n : n + 4]) for n in range(0, len(cells), 4)]
 
 
 def _repeats(found: ArrayReport) -> list[str]:
@@ -127,14 +127,14 @@ def _repeats(found: ArrayReport) -> list[str]:
 def _places(found: Places, *, several: bool) -> list[str]:
     """Return the implied displacements."""
     lines = ["Where these recordings say the antennas stand, metres toward east of the median one:"]
-    told = [
+    cells = [
         f"{name:>6} {east:+7.0f} +-{sigma:5.0f}"
         for name, east, sigma, usable in zip(
             found.antennas, found.east_m, found.sigma_m, found.usable, strict=True
         )
         if usable
     ]
-    lines += _rows(told)
+    lines += _rows(cells)
     poor = ", ".join(
         f"{found.antennas[n]} {found.east_m[n]:+.0f} +- {found.sigma_m[n]:.0f}"
         for n in np.flatnonzero(~found.usable)
@@ -205,9 +205,9 @@ def held_out(found: UnseenDays) -> list[str]:
         reasons.setdefault(reason, []).append(f"{antenna} {session}")
     if reasons:
         lines.append(f"  By less than {FACTOR:g}, and why:")
-    for reason, told in sorted(reasons.items(), key=lambda item: -len(item[1])):
-        more = f" and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
-        lines += _wrapped(f"  - {reason}: {', '.join(told[:_SHOWN])}{more}.")
+    for reason, listed in sorted(reasons.items(), key=lambda item: -len(item[1])):
+        more = f" and {len(listed) - _SHOWN} more" if len(listed) > _SHOWN else ""
+        lines += _wrapped(f"  - {reason}: {', '.join(listed[:_SHOWN])}{more}.")
     return lines
 
 

@@ -47,11 +47,11 @@ def collect(scene: Scene) -> list[Finding]:
         step = scene.outcome.step_of(chosen)
         earlier = scene.outcome.chosen[:n]
         parts = taken_apart(scene, first + n) if "antenna" in chosen.scope else None
-        told = of_array(scene, first + n, step, earlier, parts) if parts else []
+        own = of_array(scene, first + n, step, earlier, parts) if parts else []
         # Where neither an antenna's own part nor the common one is significant: as it was fitted.
-        told = told or [_single(scene, first + n, step, bend_of)]
-        told = honest(scene, first + n, step, told)
-        found += [replace(one, choice=first + n) for one in told]
+        own = own or [_single(scene, first + n, step, bend_of)]
+        own = honest(scene, first + n, step, own)
+        found += [replace(one, choice=first + n) for one in own]
     return sorted(found, key=lambda one: -one.evidence.delta_bic)
 
 

@@ -305,12 +305,12 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
             largest[of] = f"{_WORDS[of][2]} differ in the {one['term']} by {sigma:.2g}"
     said = [text for of, text in largest.items() if of != "source"]
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
-    told = []
+    remarks = []
     if said:
         sizes = " and ".join(f"{one} arcsec" for one in said)
-        told.append(f"a change with time would have to stand out of the noise: {sizes}")
+        remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
     if "source" in largest:
-        told.append(f"{largest['source']} arcsec, which counts as noise")
+        remarks.append(f"{largest['source']} arcsec, which counts as noise")
     alone = "which is worth a diagnosis of its own"
-    told += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
-    return "".join(f"; {one}" for one in told)
+    remarks += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
+    return "".join(f"; {one}" for one in remarks)

@@ -180,8 +180,8 @@ def halves(problem: Problem, weighed: WhitenedData, joint: Joint, choice: int) -
     split, sessions = _halves(problem), _sessions(problem)
     found = _strengths(problem, weighed, joint, choice, split | sessions)
     apart = sorted(sessions.keys() & found, key=lambda one: (-found[one].sigmas, one))
-    told = [*(one for one in split if one in found), *apart[:1]]
-    return [_compared(label, found[label]) for label in told]
+    shown = [*(one for one in split if one in found), *apart[:1]]
+    return [_compared(label, found[label]) for label in shown]
 
 
 @dataclass(frozen=True)

@@ -199,17 +199,17 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
     choice, step
         The choice's place in the joint fit, and the turn that it was chosen in.
     found
-        What would be told.
+        What would be reported.
     """
     named = [one for one in found if one.verdict != "unknown"]
     if not named:
         return list(found)
     own = scene.joint.choices[choice].candidate.effect
     refusals = {id(one): _refusal(scene, one, own) for one in named}
-    told = [one for one in named if refusals[id(one)] is None]
+    kept = [one for one in named if refusals[id(one)] is None]
     comes_back = None
-    if told:
-        members = {name for one in told for name in one.members}
+    if kept:
+        members = {name for one in kept for name in one.members}
         members.update(step.called.members)
         comes_back = stability(scene, choice, step, members)
     out = []
@@ -218,7 +218,7 @@ def honest(scene: Scene, choice: int, step: Step, found: Sequence[Finding]) -> l
         if refused is not None:
             out.append(_refused(one, refused))
         else:
-            out.append(judged(one, comes_back) if comes_back is not None and one in told else one)
+            out.append(judged(one, comes_back) if comes_back is not None and one in kept else one)
     return out
 
 

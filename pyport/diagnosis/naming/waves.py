@@ -29,7 +29,7 @@ MULTIPLES, OVERTONES = 5, 3
 
 
 def alias(effect: Effect, grid_deg: float) -> str | None:
-    """Return what would tell a wave from its like on a grid of some step [deg]; None without.
+    """Return what would distinguish a wave from its like on a grid of a step [deg]; None without.
 
     One that is too short to be looked for is none.
     """
@@ -188,8 +188,8 @@ def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:
     if "direction_deg" in effect.member:
         line = likeliest_direction(problem, scene.weighed.covariance, others, effect)[:2]
         measured = np.unique(problem.stack.is_y).astype(int)
-        told = _along(*line, *_wandering(value, covariance))
-        return found + ([told[1 + measured[0]]] if len(measured) == 1 else told)
+        swing = _along(*line, *_wandering(value, covariance))
+        return found + ([swing[1 + measured[0]]] if len(measured) == 1 else swing)
     names = [effect.coefficients[n].name for n in np.array(chosen.candidate.coefficients)[known]]
     for axis in ("xel", "el"):
         own = [n for n, name in enumerate(names) if name.partition("[")[0].endswith(f"_{axis}")]

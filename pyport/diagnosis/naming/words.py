@@ -118,10 +118,10 @@ def two_axes_sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) ->
     spread = np.hypot(found.sigma_first, found.sigma_second)
     # the two that differ most
     most = np.argsort(-np.abs(found.first - found.second) / spread, kind="stable")[:2]
-    told = ", ".join(_against(one, place) for place in sorted(most))
+    each = ", ".join(_against(one, place) for place in sorted(most))
     differ = (
         f"The {name} seen in {axes[0]} and that seen in {axes[1]} differ by "
-        f"{found.sigmas:.1f} sigma (chance {found.p_value:.1g}): {told}."
+        f"{found.sigmas:.1f} sigma (chance {found.p_value:.1g}): {each}."
     )
     said = [differ, f"No {name} does that: something acts on one axis alone."]
     said.append(_place(one.splits, name, axes))

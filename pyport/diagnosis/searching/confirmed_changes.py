@@ -42,7 +42,7 @@ def confirmed_changes(
     waves = []
     if OSCILLATION not in banned:
         waves = waves_of(problem, chosen, oscillations.proposed(problem, present, chosen, above))
-    # What wins must be told from a wave: its columns stand in the case of every change.
+    # What wins must be distinguished from a wave: its columns stand in the case of every change.
     wider, beside = (waves[0].problem, waves[0].beside) if waves else (problem, None)
     still, best = proposed(problem, present, chosen, trials, banned)
     moved = [refined(wider, still, chosen, trial) for trial in best]

@@ -141,7 +141,7 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         tell(f"{trial.candidate.effect.id} ({trial.scope}): p = {p_value:.2g}")
         if winner.beside is not None:
             beside, trials = winner.beside, tuple(trials_of(problem, winner.beside))
-        # What a change competed with is what its name must be told from.
+        # What a change competed with is what its name must be distinguished from.
         trials = (*winner.rivals, *trials)
         step = Step(trial, new, trials, beside, p_value, winner.price)
         then = _settled(

@@ -61,8 +61,8 @@ def settled(outcome: Outcome) -> tuple[Outcome, tuple[Dropped, ...]]:
 def _held_to_the_end(outcome: Outcome) -> Outcome:
     """Hold each lasting effect against its rivals once more, beside the final noise.
 
-    The noise in which it was found had grown to hold what it explains, and told it from its
-    rivals less well than the noise that is left.
+    The noise in which it was found had grown to hold what it explains, and distinguished it from
+    its rivals less well than the noise that is left.
     """
     return replace(outcome, steps=tuple(_in_final_noise(outcome, step) for step in outcome.steps))
 

@@ -234,11 +234,11 @@ def worth(field: Field, information: Array, alone: Array, moments: Array) -> Wor
     evidence, variance = at_best(power, along)
     kept = variance * power > FAINT
     power, vectors, along = power[kept], vectors[:, kept], along[kept]
-    told = variance * power / (1 + variance * power)
+    known = variance * power / (1 + variance * power)
     return Worth(
         field,
         evidence - 2 * float(np.log(field.choices)),
-        float((told * (along**2 / power - 1)).sum()),
+        float((known * (along**2 / power - 1)).sum()),
         vectors / np.sqrt(power),
         along / np.sqrt(power),
         np.sqrt(variance * power),

@@ -123,8 +123,8 @@ def _with_field(outcome: Outcome, steps: tuple[Step, ...], worth: Worth) -> Outc
 
 def _same_bumps(step: Step, field: Field) -> bool:
     """Tell whether a turn chose a field of the same bumps on an axis of this one."""
-    told = step.chosen.candidate.effect.member
-    return told.get("bumps") == field.bumps and bool({*told["axes"]} & {*field.axes})
+    member = step.chosen.candidate.effect.member
+    return member.get("bumps") == field.bumps and bool({*member["axes"]} & {*field.axes})
 
 
 def _together_with(step: Step, worth: Worth) -> Worth:
@@ -132,9 +132,9 @@ def _together_with(step: Step, worth: Worth) -> Worth:
 
     One of them is of both axes, or both are of one: the wider holds the other.
     """
-    told, new = step.chosen.candidate.effect.member, worth.field
+    member, new = step.chosen.candidate.effect.member, worth.field
     old = replace(
-        new, axes=tuple(told["axes"]), which=tuple(told["which"]), variant=told["variant"]
+        new, axes=tuple(member["axes"]), which=tuple(member["which"]), variant=member["variant"]
     )
     wide = max(new, old, key=lambda one: len(one.axes))
     place = {pair: n for n, pair in enumerate(zip(wide.axes, wide.which, strict=True))}
@@ -149,7 +149,7 @@ def _together_with(step: Step, worth: Worth) -> Worth:
         wide,
         worth.evidence + before.evidence,
         worth.gain + before.gain,
-        np.hstack([widened(old, np.array(told["directions"])), widened(new, worth.directions)]),
+        np.hstack([widened(old, np.array(member["directions"])), widened(new, worth.directions)]),
         np.concatenate([before.values, worth.values]),
-        np.concatenate([told["spread"], worth.spread]),
+        np.concatenate([member["spread"], worth.spread]),
     )

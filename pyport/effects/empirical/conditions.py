@@ -103,8 +103,10 @@ def tried(at: Circumstances) -> list[Driver]:
     return found if air is None else found + [_late(*way, air) for way in ways(at) if way[0] != AIR]
 
 
-def told(follows: str, centre: float | None = None, way: str = AIR, lag_h: float = 0) -> Driver:
-    """Return the condition that a file tells: see `Effect.member`."""
+def driver_of(
+    follows: str, centre: float | None = None, way: str = AIR, lag_h: float = 0
+) -> Driver:
+    """Return the condition that a file states: see `Effect.member`."""
     if way != AIR:
         return _late(way, lag_h, centre or 0.0)
     if follows == _TIME_OF_DAY.name:

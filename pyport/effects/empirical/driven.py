@@ -18,7 +18,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.empirical.conditions import OF_AIR, OF_TEMPERATURE, Driver, told, tried
+from pyport.effects.empirical.conditions import OF_AIR, OF_TEMPERATURE, Driver, driver_of, tried
 from pyport.effects.sky.atmosphere import refraction
 from pyport.effects.telescope.geometry import collimation, elevation_zero, sag_cosine, tilt
 from pyport.effects.telescope.thermal import AIR
@@ -76,7 +76,7 @@ def driven(term: str, driver: Driver) -> Effect:
 
 def _made(term: str, follows: str, **more: Any) -> Effect:  # noqa: ANN401 - what a file may hold
     """Return the term that a file tells."""
-    return driven(term, told(follows, **more))
+    return driven(term, driver_of(follows, **more))
 
 
 def _driven_terms(at: Circumstances) -> tuple[Effect, ...]:

@@ -25,12 +25,12 @@ HALF, COVERAGE = np.radians(180), np.radians(150)
 #: The circle is counted in sectors of this width. [rad]
 SECTOR = np.radians(10)
 #: On a coarse grid the circle is covered where azimuths are no further apart, and a harmonic is
-#: told by so many of them to a wave. [rad]
+#: resolved by so many of them to a wave. [rad]
 APART, TO_A_WAVE = np.radians(60), 4
 
 
 def harmonics(at: Circumstances) -> list[int]:
-    """Return the harmonics of azimuth that the recordings can tell from anything else.
+    """Return the harmonics of azimuth that the recordings can distinguish.
 
     Raises `MissingColumn` where they cover too little of the circle.
     """
@@ -40,10 +40,10 @@ def harmonics(at: Circumstances) -> list[int]:
         return list(HARMONICS)
     distinct = np.unique(az)
     gaps = np.diff(distinct, append=distinct[:1] + 2 * np.pi)
-    told = [k for k in HARMONICS if TO_A_WAVE * k <= sectors]
-    if not told or gaps[gaps <= APART].sum() < COVERAGE:
+    resolved = [k for k in HARMONICS if TO_A_WAVE * k <= sectors]
+    if not resolved or gaps[gaps <= APART].sum() < COVERAGE:
         raise MissingColumn("azimuths over 150 deg of the circle")
-    return told
+    return resolved
 
 
 def _wave(name: str) -> tuple[Coefficient, Coefficient]:

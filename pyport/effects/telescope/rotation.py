@@ -91,8 +91,8 @@ def angle_columns(at: Circumstances) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name, values in at.columns.items():
         quantity, _, unit = name.rpartition("_")
-        told = quantity and unit in RADIANS_PER and unit != "h"
-        if not told or values.dtype.kind not in "fiu" or NO_ROTATION & set(quantity.split("_")):
+        is_angle = quantity and unit in RADIANS_PER and unit != "h"
+        if not is_angle or values.dtype.kind not in "fiu" or NO_ROTATION & set(quantity.split("_")):
             continue
         angle = np.asarray(values, float) * RADIANS_PER[unit]
         if mostly_known(angle):

@@ -2,7 +2,7 @@
 
 A wave is "S" or "C" (sine or cosine) of a multiple of "A" (azimuth from north
 through east) or of "E". Products that the catalogue knows under a name of its
-own are told by that name, so that two programs' words for one thing are one shape.
+own are given by that name, so that two programs' words for one thing are one shape.
 """
 
 from __future__ import annotations
@@ -79,11 +79,11 @@ class Shape:
         axis: str = "",
         waves: Sequence[Sequence[Any]] = (),
     ) -> Shape:
-        """Return the shape that `told` gave."""
+        """Return the shape that `as_stored` gave."""
         return cls(effect, column, k, axis, tuple(Wave(*one) for one in waves))
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_stored(self) -> dict[str, Any]:
         """Return it as a file holds it."""
         whole = {
             "effect": self.effect,

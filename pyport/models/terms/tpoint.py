@@ -186,5 +186,7 @@ def polar_name_of(shape: Shape) -> tuple[str, int] | None:
     axis, waves = wave_product(shape)
     if not 1 <= len(waves) <= 2 or any(one.function == "P" or one.k > 9 for one in waves):
         return None
-    told = "".join(f"{one.function}{_SYMBOL[one.of]}{one.k if one.k > 1 else ''}" for one in waves)
-    return f"H{_POLAR_LETTER[axis]}{told}", -1
+    letters = "".join(
+        f"{one.function}{_SYMBOL[one.of]}{one.k if one.k > 1 else ''}" for one in waves
+    )
+    return f"H{_POLAR_LETTER[axis]}{letters}", -1

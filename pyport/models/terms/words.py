@@ -51,7 +51,7 @@ class Word:
         parent = self.parts[0][0].parent()
         if self.mount:
             parent = on(parent, BY_MODEL[self.mount])
-        parts = [{**shape.told, "weight": weight} for shape, weight in self.parts]
+        parts = [{**shape.as_stored, "weight": weight} for shape, weight in self.parts]
         several = len({shape.effect for shape, _ in self.parts}) > 1
         return Effect(
             PRODUCT if several else parent.id,
@@ -81,5 +81,5 @@ class Word:
         shapes = [Shape.of(**one) for one in parts]
         if member["unit"] not in SCALES or not parts:
             raise KeyError(member["unit"])
-        told = tuple(zip(shapes, weights, strict=True))
-        return cls(member["word"], told, member["unit"], mount=str(member.get("mount", "")))
+        weighted = tuple(zip(shapes, weights, strict=True))
+        return cls(member["word"], weighted, member["unit"], mount=str(member.get("mount", "")))

@@ -14,7 +14,7 @@ from pyport.noise.estimation.frame import Frame, floors_of
 from pyport.noise.whitening import NO_WEIGHT
 from pyport.thresholds import FIRST_REACH, PER_SHAPE
 
-#: No reading has less weight than this: its deviation can still be told from its whitened one.
+#: No reading has less weight than this: its deviation can still be computed from its whitened one.
 LEAST = 2 * NO_WEIGHT
 
 

@@ -58,7 +58,7 @@ def test_of_driven_terms_another_term_and_another_condition_count(
     """Within odds of fifty to one; the same term of the same condition is no other."""
 
     def follows(what, which):
-        effect = driven.driven(what, conditions.told(which, 0.0))
+        effect = driven.driven(what, conditions.driver_of(which, 0.0))
         return Candidate(effect, np.arange(1), (0,), 24)
 
     winner = trial(of=follows("tilt", "pressure_hpa"), evidence=100.0)

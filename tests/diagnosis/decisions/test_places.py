@@ -288,7 +288,7 @@ def test_an_antenna_known_three_times_worse_is_no_reference(sigma, used):
     """Than the median one."""
     covariance = np.diag(np.array([1.0, 1, 1, 1, 1, 1, 1, sigma]) ** 2)
     # About the mean of eight, the errors of the others hardly change.
-    well = lasting.told_well(np.diag(np.array([1.0] * 60 + [sigma]) ** 2))
+    well = lasting.well_known(np.diag(np.array([1.0] * 60 + [sigma]) ** 2))
     known = SimpleNamespace(
         antennas=ANTENNAS, own=np.zeros((8, 1)), own_covariance=lambda _: covariance
     )
