@@ -46,8 +46,8 @@ def html(picture: Picture, story: Story) -> str:
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     # Nothing is fetched, and no script runs but this one, whatever a label holds.
     policy = f"default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{digest}'"
-    told = payload(picture) | {"file": story.source.file, "model": story.model_file}
-    numbers = json.dumps(told, separators=(",", ":"), ensure_ascii=True)
+    data = payload(picture) | {"file": story.source.file, "model": story.model_file}
+    numbers = json.dumps(data, separators=(",", ":"), ensure_ascii=True)
     head = tag(
         "head",
         Markup('<meta charset="utf-8">'),

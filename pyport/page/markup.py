@@ -143,12 +143,12 @@ def tag(name: str, *inside: str | None, **attributes: str | None) -> Markup:
     An underscore at the end of an attribute's name is dropped (`class_`), one
     within is a hyphen (`data_layer`); an attribute of None is left out.
     """
-    told = "".join(
+    written = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"'
         for key, value in attributes.items()
         if value is not None
     )
-    return Markup(f"<{name}{told}>" + ("" if name in VOID else f"{join(inside)}</{name}>"))
+    return Markup(f"<{name}{written}>" + ("" if name in VOID else f"{join(inside)}</{name}>"))
 
 
 def join(parts: Iterable[str | None]) -> Markup:

@@ -156,11 +156,13 @@ def _verdict(report: Report) -> tuple[str, str]:
             lead.append(f"Noise alone looks like what {model} leaves (chance {noise}).")
         return f"{headline}.", " ".join(lead)
     names = [one.effect.replace("_", " ") for one in report.findings]
-    told = list(dict.fromkeys(n for n in names if n != "unknown"))
+    missing = list(dict.fromkeys(n for n in names if n != "unknown"))
     nameless = names.count("unknown")
     if nameless:
-        told.append("something without a name" if nameless == 1 else f"{nameless} nameless things")
-    whole = " and ".join([part for part in (", ".join(told[:-1]), told[-1]) if part])
+        missing.append(
+            "something without a name" if nameless == 1 else f"{nameless} nameless things"
+        )
+    whole = " and ".join([part for part in (", ".join(missing[:-1]), missing[-1]) if part])
     headline = f"{model} leaves out {whole}."
     return headline, f"{what}. The chance that noise alone looks like this: {noise}."
 

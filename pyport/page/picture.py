@@ -195,11 +195,11 @@ def _column(name: str, values: NDArray[np.generic], layers: Sequence[Layer]) -> 
     if values.dtype.kind not in "fiub":
         return Column(name, label, unit, values.astype(str), regions)
     numbers = np.asarray(values, float) / scale
-    told = np.unique(numbers[np.isfinite(numbers)])
-    if len(told) > FEW_VALUES or regions:
+    distinct = np.unique(numbers[np.isfinite(numbers)])
+    if len(distinct) > FEW_VALUES or regions:
         return Column(name, label, unit, numbers, regions)
-    signed = "+g" if told.min(initial=0) < 0 else "g"
-    words = {value: format(value, signed) for value in told}
+    signed = "+g" if distinct.min(initial=0) < 0 else "g"
+    words = {value: format(value, signed) for value in distinct}
     texts = [words.get(value, "unknown") for value in numbers.tolist()]
     return Column(name, label, unit, np.array(texts, np.str_), regions)
 

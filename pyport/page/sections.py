@@ -17,8 +17,8 @@ CUT = 400
 
 def head(story: Story) -> Markup:
     """Return the verdict and the key figures."""
-    told = "the model suffices" if story.good else "the model falls short"
-    pill = tag("span", told, class_=f"pill {'good' if story.good else 'bad'}")
+    verdict = "the model suffices" if story.good else "the model falls short"
+    pill = tag("span", verdict, class_=f"pill {'good' if story.good else 'bad'}")
     facts = [
         tag("div", tag("dt", name), tag("dd", value, tag("small", beside)))
         for name, value, beside in story.facts
@@ -225,8 +225,8 @@ def _folded(title: str, how: str, inside: Markup, *, unfolded: bool = False) -> 
 
 def foot(story: Story, version: str) -> Markup:
     """Return where the page comes from."""
-    told = [f"pyport {version}, computed with {kernel.path()}", f"file {story.source.file}"]
+    parts = [f"pyport {version}, computed with {kernel.path()}", f"file {story.source.file}"]
     if story.source.sha256:
-        told.append(f"SHA-256 {story.source.sha256}")
-    told += [f"{key} {value}" for key, value in story.source.meta if key != "bookkeeping"]
-    return tag("footer", tag("p", " · ".join(told)))
+        parts.append(f"SHA-256 {story.source.sha256}")
+    parts += [f"{key} {value}" for key, value in story.source.meta if key != "bookkeeping"]
+    return tag("footer", tag("p", " · ".join(parts)))

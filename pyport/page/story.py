@@ -56,7 +56,7 @@ def rows_of(model: Model) -> tuple[Row, ...]:
     if model.completed is None:
         return ()
     values = model.completed.values
-    told = has_before(values)
+    with_before = has_before(values)
     return tuple(
         Row(
             one.name,
@@ -65,7 +65,7 @@ def rows_of(model: Model) -> tuple[Row, ...]:
             one.sigma,
             one.unit + (", fixed" if one.sigma is None else ""),
             one.finding is not None,
-            one.before if told else None,
+            one.before if with_before else None,
         )
         for one in values
         if one.effect != UNKNOWN

@@ -50,8 +50,8 @@ def _scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None 
 
 def _listed(rows: Sequence[Row]) -> Markup:
     grouped = any(row.group for row in rows)
-    told_before = any(row.before is not None for row in rows)
-    against = [IN_FILE, CHANGE] if told_before else []
+    has_before = any(row.before is not None for row in rows)
+    against = [IN_FILE, CHANGE] if has_before else []
     numeric = {ENTER, "sigma", "value / sigma", *against}
     of = ["of"] if grouped else []
     names = ["coefficient", *of, ENTER, "sigma", "unit", *against, "value / sigma"]
@@ -70,8 +70,8 @@ def _listed(rows: Sequence[Row]) -> Markup:
         return [*name, _signed(row.value, digits), sigma, row.unit, *moved, size]
 
     def line(row: Row) -> Markup:
-        told = zip(names, cells(row), strict=True)
-        inside = (tag("td", cell, class_="n" if name in numeric else None) for name, cell in told)
+        named = zip(names, cells(row), strict=True)
+        inside = (tag("td", cell, class_="n" if name in numeric else None) for name, cell in named)
         return tag("tr", *inside, class_="found" if row.found else None)
 
     heads = [tag("th", name, class_="n" if name in numeric else None) for name in names]
@@ -81,14 +81,14 @@ def _listed(rows: Sequence[Row]) -> Markup:
 def _by_group(rows: Sequence[Row]) -> Markup:
     """Return one line for each group, such as an antenna, and a column for each coefficient."""
     names = list(dict.fromkeys((row.name, row.unit) for row in rows))
-    told: dict[str, dict[tuple[str, str], Row]] = {}
+    of_group: dict[str, dict[tuple[str, str], Row]] = {}
     for row in rows:
-        told.setdefault(row.group, {})[row.name, row.unit] = row
+        of_group.setdefault(row.group, {})[row.name, row.unit] = row
     heads = [tag("th", "of")]
     heads += [tag("th", f"{name.replace('_', ' ')} [{unit}]", class_="n") for name, unit in names]
     body = [
         tag("tr", tag("td", group), *(_value(found.get(name)) for name in names))
-        for group, found in list(told.items())[:CUT]
+        for group, found in list(of_group.items())[:CUT]
     ]
     return _scrolled(heads, body)
 
@@ -117,16 +117,16 @@ def _heat(story: Story) -> Markup | None:
     names, matrix = story.correlation
     if len(names) < 2:
         return None
-    told = [name.replace("_", " ") for name in names]
+    words = [name.replace("_", " ") for name in names]
     body = [
         tag(
             "tr",
             tag("th", name, scope="row"),
-            *(_cell(value, f"{name} and {told[k]}: {value:+.3f}") for k, value in enumerate(row)),
+            *(_cell(value, f"{name} and {words[k]}: {value:+.3f}") for k, value in enumerate(row)),
         )
-        for name, row in zip(told, matrix, strict=True)
+        for name, row in zip(words, matrix, strict=True)
     ]
-    heads = [tag("td"), *(tag("th", name, scope="col") for name in told)]
+    heads = [tag("td"), *(tag("th", name, scope="col") for name in words)]
     condition = story.condition
     said = "" if condition is None else f"Condition number {condition:.3g}. "
     return tag(
@@ -243,5 +243,5 @@ def _figures(side: Side, rows: np.ndarray, scale: float) -> tuple[float, str, st
     sizes = [
         float(np.sqrt(np.mean(one[counted] ** 2))) / scale for one in (side.before, side.after)
     ]
-    told = " → ".join(f"{size:.3g}" for size in sizes) if side.layers else f"{sizes[0]:.3g}"
-    return sizes[-1], told, f"{float(np.mean(side.after[counted])) / scale:+.2f}"
+    text = " → ".join(f"{size:.3g}" for size in sizes) if side.layers else f"{sizes[0]:.3g}"
+    return sizes[-1], text, f"{float(np.mean(side.after[counted])) / scale:+.2f}"

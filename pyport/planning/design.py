@@ -161,9 +161,9 @@ def _noise(
 ) -> tuple[Array, str]:
     if given is not None:
         return np.full(len(data), given), "as given"
-    told = data.spread(recordings.sigma_x, recordings.sigma_y)
-    trusted = bool(np.isfinite(told).all())
-    sigma = told.copy() if trusted else np.ones(len(data))
+    recorded = data.spread(recordings.sigma_x, recordings.sigma_y)
+    trusted = bool(np.isfinite(recorded).all())
+    sigma = recorded.copy() if trusted else np.ones(len(data))
     value = data.value - data.spread(*model.offsets(recordings.at))
     enlarged = not trusted
     for axis in (data.is_y, ~data.is_y):

@@ -27,7 +27,7 @@ class Sight:
     sigma: float
     unit: str
     inflation: float  #: how many times larger that is than without the model
-    #: Effects that it could not be told from, and the share of its curves that each draws.
+    #: Effects that it could not be distinguished from, and the share of its curves that each draws.
     alike: tuple[tuple[str, float], ...]
 
 

@@ -20,7 +20,7 @@ _SEEN = (
 )
 #: Decisions of a class, and promises, that are listed; the JSON has them all.
 MOST_DECISIONS, MOST_PROMISES = 4, 10
-#: Inflation from which a coefficient of the model is told of.
+#: Inflation from which a coefficient of the model is listed.
 LOOSE = 5.0
 #: A promise of less than this factor is none.
 WORTH = 1.2
@@ -40,15 +40,15 @@ def text(look: Look) -> str:
         _SEEN,
         *_seen(look),
     ]
-    for title, told_of in (
+    for title, lines_of in (
         ("Taken up by the model, whatever their size", _hidden),
         ("Not distinguishable", _classes),
         ("Not testable: column missing or too little variation", _untestable),
         ("To observe next", _next),
         ("What that would bring: error of the first beside the second", _promises),
     ):
-        if told := list(told_of(look)):
-            lines += ["", title, *told]
+        if some := list(lines_of(look)):
+            lines += ["", title, *some]
     wrapped = []
     for line in lines:
         lead = " " * (len(line) - len(line.lstrip()) + 2)

@@ -176,9 +176,9 @@ def against(picture: Picture, column: Column) -> Figure:
         _clouds(axes, picture, x, name, side, lined=not labels)
     bottom = rows[-1][0]
     if labels:
-        told = [str(one) for one in names]
-        crowded = sum(map(len, told)) > 60
-        bottom.set_xticks(np.arange(len(names)), told, rotation=60 if crowded else 0)
+        words = [str(one) for one in names]
+        crowded = sum(map(len, words)) > 60
+        bottom.set_xticks(np.arange(len(names)), words, rotation=60 if crowded else 0)
     bottom.set_xlabel(column.title)
     return figure
 

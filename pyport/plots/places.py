@@ -88,8 +88,8 @@ def _by_antenna(axes: Axes, places: Places) -> None:
     order = np.arange(len(places.antennas))
     axes.axhline(0, color=GREY, lw=0.8)
     for some, colour, label in (
-        (places.usable, BLUE, "told well"),
-        (~places.usable, GREY, "told poorly"),
+        (places.usable, BLUE, "well known"),
+        (~places.usable, GREY, "poorly known"),
     ):
         if some.any():
             axes.errorbar(

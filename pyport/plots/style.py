@@ -110,13 +110,13 @@ def bars(story: Story) -> Figure:
 def heat(story: Story) -> Figure:
     """Draw the correlations of the coefficients."""
     names, matrix = story.correlation
-    told = [name.replace("_", " ") for name in names]
+    labels = [name.replace("_", " ") for name in names]
     side = 1.6 + 0.27 * len(names)
     made = figure(side + 0.6, side)
     axes = made.subplots()
     image = axes.imshow(np.array(matrix), cmap="PuOr_r", vmin=-1, vmax=1)
-    axes.set_xticks(np.arange(len(told)), told, rotation=90)
-    axes.set_yticks(np.arange(len(told)), told)
+    axes.set_xticks(np.arange(len(labels)), labels, rotation=90)
+    axes.set_yticks(np.arange(len(labels)), labels)
     if len(names) <= 16:
         for (i, j), value in np.ndenumerate(np.array(matrix)):
             colour = "white" if abs(value) > 0.75 else "black"

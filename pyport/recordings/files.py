@@ -120,8 +120,8 @@ def nothing_left(recordings: Recordings, expression: str = "") -> str:
     if len(recordings):
         return f"--where {expression!r} holds for none of the {len(recordings)} recordings"
     reasons = Counter(one.reason for one in recordings.set_aside).most_common(2)
-    told = "; ".join(f"{count} rows: {reason}" for reason, count in reasons)
-    return f"no row can be used: {told or 'there is none'}"
+    listed = "; ".join(f"{count} rows: {reason}" for reason, count in reasons)
+    return f"no row can be used: {listed or 'there is none'}"
 
 
 def read_raw(path: Path, given: FileOptions = NOTHING) -> Raw:

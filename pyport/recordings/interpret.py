@@ -114,7 +114,7 @@ def _circumstances(raw: Raw, angles: dict[str, Array]) -> tuple[Circumstances, l
 
 
 def _declaring(raw: Raw, at: Circumstances) -> dict[str, str]:
-    """Return the header keys; what the columns told of the mount is declared like the rest."""
+    """Return the header keys; what the columns say of the mount is declared like the rest."""
     words = declared(raw.meta)
     if at.mount is ALTAZ or at.mount.id in words:
         return raw.meta
@@ -221,7 +221,7 @@ def _of_the_day(raw: Raw) -> bool:
 
 
 def _time(raw: Raw) -> dict[str, Array]:
-    """Return the time [s since 1970], from a day and its hours where that is what is told."""
+    """Return the time [s since 1970], from a day and its hours where that is what is recorded."""
     if TIME in raw.columns:
         return {"time": raw.seconds(TIME)}
     if _of_the_day(raw):
@@ -305,8 +305,10 @@ def _add_equatorial(columns: dict[str, NDArray[Any]], az: Array, el: Array, site
     for name, derived in zip(
         ("hour_angle", "dec"), sky.equator(az, el, site.latitude), strict=True
     ):
-        told = columns.get(name)
-        columns[name] = derived if told is None else np.where(np.isnan(told), derived, told)
+        recorded = columns.get(name)
+        columns[name] = (
+            derived if recorded is None else np.where(np.isnan(recorded), derived, recorded)
+        )
 
 
 def _quarantine(everything: Recordings, raw: Raw) -> Recordings:

@@ -109,9 +109,9 @@ def set_aside(raw: Raw, reasons: Mapping[int, str]) -> Raw:
     """Return the cells of a file with some lines excluded, each with its reason."""
     if not reasons:
         return raw
-    told = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(raw.line), "")
+    recorded = raw.words(SET_ASIDE) if SET_ASIDE in raw.columns else np.full(len(raw.line), "")
     aside = [
-        why or reasons.get(line, "") for why, line in zip(told, raw.line.tolist(), strict=True)
+        why or reasons.get(line, "") for why, line in zip(recorded, raw.line.tolist(), strict=True)
     ]
     return replace(raw, columns={**raw.columns, SET_ASIDE: np.array(aside, object)})
 

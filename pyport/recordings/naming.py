@@ -52,21 +52,21 @@ def column(recordings: Recordings, name: str) -> NDArray[Any] | None:
 def _angle(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
     """Return an angle in radians."""
     at = recordings.at
-    told = names_of(at.mount)
+    named = names_of(at.mount)
     own = {
         "az": at.az,
         "el": at.el,
-        told.across: recordings.x,
-        told.along: recordings.y,
-        told.sigmas[1]: recordings.sigma_x,
-        told.sigmas[2]: recordings.sigma_y,
+        named.across: recordings.x,
+        named.along: recordings.y,
+        named.sigmas[1]: recordings.sigma_x,
+        named.sigmas[2]: recordings.sigma_y,
     }
     if quantity in own:
         return own[quantity]
     if quantity == "d_zd" and "d_el" in own:
         return -recordings.y
-    if quantity in {told.first, told.sigmas[0]}:
-        across = recordings.x if quantity == told.first else recordings.sigma_x
+    if quantity in {named.first, named.sigmas[0]}:
+        across = recordings.x if quantity == named.first else recordings.sigma_x
         return across / np.cos(axes_of(at)[1])
     if quantity in DIRECTIONS and quantity in at:
         return at.column(quantity)
@@ -89,8 +89,8 @@ def _sun(recordings: Recordings, quantity: str) -> NDArray[np.float64] | None:
 def names(recordings: Recordings) -> list[str]:
     """Return the names that `column` knows here, angles in degrees."""
     kept = [SPELLED.get(name, name) for name in recordings.at.columns]
-    told = names_of(recordings.at.mount)
-    own = (told.across, told.along, *told.sigmas[1:])
+    named = names_of(recordings.at.mount)
+    own = (named.across, named.along, *named.sigmas[1:])
     found = ["az_deg", "el_deg", *(f"{one}_deg" for one in own), *kept]
     if "sun_el_deg" not in found and column(recordings, "sun_el_deg") is not None:
         found += ["sun_az_deg", "sun_el_deg"]

@@ -106,9 +106,9 @@ class TextColumn:
         """Return the cells as numbers, NaN where blank; None where a cell is anything else."""
         from pyarrow import ArrowInvalid, compute, float64
 
-        told, blank = self._told()
+        cells, blank = self._with_nulls()
         try:
-            values = told.cast(float64()).to_numpy(zero_copy_only=False)
+            values = cells.cast(float64()).to_numpy(zero_copy_only=False)
         except ArrowInvalid:
             return None
         doubtful = ~(np.isfinite(values) | blank)
@@ -125,10 +125,10 @@ class TextColumn:
         """
         from pyarrow import ArrowInvalid, int64, timestamp
 
-        told, blank = self._told()
+        cells, blank = self._with_nulls()
         for kind in (timestamp("us", tz="UTC"), timestamp("us")):
             try:
-                since = told.cast(kind).cast(int64())
+                since = cells.cast(kind).cast(int64())
             except ArrowInvalid:
                 continue
             break
@@ -141,13 +141,13 @@ class TextColumn:
         seconds[blank] = np.nan
         return seconds
 
-    def _told(self) -> tuple[Any, NDArray[np.bool_]]:
+    def _with_nulls(self) -> tuple[Any, NDArray[np.bool_]]:
         """Return the cells with nulls where they are blank, and where that is."""
         from pyarrow import compute, scalar
 
         blank = compute.equal(self.cells, "")
-        told = compute.if_else(blank, scalar(None, self.cells.type), self.cells)
-        return told, blank.to_numpy(zero_copy_only=False)
+        cells = compute.if_else(blank, scalar(None, self.cells.type), self.cells)
+        return cells, blank.to_numpy(zero_copy_only=False)
 
 
 #: Numpy pads text to its longest cell: one runaway cell would cost its length in every row.
@@ -247,8 +247,8 @@ class Raw:
         values = self._seconds(name)
         if np.any(beyond := (values < EARLIEST_S) | (values >= LATEST_S)):
             row = int(np.argmax(beyond))
-            told = str(self.columns[name][row]).strip()
-            raise self.error(f"{name} is {told!r}, expected a time {SINCE}", row)
+            word = str(self.columns[name][row]).strip()
+            raise self.error(f"{name} is {word!r}, expected a time {SINCE}", row)
         return values
 
     def _seconds(self, name: str) -> Array:

@@ -284,7 +284,7 @@ def _average(antenna: str, axis: str, turn: str, offset: Array, direction: Array
     return Average(antenna, axis, turn, middle, sigma, half, len(offset))
 
 
-def _told(angle: float, form: str) -> str:
+def _arcmin(angle: float, form: str) -> str:
     """Return an angle in arcminutes as a table has it, a dash for none."""
     text = f"{angle / ARCMIN:{form}}"
     return text if np.isfinite(angle) else "-".rjust(len(text))
@@ -299,8 +299,8 @@ def text(found: list[Average]) -> str:
         if one.round != first and np.isfinite(one.offset):
             verdict = "  near zero" if one.near_zero else "  NOT near zero: load and scan again"
         lines.append(
-            f"{one.antenna:7}  {one.axis:4}  {one.round:5}  {_told(one.offset, '+9.3f')} "
-            f"+- {_told(one.sigma, '6.3f')}  {_told(one.half_difference, '+19.3f')}  "
+            f"{one.antenna:7}  {one.axis:4}  {one.round:5}  {_arcmin(one.offset, '+9.3f')} "
+            f"+- {_arcmin(one.sigma, '6.3f')}  {_arcmin(one.half_difference, '+19.3f')}  "
             f"{one.scans:5}{verdict}"
         )
     return "\n".join(lines)

@@ -137,16 +137,16 @@ def as_input(recordings: Recordings) -> dict[str, Any]:
     }
 
 
-def counted(told: Mapping[str, Any]) -> str:
+def counted(read: Mapping[str, Any]) -> str:
     """Return in words what `as_input` says: how many recordings, and how many are excluded."""
-    aside, what = len(told["set_aside"]), f"{told['used']} recordings"
-    if (made := told["reduction"]) is not None:
+    aside, what = len(read["set_aside"]), f"{read['used']} recordings"
+    if (made := read["reduction"]) is not None:
         aside = sum(made["set_aside"].values())
         what = (
             f"{made['rows']} recordings in {made['points']} normal points "
             f"{made['patch_deg']:g} deg wide, {made['outliers']} readings outliers"
         )
-    return f"{told['file']}: {what}, {aside} excluded"
+    return f"{read['file']}: {what}, {aside} excluded"
 
 
 @dataclass(frozen=True)

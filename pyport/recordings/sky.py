@@ -172,7 +172,7 @@ def _without_short(recordings: Recordings) -> Recordings:
 
 def _with_cells(recordings: Recordings) -> Recordings:
     """Return recordings with the blank cells of smooth columns taken from before and after."""
-    at, told = recordings.at, []
+    at, filled = recordings.at, []
     columns, time = dict(at.columns), clock(at)
     session, _ = group(recordings, ("antenna", "session"))
     for name, values in at.columns.items():
@@ -186,10 +186,10 @@ def _with_cells(recordings: Recordings) -> Recordings:
                 found = _between(values, time, session)
             columns[name] = np.where(blank, found, values)
             if taken := int((blank & np.isfinite(found)).sum()):
-                told.append(f"{SPELLED.get(name, name)} in {taken} row{'s' * (taken > 1)}")
-    if not told:
+                filled.append(f"{SPELLED.get(name, name)} in {taken} row{'s' * (taken > 1)}")
+    if not filled:
         return recordings
-    meta = {**recordings.meta, CELLS: ", ".join(told)}
+    meta = {**recordings.meta, CELLS: ", ".join(filled)}
     return replace(recordings, at=replace(at, columns=columns), meta=meta)
 
 

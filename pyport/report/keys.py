@@ -16,10 +16,10 @@ def keys(kind: type = Report, path: str = "") -> Iterator[tuple[str, str, str]]:
     for one in dataclasses.fields(kind):
         if not one.metadata.get("written", True):
             continue
-        kind, meaning = get_args(hints[one.name])
-        inner, many = _inside(kind)
+        held, meaning = get_args(hints[one.name])
+        inner, many = _inside(held)
         here = f"{path}{one.name.rstrip('_')}"
-        yield here, _spelled(kind), meaning
+        yield here, _spelled(held), meaning
         if isinstance(inner, type) and dataclasses.is_dataclass(inner):
             yield from keys(inner, f"{here}{many}.")
 

@@ -26,12 +26,12 @@ def in_its_unit(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: AN
     unit = getattr(column, "unit", None)
     if unit is None or not str(unit):
         return name, _cells(name, column)
-    told = angle_of(name)
+    angle = angle_of(name)
     if name in ANGLES:
         own = "h" if str(unit) == "hourangle" else str(unit)
         own = own if own in RADIANS_PER else "deg"
         wanted, name = _ASTROPY[own], f"{name}_{own}"
-    elif told is not None:
+    elif angle is not None:
         wanted = _ASTROPY[name.rpartition("_")[2]]
     elif name in _QUANTITIES:
         name, wanted = _QUANTITIES[name]
@@ -158,17 +158,17 @@ def in_brackets(text: str) -> str:
     return next(filter(None, map(angle_unit, re.findall(r"[\[(]([^\[\]()]*)[\])]", text))), "")
 
 
-def unit_missed(name: str, told: str) -> str:
+def unit_missed(name: str, stated: str) -> str:
     """Return the unit of a number of the contract where a table tells another of the same kind.
 
     "" where it tells none, or one that Astropy does not know or takes for something else.
     """
     wanted = dict(_QUANTITIES.values()).get(name, "")
-    if not wanted or not told:
+    if not wanted or not stated:
         return ""
     from astropy import units
 
-    theirs, ours = units.Unit(told, parse_strict="silent"), units.Unit(wanted)
+    theirs, ours = units.Unit(stated, parse_strict="silent"), units.Unit(wanted)
     alike = theirs.is_equivalent(ours, units.temperature())
     return wanted if alike and theirs != ours else ""
 

@@ -246,11 +246,11 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     if plain is not None:
         return Raw(path, meta, max(above, 1), *plain, key_line)
     rows, lines = _rows(text, above, path)
-    told = "as named" if names else "as in the header"
+    expected = "as named" if names else "as in the header"
     for row, line in zip(rows, lines, strict=True):
         if len(row) != len(columns):
             count = f"{len(row)} cell{'s' * (len(row) != 1)}"
-            raise BadInput(f"{count}, expected {len(columns)} {told}", path, line)
+            raise BadInput(f"{count}, expected {len(columns)} {expected}", path, line)
     if not rows:
         raise BadInput("no rows below the column names", path, above)
     cells = [np.array(column, object) for column in zip(*rows, strict=True)]
@@ -292,8 +292,8 @@ def _names(header: str, path: Path, line: int) -> list[str]:
         raise BadInput(f"{len(names)} columns, expected at most {MOST_COLUMNS}", path, line)
     if len(names) == 1:
         wanted = "expected column names separated by commas, such as az_deg,el_deg,d_el_deg"
-        told = f"the header is {header.strip()[:60]!r}, {wanted}; --columns reads any other table"
-        raise BadInput(told, path, line)
+        wrong = f"the header is {header.strip()[:60]!r}, {wanted}; --columns reads any other table"
+        raise BadInput(wrong, path, line)
     seen: set[str] = set()
     for position, name in enumerate(names):
         if not name:

@@ -98,13 +98,13 @@ def offsets(table: Table, path: Path) -> tuple[Numbers, Numbers]:
 
 
 def coordinate(table: Table, quantity: str, on_sky: str, path: Path) -> Numbers | None:
-    """Return an angle of azimuth as a coordinate, from one on the sky where that is what is told.
+    """Return an angle of azimuth as a coordinate, from one on the sky where that is recorded.
 
     Raises `BadInput`: it has to be made from one on the sky, and there is no elevation.
     """
-    told = in_degrees(table, quantity)
-    if told is not None:
-        return told
+    recorded = in_degrees(table, quantity)
+    if recorded is not None:
+        return recorded
     sky = in_degrees(table, on_sky)
     return (
         None
@@ -205,10 +205,10 @@ def sigmas(table: Table, mount: Mount, path: Path) -> tuple[Numbers | None, Numb
 
 def _first(table: Table, mount: Mount, quantity: str, on_sky: str) -> Numbers | None:
     """Return an angle of the first axis as a coordinate, from one on the sky where there is one."""
-    told, sky = in_degrees(table, quantity), in_degrees(table, on_sky)
+    recorded, sky = in_degrees(table, quantity), in_degrees(table, on_sky)
     second = in_degrees(table, mount.second.column)
-    if told is not None or sky is None or second is None:
-        return told
+    if recorded is not None or sky is None or second is None:
+        return recorded
     pairs = zip(sky, second, strict=True)
     return [None if one is None or at is None else over_cos(one, at) for one, at in pairs]
 

@@ -185,14 +185,14 @@ def write(table: Table, path: Path) -> list[str]:
     if any(exact.asides(table)):
         columns[KEEP] = ["0" if why else "1" for why in exact.asides(table)]
     antenna = table.meta.get(ANTENNA) or _description(table)
-    told = _antenna(Line(path, 1, antenna))
+    of_antenna = _antenna(Line(path, 1, antenna))
     with write_whole(path) as out:
         out.write(f"# antenna = {antenna}\n")
         # a description without one of them has none: katpoint passes over these lines
         out.writelines(
             f"# {key}: {table.meta[key]}\n"
             for key in PLACE
-            if key in table.meta and key not in told
+            if key in table.meta and key not in of_antenna
         )
         out.write(", ".join(columns) + "\n")
         for row in zip(*columns.values(), strict=True):

@@ -125,26 +125,26 @@ def _refuse_other_unit(raw: Raw, ours: str, theirs: str, key: str, name: str) ->
     """Refuse a column in another unit than the one that the file gives it."""
     quantity, _, unit = ours.rpartition("_")
     beside = raw.units.get(key, "")
-    told = _unit(name, beside, raw.meta)
+    stated = _unit(name, beside, raw.meta)
     if unit not in RADIANS_PER:
-        told = beside or bracketed(name)
-        expected = unit_missed(ours, told)
-    elif told in {"", unit}:
+        stated = beside or bracketed(name)
+        expected = unit_missed(ours, stated)
+    elif stated in {"", unit}:
         return
     else:
         others = f"numbers in {', '.join(_UNITS)}"
-        expected = f"{quantity}_{told}={theirs}" if told in RADIANS_PER else others
+        expected = f"{quantity}_{stated}={theirs}" if stated in RADIANS_PER else others
     if expected:
         raise raw.error(
-            f"--columns {ours}={theirs}: the file has it in {told}, expected {expected}"
+            f"--columns {ours}={theirs}: the file has it in {stated}, expected {expected}"
         )
 
 
 def _unit(name: str, beside: str, meta: Mapping[str, str]) -> str:
     """Return the unit that a table gives a column: beside its name, in it, or in the header."""
-    told = meta.get(_FORMAT.sub("", name).strip(), "")
+    named = meta.get(_FORMAT.sub("", name).strip(), "")
     own = angle_unit(beside.strip("[]() ")) or name_and_unit(name)[1]
-    return own or in_brackets(told)
+    return own or in_brackets(named)
 
 
 def _check(ours: str) -> None:
@@ -227,12 +227,12 @@ def load(path: Path) -> dict[str, str]:
     if not path.is_file():
         raise BadInput("no such file, expected a map of columns", path)
     try:
-        told = tomllib.loads(read_text(path)).get("columns")
+        mapping = tomllib.loads(read_text(path)).get("columns")
     except tomllib.TOMLDecodeError as error:
         raise BadInput(f"not a TOML file: {error}", path) from None
-    if not isinstance(told, dict) or not told:
+    if not isinstance(mapping, dict) or not mapping:
         raise BadInput("no [columns] table, expected one such as az_deg = 'AZd'", path)
-    return {str(key): str(value) for key, value in told.items()}
+    return {str(key): str(value) for key, value in mapping.items()}
 
 
 def save(columns: Mapping[str, str], path: Path) -> None:

@@ -55,9 +55,9 @@ def sheet(path: Path) -> Sheet:
     names, header = _names(rows, remarks, delimiter, width)
     if header == 0 and names:
         header, rows, lines = lines[0], rows[1:], lines[1:]
-    told: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
     if names and len(rows) > 1 and len(rows[0]) == width and are_units(rows[0]):
-        told, rows, lines = tuple(rows[0]), rows[1:], lines[1:]
+        units, rows, lines = tuple(rows[0]), rows[1:], lines[1:]
     if len(names) > width:
         raise BadInput(f"{len(names)} names above rows of {width} cells", path, max(header, 1))
     for row, line in zip(rows, lines, strict=True):
@@ -66,7 +66,7 @@ def sheet(path: Path) -> Sheet:
             raise BadInput(f"{count}, expected {width} as in the others", path, line)
     if not rows:
         raise BadInput("no rows below the column names", path, header)
-    return Sheet(path, meta, names, max(header, 1), rows, lines, told)
+    return Sheet(path, meta, names, max(header, 1), rows, lines, units)
 
 
 def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, str]], list[tuple[int, str]]]:
@@ -131,9 +131,9 @@ def _names(
 ) -> tuple[tuple[str, ...], int]:
     """Return the names of columns and their line; line 0 where they are the first row."""
     for number, text in reversed(remarks):
-        told = _cells(text, delimiter)
-        if len(told) == width and not are_units(told):
-            return tuple(one.strip() for one in told), number
+        cells = _cells(text, delimiter)
+        if len(cells) == width and not are_units(cells):
+            return tuple(one.strip() for one in cells), number
     first = [one.strip() for one in rows[0]]
     below = rows[2:3] if len(rows) > 1 and are_units(rows[1]) else rows[1:2]
     if below and not any(map(_is_number, first)) and any(map(_is_number, below[0])):

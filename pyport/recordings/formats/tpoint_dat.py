@@ -93,12 +93,12 @@ def _of_stars(
     path: Path, meta: dict[str, str], found: list[tuple[Line, list[str], str, bool]], site: Line
 ) -> Raw:
     """Return the columns of equatorial records, turned into azimuth and elevation."""
-    told = site.text.split()
-    stars = [tpoint_equatorial.star(line, words, told) for line, words, _, _ in found]
+    words_of_site = site.text.split()
+    stars = [tpoint_equatorial.star(line, words, words_of_site) for line, words, _, _ in found]
     widest = max(len(one.rest) for one in stars)
     rows = [one.polar() if MOUNT in meta else one.across() for one in stars]
     columns = {name: [f"{row[name]:.10f}" for row in rows] for name in rows[0]}
-    meta[REFRACTION] = tpoint_equatorial.refracted(told)
+    meta[REFRACTION] = tpoint_equatorial.refracted(words_of_site)
     _add_sides(meta, columns, [one.over for one in stars])
     for n in range(widest):
         cells = [one.rest[n] if n < len(one.rest) else "" for one in stars]
@@ -271,10 +271,10 @@ def _turned_over(
 
 def _further(table: Table, name: str) -> list[str]:
     """Return a further column: text as it stands, numbers with leading zeros."""
-    told = exact.cells(table, name)
+    recorded = exact.cells(table, name)
     if table.columns[name].dtype.kind in "UO":
-        return told
-    numbers = [exact.number(cell) for cell in told]
+        return recorded
+    numbers = [exact.number(cell) for cell in recorded]
     decimals = exact.decimals_of(numbers, least=7)
     return ["" if one is None else _padded(one, 3, decimals) for one in numbers]
 
@@ -301,8 +301,8 @@ def _padded(value: Decimal | None, whole: int, decimals: int) -> str:
 
 def _site_line(table: Table, path: Path) -> str:
     """Return the latitude in degrees, minutes and seconds: the file's own text where it has one."""
-    told = table.meta.get("latitude_deg")
-    latitude = None if told is None else exact.number(told)
+    recorded = table.meta.get("latitude_deg")
+    latitude = None if recorded is None else exact.number(recorded)
     if latitude is None:
         raise BadInput("TPOINT needs a latitude: give --set latitude_deg=...", path)
     own = table.meta.get(SITE, "")

@@ -211,10 +211,10 @@ def _refraction(site: Sequence[str], el: float) -> float:
     """Return how much higher a star stands in the run's weather [rad]; 0 where it tells none."""
     import erfa
 
-    told = _weather(site)
-    if told is None:
+    weather = _weather(site)
+    if weather is None:
         return 0.0
-    celsius, hpa, _, humidity, micron = told
+    celsius, hpa, _, humidity, micron = weather
     a, b = erfa.refco(hpa, celsius, humidity, micron)
     # the constants are for what is seen: come to rest from the true place
     seen = el

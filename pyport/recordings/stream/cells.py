@@ -173,21 +173,21 @@ class Gathered:
 
     def as_state(self) -> tuple[list[dict[str, Any]], dict[str, NDArray[Any]]]:
         """Return what it holds, table by table, so that `of_state` goes on to the last digit."""
-        told: list[dict[str, Any]] = []
+        kept: list[dict[str, Any]] = []
         arrays: dict[str, NDArray[Any]] = {}
         for n, one in enumerate([*([] if self.sum is None else [self.sum]), *self.waiting]):
             words = {"level": one.level, "labels": one.label_names, "names": one.names}
-            told.append(words | {"sums": one.sums, "waits": one is not self.sum})
+            kept.append(words | {"sums": one.sums, "waits": one is not self.sum})
             arrays |= {f"label{n}": one.label, f"key{n}": one.key, f"totals{n}": one.totals}
-        return told, arrays
+        return kept, arrays
 
     @classmethod
     def of_state(
-        cls, most: int, told: list[dict[str, Any]], arrays: Mapping[str, NDArray[Any]]
+        cls, most: int, kept: list[dict[str, Any]], arrays: Mapping[str, NDArray[Any]]
     ) -> Gathered:
-        """Return the running sum that `as_state` told of."""
+        """Return the running sum that `as_state` kept."""
         found = cls(most)
-        for n, words in enumerate(told):
+        for n, words in enumerate(kept):
             one = Cells(
                 words["level"],
                 tuple(words["labels"]),

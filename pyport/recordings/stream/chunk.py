@@ -165,8 +165,8 @@ def _as_time(column: Any, file: Path) -> Any:  # noqa: ANN401 - pyarrow is not t
 
     try:
         text = column.dictionary if pyarrow.types.is_dictionary(column.type) else column
-        told = compute.if_else(compute.equal(text, ""), None, text)
-        times = compute.cast(compute.replace_substring(told, "Z", ""), pyarrow.timestamp("us"))
+        known = compute.if_else(compute.equal(text, ""), None, text)
+        times = compute.cast(compute.replace_substring(known, "Z", ""), pyarrow.timestamp("us"))
         return times.take(column.indices) if text is not column else times
     except pyarrow.ArrowException as error:
         raise BadInput(f"{TIME}: {str(error).splitlines()[0]}", file) from None

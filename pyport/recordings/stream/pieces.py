@@ -134,8 +134,8 @@ def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is 
 def _agree(keys: dict[str, str], metadata: dict[bytes, bytes] | None, path: Path) -> None:
     """Take over a file's header keys; whoever contradicts an earlier file is refused."""
     with refused(path):
-        told = {name.decode(): value.decode() for name, value in (metadata or {}).items()}
-    for name, value in told.items():
+        header = {name.decode(): value.decode() for name, value in (metadata or {}).items()}
+    for name, value in header.items():
         if name in {"pandas", "ARROW:schema"}:
             continue
         if keys.setdefault(name, value) != value:

@@ -66,11 +66,11 @@ class Pass:
         self.cells: Cells | None = None
         self.aside, self.rows = Aside(), 0
         if (state := kept.load()) is not None:
-            told, arrays = state
-            self._done, self.rows = told["done"], told["rows"]
-            self._gathered = Gathered.of_state(MOST_CELLS, told["tables"], arrays)
-            listed = [(str(file), int(row), str(why)) for file, row, why in told["listed"]]
-            self.aside = Aside(dict(told["counts"]), listed)
+            state_of, arrays = state
+            self._done, self.rows = state_of["done"], state_of["rows"]
+            self._gathered = Gathered.of_state(MOST_CELLS, state_of["tables"], arrays)
+            listed = [(str(file), int(row), str(why)) for file, row, why in state_of["listed"]]
+            self.aside = Aside(dict(state_of["counts"]), listed)
 
     def through(
         self,
@@ -95,8 +95,8 @@ class Pass:
 
     def _state(self) -> State:
         tables, arrays = self._gathered.as_state()
-        told = {"done": self._done, "rows": self.rows, "tables": tables}
-        return told | {"counts": self.aside.counts, "listed": self.aside.listed}, arrays
+        kept = {"done": self._done, "rows": self.rows, "tables": tables}
+        return kept | {"counts": self.aside.counts, "listed": self.aside.listed}, arrays
 
 
 def passes(pieces: Sequence[Piece], beside: Path | None) -> tuple[Pass, Pass]:
@@ -184,9 +184,9 @@ def read_data_set(
     recordings = recordings.take(order)
     at = replace(recordings.at, fine=_fine(points, fine, recordings.line - 1, root, keys))
     listed = tuple(SetAside(line, f"{file}: {why}") for file, line, why in first.aside.listed)
-    told = _reduction(points, fine, first.aside, first.rows)
+    reduction = _reduction(points, fine, first.aside, first.rows)
     said = tuple(notes(root, pieces, keys))
-    return replace(recordings, at=at, set_aside=listed, reduction=told, notes=said)
+    return replace(recordings, at=at, set_aside=listed, reduction=reduction, notes=said)
 
 
 def _keys(root: Path, keys: dict[str, str], given: FileOptions) -> dict[str, str]:
