@@ -129,9 +129,10 @@ class Noise:
         return float(np.exp(power @ np.log([time for _, time in self.drifts]) / power.sum()))
 
     def shown_within(self, span: float) -> Noise:
-        """Return what shows of the noise within a span [s]: no longer memory, in none no drift.
+        """Return the noise with what shows of its drifts within a span [s], in none no drift.
 
-        A longer memory shows by the share of its variance that it changes there.
+        A longer memory becomes the span, its variance less by as much: from one reading to the
+        next it moves as before. To weigh by; `about_mean` says how large drifts look.
         """
         drifts = tuple(
             (amplitude * float(np.sqrt(min(1.0, span / memory))), min(memory, span))
@@ -141,9 +142,11 @@ class Noise:
         return replace(self, drifts=drifts)
 
     def about_mean(self, span: float) -> Noise:
-        """Return the noise with what its drifts move about their mean within a span [s].
+        """Return the noise with its drifts as large as they look: about their mean in a span [s].
 
-        Of unit variance and memory span / x that is 1 - 2 / x + 2 (1 - exp(-x)) / x^2.
+        To report; where a memory is far longer that is a third of the variance that
+        `shown_within` weighs by. Of unit variance and memory span / x the variance is
+        1 - 2 / x + 2 (1 - exp(-x)) / x^2.
         """
         drifts = []
         for amplitude, memory in self.drifts if span > 0 else ():
