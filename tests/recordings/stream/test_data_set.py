@@ -221,8 +221,8 @@ def test_what_the_rows_say_against_themselves(tmp_path):
     assert found.notes == (
         "header key 'azimut_zero' is not known and not used: 'azimuth_zero' may be meant",
         (
-            "d_xel_arcsec -99.99 and d_el_arcsec -99.99 stand together in 200 of 4000 rows, which may "
-            "mean that nothing was measured there"
+            "d_xel_arcsec -99.99 and d_el_arcsec -99.99 stand together in 200 of 4000 rows, "
+            "which may mean that nothing was measured there"
         ),
         "taken for blank, of 4000 rows looked at: temperature_c outside (-90.0, 60.0) in 400 rows",
     )
