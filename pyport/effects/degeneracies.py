@@ -80,12 +80,16 @@ ALIKE = (
     Alike(
         ("site_longitude", "tilt"),
         "always",
-        "measure the azimuth offset too (a longitude error also turns the azimuth zero), "
+        "find the azimuth zero by a survey (a longitude error turns it with the sky), "
         f"or {_INCLINOMETER}",
         ("azimuth_zero",),
     ),
     Alike(("clock", "tilt"), "always", _MAST, ("azimuth_zero",)),
-    Alike(("epoch_clock", "epoch_tilt"), "elevation only", f"measure azimuth too, or {_MAST}"),
+    Alike(
+        ("epoch_clock", "epoch_tilt"),
+        "elevation only",
+        f"measure azimuth where it was not, or {_MAST}",
+    ),
     Alike(
         ("site_longitude", "clock"),
         "always",
@@ -101,8 +105,16 @@ ALIKE = (
     ),
     _nearly("polar_motion", "epoch_tilt", "one year", _INCLINOMETER, USUAL),
     # Drives that follow the sky.
-    Alike(("servo_lag_azimuth", "clock"), "azimuth only", f"measure elevation too, or {_MAST}"),
-    Alike(("servo_lag_elevation", "clock"), "elevation only", f"measure azimuth too, or {_MAST}"),
+    Alike(
+        ("servo_lag_azimuth", "clock"),
+        "azimuth only",
+        f"measure elevation where it was not, or {_MAST}",
+    ),
+    Alike(
+        ("servo_lag_elevation", "clock"),
+        "elevation only",
+        f"measure azimuth where it was not, or {_MAST}",
+    ),
     Alike(("servo_lag_azimuth", "site_longitude"), "azimuth only", _MAST),
     Alike(("servo_lag_elevation", "site_longitude"), "elevation only", _MAST),
     Alike(
@@ -290,7 +302,7 @@ ELSEWHERE: dict[str, tuple[Alike, ...]] = {
         Alike(
             ("fork_flexure", "tilt"),
             "elevation only",
-            "measure azimuth too: an axis that leans moves it, a fork does not",
+            "measure azimuth where it was not: an axis that leans moves it, a fork does not",
         ),
     ),
     "xy": (
