@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
-WATCH = "look at the region and the column that it follows, and record what changes there"
+WATCH = "look at the region and at what it follows, and record what changes there"
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
 
