@@ -19,7 +19,7 @@ from pyport.diagnosis.shapes import fields
 from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.forms import Field, families
-from pyport.diagnosis.shapes.instead import _same_bumps, _together_with
+from pyport.diagnosis.shapes.instead import _same_bumps, _standing, _together_with
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site
@@ -160,6 +160,19 @@ def test_what_depends_on_two_conditions_together_is_a_surface_over_both():
     found = diagnose(recordings(600, 4, y=both), load("altaz"))
 
     assert [one.variant for one in found.findings] == ["el: follows temperature_c and humidity_pct"]
+
+
+def test_that_a_curve_takes_two_columns_must_convince():
+    """One that is worth a little less and takes one column comes first; by six it does not."""
+    of = {form.variant: form for _, form in families(prepare(recordings(60, 1), load("altaz")))}
+
+    def standing(evidence, variant):
+        nothing = np.zeros(0)
+        return _standing(Worth(of[variant], evidence, 0.0, nothing, nothing, nothing))
+
+    alone, both = "follows humidity_pct", "follows temperature_c and humidity_pct"
+    assert standing(30.0, alone) == 30.0
+    assert standing(35.0, both) < standing(30.0, alone) < standing(37.0, both)
 
 
 def ring(at):

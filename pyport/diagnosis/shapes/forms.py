@@ -74,6 +74,11 @@ class Field:
     which: tuple[int, ...] = ()
 
     @property
+    def of_two(self) -> bool:
+        """Tell whether it follows two columns together."""
+        return self.bumps.get("kind") == "pair"
+
+    @property
     def columns(self) -> Array:
         """Return what its bumps do to the readings, one column for each of its axes, (m, K)."""
         if not self.axes:

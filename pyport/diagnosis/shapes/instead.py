@@ -73,8 +73,13 @@ def _best_in_place(
         least += _evidence(together, names)
     else:
         least = max(CONVINCING, IMPERFECTION * strongest, -2 * float(np.log(FAMILY_ERROR)))
-    best = max(worths, key=lambda one: one.evidence, default=None)
+    best = max(worths, key=_standing, default=None)
     return None if best is None else (best.evidence - least, best)
+
+
+def _standing(worth: Worth) -> float:
+    """Return the evidence by which a field is chosen: that it takes two columns must convince."""
+    return worth.evidence - (CONVINCING if worth.field.of_two else 0.0)
 
 
 def _evidence(gain: float, names: Sequence[Step]) -> float:

@@ -824,7 +824,7 @@ def field(evidence, directions=1, *, of_time=False):
         evidence=evidence,
         directions=np.ones((3, directions)),
         gain=1.0,
-        field=SimpleNamespace(of_time=of_time),
+        field=SimpleNamespace(of_time=of_time, of_two=False),
     )
 
 
