@@ -119,17 +119,21 @@ _KEY = {
     **dict.fromkeys(("az_zero", "azimuth_origin", "zero_azimuth", "azimuth_from"), "azimuth_zero"),
     **dict.fromkeys(("highest_elevation_deg", "max_el_deg", "highest_el"), "highest_el_deg"),
 }
-#: Keys for which another that is spelled nearly so is a slip. What is short, or the height too
-#: (`elevation_limit`, `altitude`), is like words of comments.
+#: Words for keys of which others that are spelled nearly so are slips: none that are short, or that
+#: comments on a site use for something else (`elevation_limit`, `altitude`).
 _SPELLED_OUT = {
-    **{one: one for one in KEYS - {"telescope", "height_m"}},
-    **{one: right for one, right in _KEY.items() if one.count("_") or "itude" in one},
-    **dict.fromkeys(("latitude_degrees", "latitude_north"), "latitude_deg"),
-    **dict.fromkeys(("longitude_degrees", "site_longitude"), "longitude_deg"),
-    "bookkeeping": "bookkeeping",
+    **dict.fromkeys(
+        ("latitude_deg", "latitude", "latitude_degrees", "latitude_north", "site_latitude"),
+        "latitude_deg",
+    ),
+    **dict.fromkeys(
+        ("longitude_deg", "longitude", "longitude_degrees", "east_longitude", "site_longitude"),
+        "longitude_deg",
+    ),
+    **dict.fromkeys(("azimuth_zero", "zero_azimuth"), "azimuth_zero"),
+    **dict.fromkeys(("highest_el_deg", "highest_el", "highest_elevation_deg"), "highest_el_deg"),
+    **{one: one for one in ("largest_offset_deg", "bookkeeping")},
 }
-for _one in ("altitude_m", "elevation_m", "site_height", "max_el_deg", "lat_deg", "lon_deg"):
-    del _SPELLED_OUT[_one]
 #: `latitude` is one more letter apart, `altitude` something else.
 SLIP = 0.86
 _SOMETHING_ELSE = frozenset({"altitude", "altitude_deg", "attitude"})
@@ -146,8 +150,8 @@ def key_of(words: str) -> str:
 
 def is_key(key: str, value: str) -> bool:
     """Tell whether a header key is one of the contract's, or nearly one."""
-    told = {*KEYS, *_KEY, MOUNT, "bookkeeping"}
-    return key.lower() in told or key_meant(key, value) is not None
+    known = {*KEYS, *_KEY, MOUNT, "bookkeeping"}
+    return key.lower() in known or key_meant(key, value) is not None
 
 
 def as_keys(meta: Mapping[str, str]) -> dict[str, str]:
