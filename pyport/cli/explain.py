@@ -160,7 +160,7 @@ def predict(
     picked automatically, held and picked anew: what that costs is what picking costs.
     """
     from pyport.formats.models import load
-    from pyport.prediction import compare, rehearsal
+    from pyport.prediction import compare, rehearsal, words
     from pyport.recordings import read
     from pyport.runs.stages import working
 
@@ -177,12 +177,13 @@ def predict(
             tell(f"rehearsing with {one.name}")
             rehearsals += rehearsal.rehearse(measured, first, one, seed=seed)
         if grid is not None:
-            from pyport.prediction.rehearsal import write_grid
+            from pyport.prediction.grid import write_grid
 
             write_grid(measured, first, grid)
-    text = compare.text(done) + ("\n" + compare.of_rehearsals(rehearsals) if rehearsals else "")
-    told = compare.as_json(done, rehearsals)
-    say(text, told, as_json=as_json, file=out and out / "prediction.json")
+    text = words.text(done) + ("\n" + words.of_rehearsals(rehearsals) if rehearsals else "")
+    say(
+        text, words.as_json(done, rehearsals), as_json=as_json, file=out and out / "prediction.json"
+    )
 
 
 @click.command(

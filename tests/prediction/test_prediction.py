@@ -17,7 +17,7 @@ from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.models.model import Term
 from pyport.mounts import KINDS
-from pyport.prediction import compare, contenders, rehearsal, shrunk
+from pyport.prediction import compare, contenders, grid, rehearsal, shrunk, unseen, words
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
 from pyport.recordings import read
 from pyport.recordings.schema import Recordings
@@ -43,15 +43,15 @@ def _night(n, seed, bent_arcsec=0.0, noise_arcsec=3.0, **columns):
 @pytest.fixture(autouse=True)
 def _one_deal(monkeypatch):
     """Deal pointings once: what is tested here does not hang on how often."""
-    monkeypatch.setattr(rehearsal, "DEALS", 1)
+    monkeypatch.setattr(unseen, "DEALS", 1)
 
 
 def _unseen(contender, night):
     """Return the rms [arcsec] on pointings left out."""
-    scheme = next(iter(rehearsal.schemes(night, 0)))
-    left = rehearsal.left_out(contender, scheme)
+    scheme = next(iter(unseen.schemes(night, 0)))
+    left = unseen.left_out(contender, scheme)
     everything = np.ones(len(left), bool)
-    return rehearsal.on_the_sky(left, night.stack.is_y, everything) / ARCSEC
+    return unseen.on_the_sky(left, night.stack.is_y, everything) / ARCSEC
 
 
 @given(st.floats(-3, 1))
@@ -109,7 +109,7 @@ def test_a_curve_carries_over_to_another_night_with_other_zero_points():
     night, other = Night.of(first), Night.of(second)
     everything = np.ones(200, bool)
     own, model = (
-        rehearsal.on_the_sky(rehearsal.on_another(one, night, other), other.stack.is_y, everything)
+        unseen.on_the_sky(unseen.on_another(one, night, other), other.stack.is_y, everything)
         for one in (OwnChoice(night, ALTAZ), Refitted(night, ALTAZ))
     )
 
@@ -162,7 +162,7 @@ def test_a_rehearsal_knows_what_terms_picked_from_few_points_are_worth(monkeypat
     assert first.truth == "many"
     assert first.claimed[picked_terms] < first.fresh[picked_terms]
     assert first.fresh["model with waves"] < first.fresh[picked_terms]
-    assert "exactly as many says" in compare.of_rehearsals([first])
+    assert "exactly as many says" in words.of_rehearsals([first])
 
 
 def test_too_few_readings_are_refused():
@@ -221,7 +221,7 @@ def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
 
     assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]
     assert all(done.own.unseen[way] < anew.unseen[way] for way in done.own.unseen)
-    assert "are an overfit here" in compare.text(done)
+    assert "are an overfit here" in words.text(done)
 
 
 def test_repeats_of_a_pointing_are_left_out_together():
@@ -248,7 +248,7 @@ def test_repeats_of_a_pointing_are_left_out_together():
     )
 
     assert len(often.pointings[0]) == 25
-    for way in rehearsal.schemes(often, 0):
+    for way in unseen.schemes(often, 0):
         parts = way.parts[0].reshape(2, 25, 10)
         assert (parts == parts[:, :, :1]).all()
     own, alone = OwnChoice(often, ALTAZ), OwnChoice(Night.of(once), ALTAZ)
@@ -282,7 +282,7 @@ def test_a_grid_of_a_narrow_band_has_its_two_edges(tmp_path):
     """Between 41 and 44 deg there is no multiple of five."""
     night = _night(40, 4)
     el = np.linspace(41, 44, 40) * DEG
-    rehearsal.write_grid(replace(night, at=replace(night.at, el=el)), ALTAZ, tmp_path / "grid.csv")
+    grid.write_grid(replace(night, at=replace(night.at, el=el)), ALTAZ, tmp_path / "grid.csv")
 
     assert np.unique(read(tmp_path / "grid.csv").at.el) / DEG == pytest.approx([41, 44])
 
@@ -292,5 +292,5 @@ def test_a_grid_of_another_mount_is_refused(tmp_path):
     night = _night(40, 4)
     night = replace(night, at=replace(night.at, mount=KINDS["fork"]))
     with pytest.raises(BadInput, match="expected an alt-azimuth one"):
-        rehearsal.write_grid(night, ALTAZ, tmp_path / "grid.csv")
+        grid.write_grid(night, ALTAZ, tmp_path / "grid.csv")
     assert not (tmp_path / "grid.csv").exists()
