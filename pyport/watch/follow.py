@@ -120,13 +120,13 @@ def _whole(path: Path, given: FileOptions, cursor: Cursor, size: int) -> Iterato
     done = cursor.lines if total >= cursor.lines else 0
     if done == total:
         yield Batch(None, (), replace(cursor, changed=changed))
-    said = sentences(recordings, raw) if done < total else {}
+    notes = sentences(recordings, raw) if done < total else {}
     for first in range(done, total, size):
         last = min(first + size, total)
         at = changed if last == total else cursor.changed
         part = recordings.take(np.arange(first, last))
         aside = recordings.set_aside if first == 0 else ()
-        yield Batch(part, aside, replace(cursor, lines=last, changed=at), said)
+        yield Batch(part, aside, replace(cursor, lines=last, changed=at), notes)
 
 
 def _lines(
@@ -202,8 +202,8 @@ def _beyond(
                 offset = cursor.offset + sum(map(len, some))
                 text = [one.decode("utf-8-sig", errors="replace") for one in some]
                 header, rows = _split(cursor, text, given)
-                said: dict[str, str] = {}
-                recordings, skipped = _read(log, given, header, rows, cursor.lines, len(text), said)
+                read = _read(log, given, header, rows, cursor.lines, len(text))
+                recordings, skipped, notes = read
                 cursor = Cursor(
                     cursor.file,
                     inode,
@@ -213,7 +213,7 @@ def _beyond(
                     header,
                 )
                 if recordings is not None or skipped or cursor.header:
-                    yield Batch(recordings, skipped, cursor, said)
+                    yield Batch(recordings, skipped, cursor, notes)
 
 
 def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
@@ -246,38 +246,33 @@ def _has_number(line: str) -> bool:
 
 
 def _read(
-    path: Path,
-    given: FileOptions,
-    header: str,
-    rows: list[str],
-    lines: int,
-    count: int,
-    said: dict[str, str],
-) -> tuple[Recordings | None, tuple[SetAside, ...]]:
+    path: Path, given: FileOptions, header: str, rows: list[str], lines: int, count: int
+) -> tuple[Recordings | None, tuple[SetAside, ...], Mapping[str, str]]:
     """Return the recordings in some lines; where they cannot be read together, one by one.
 
-    What they say against themselves is added to `said`.
+    With them come the lines that were excluded, and what the others say against themselves.
     """
     first = lines + count - len(rows) + 1
     if not any(one.strip() and not one.startswith("#") for one in rows):
-        return None, ()
+        return None, (), {}
     try:
         found, notes = _interpreted(path, given, header, rows)
     except BadInput as error:
         if len(rows) == 1:
-            return None, (SetAside(first, error.message),)
+            return None, (SetAside(first, error.message),), {}
         parts = [
-            _read(path, given, header, [one], lines + n, count - len(rows) + 1, said)
+            _read(path, given, header, [one], lines + n, count - len(rows) + 1)
             for n, one in enumerate(rows)
         ]
-        good = [one for one, _ in parts if one is not None]
-        return (joined(good) if good else None), tuple(s for _, some in parts for s in some)
-    said.update(notes)
+        good = [one for one, *_ in parts if one is not None]
+        excluded = tuple(one for _, some, _ in parts for one in some)
+        notes = {kind: text for *_, some in parts for kind, text in some.items()}
+        return joined(good) if good else None, excluded, notes
     above = header.count("\n")
     aside = tuple(replace(one, line=one.line - above - 1 + first) for one in found.set_aside)
     if not len(found):
-        return None, aside
-    return replace(found, line=found.line - above - 1 + first, set_aside=()), aside
+        return None, aside, notes
+    return replace(found, line=found.line - above - 1 + first, set_aside=()), aside, notes
 
 
 def _interpreted(
