@@ -113,15 +113,15 @@ def fit(
     if not isinstance(weights, str) or weights not in WEIGHTS:
         raise BadInput(f"weights are {weights!r}, expected {' or '.join(map(repr, WEIGHTS))}")
     if isinstance(fix, Mapping):
-        told = tuple(_fixed(name, one) for name, one in mapping("fix", fix).items())
+        fixed = tuple(_fixed(name, one) for name, one in mapping("fix", fix).items())
     else:
-        told = texts("fix", fix)
+        fixed = texts("fix", fix)
     given, recordings = model_of(model), from_table(table, header)
     if in_use:
         recordings = given.added_to(recordings)
     chosen = edited(
         given,
-        fix=told,
+        fix=fixed,
         add=texts("add", add),
         drop=texts("drop", drop),
         per=None if per is None else texts("per", per),

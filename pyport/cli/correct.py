@@ -60,9 +60,15 @@ def apply(
     if as_json:
         columns = {name: done.table.columns[name] for name in done.added}
         counts = {"rows": done.rows, "skipped": done.skipped, "unknown": done.unknown}
-        told = {"file": out, **counts, "low": done.low, "rms_arcsec": done.rms, "columns": columns}
-        told["notes"] = done.notes
-        say("", told, as_json=True)
+        answer = {
+            "file": out,
+            **counts,
+            "low": done.low,
+            "rms_arcsec": done.rms,
+            "columns": columns,
+        }
+        answer["notes"] = done.notes
+        say("", answer, as_json=True)
         return
     if out is None:
         click.echo(_csv(done), nl=False)

@@ -78,14 +78,14 @@ def command(out: Path, *, as_json: bool) -> None:
         blocks = [
             {"name": one.block.name, "agree": one.agree, "total": one.total} for one in checked
         ]
-        told = {
+        answer = {
             "parity": agreement,
             "table": table,
             "check": blocks,
             "diagnoses": reports,
             "watch": watched,
         }
-        say("", told, as_json=True)
+        say("", answer, as_json=True)
 
 
 def _equatorial(out: Path) -> tuple[Path, str]:

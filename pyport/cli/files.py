@@ -53,10 +53,10 @@ def mask(
 
     if sum(map(bool, (lines, outliers, given.where, undo))) > 1:
         raise click.UsageError("take one of --lines, --outliers, --where and --undo")
-    told: list[str] = []
+    said: list[str] = []
     if undo:
         step = masks.undo(recordings)
-        told.append(f"undone: {'masked' if step.masks else 'unmasked'} {masks.spelled(step.lines)}")
+        said.append(f"undone: {'masked' if step.masks else 'unmasked'} {masks.spelled(step.lines)}")
     raw = tables.read(recordings, given.format, given.columns, given.mapping)
     raw = replace(raw, meta=raw.meta | dict(given.keys))
     chosen = _chosen(raw, lines, outliers, given)
@@ -66,18 +66,18 @@ def mask(
     if chosen:
         masks.add(raw, chosen, reason or given.where, masks=not unmask)
         verb = "unmasked" if unmask else "masked"
-        told.append(f"{verb} {masks.spelled(chosen)} ({len(chosen)} lines)")
+        said.append(f"{verb} {masks.spelled(chosen)} ({len(chosen)} lines)")
     elif lines or outliers or given.where:
         none = "none of these is masked" if unmask else "no such recordings"
-        told.append(f"{none}: nothing was changed")
+        said.append(f"{none}: nothing was changed")
     standing = masks.standing(raw, masks.steps(recordings))
     for why in sorted(set(standing.values())):
         those = [line for line, own in standing.items() if own == why]
-        told.append(f"masked{': ' + why if why else ''}: {masks.spelled(those)}")
-    told.append(f"{len(standing)} of {len(raw.line)} recordings are masked")
+        said.append(f"masked{': ' + why if why else ''}: {masks.spelled(those)}")
+    said.append(f"{len(standing)} of {len(raw.line)} recordings are masked")
     lines_masked = [{"line": line, "reason": why} for line, why in sorted(standing.items())]
     answer = {"recordings": len(raw.line), "changed": list(chosen), "masked": lines_masked}
-    say("\n".join(told), answer, as_json=as_json)
+    say("\n".join(said), answer, as_json=as_json)
 
 
 def _chosen(raw: Raw, lines: str, outliers: str, given: FileOptions) -> tuple[int, ...]:

@@ -82,12 +82,15 @@ def counted(outcomes: Iterable[dict[str, Any]], total: int) -> Iterator[dict[str
 
 
 def say(
-    text: str | Callable[[], str], told: object, *, as_json: bool, file: Path | None = None
+    text: str | Callable[[], str], answer: object, *, as_json: bool, file: Path | None = None
 ) -> None:
-    """Print an answer: as text, or what `told` holds as JSON, in `file` too; both may be called."""
+    """Print an answer as text, or as JSON what `answer` holds; in `file` too.
+
+    Both may be functions that make it.
+    """
     if as_json or file is not None:
-        told = told() if callable(told) else told
-        whole = json.dumps(plain(told), indent=1, allow_nan=False)
+        answer = answer() if callable(answer) else answer
+        whole = json.dumps(plain(answer), indent=1, allow_nan=False)
     if file is not None:
         from pyport.files import write_file
 

@@ -83,9 +83,9 @@ def _say_map(
         click.echo(f"  {ours:22s} {theirs}")
     for one in doubts:
         click.echo(f"to be settled: {one}")
-    told = ", ".join(f"{ours}={theirs}" for ours, theirs in found.items())
+    pairs = ", ".join(f"{ours}={theirs}" for ours, theirs in found.items())
     lacking = _lacking(found)
-    command = shlex.join(["pyport", "look", name, "--columns", str(kept) if kept else told])
+    command = shlex.join(["pyport", "look", name, "--columns", str(kept) if kept else pairs])
     click.echo(f"not found: {lacking}; add it to {command}" if lacking else command)
 
 
@@ -268,8 +268,8 @@ def targets(
     sources = [] if catalogue is None else read_catalogue(catalogue, year)
     found = targets(rows, load(model), limits, count, sources)
     text = FORMATS[form](found)
-    told = f"{counted(as_input(rows))}, model {model}"
-    click.echo(told, err=out is None or as_json)
+    heading = f"{counted(as_input(rows))}, model {model}"
+    click.echo(heading, err=out is None or as_json)
     if out is not None:
         write_file(out, text)
         text = f"{out}: {len(found)} targets"

@@ -209,6 +209,6 @@ def init(
     marks = sum("?" in line for line in text.splitlines() if not line.startswith("# "))
     n = text.count("[[routine]]")
     left_out = [line[2:] for line in text.splitlines() if " is left out: " in line]
-    told = {"file": out, "routines": n, "marked": marks, "left_out": left_out}
+    answer = {"file": out, "routines": n, "marked": marks, "left_out": left_out}
     head = f"{out}: {n} routine{'s' * (n != 1)}, {marks} lines marked with ?"
-    say("\n".join([head, *left_out]), told, as_json=as_json)
+    say("\n".join([head, *left_out]), answer, as_json=as_json)

@@ -51,10 +51,10 @@ def gmrt(seeds: int, out: Path | None, *, as_json: bool) -> None:
     _say({"sections": sections, "figures": drawn}, as_json=as_json)
 
 
-def _say(told: dict[str, Any], *, as_json: bool) -> None:
+def _say(answer: dict[str, Any], *, as_json: bool) -> None:
     """Print an analysis as JSON, or its sections under their titles and its figures' names."""
-    sections = [f"{one}\n{'-' * len(one)}\n{text}\n" for one, text in told["sections"].items()]
-    say("\n".join([*sections, *map(str, told["figures"])]), told, as_json=as_json)
+    sections = [f"{one}\n{'-' * len(one)}\n{text}\n" for one, text in answer["sections"].items()]
+    say("\n".join([*sections, *map(str, answer["figures"])]), answer, as_json=as_json)
 
 
 def _analysis(seeds: int) -> tuple[list[Track], dict[str, str]]:
@@ -177,8 +177,8 @@ def rt32(
         from pyport.studies.rt32.sky import write_figures
 
         drawn = write_figures(fits[0], out)
-    told = [document.as_json(one, own) for one, own in zip(fits, honest, strict=True)]
-    _say({"fits": told, "sections": parts, "figures": drawn}, as_json=as_json)
+    listed = [document.as_json(one, own) for one, own in zip(fits, honest, strict=True)]
+    _say({"fits": listed, "sections": parts, "figures": drawn}, as_json=as_json)
 
 
 def _simulated(seed: int, out: Path | None) -> tuple[Recordings, Array]:

@@ -42,15 +42,15 @@ def conditions_of(
     from pyport.models.conditions import columns_of
     from pyport.steering.tabulate import Conditions
 
-    told: dict[str, object] = {}
+    named: dict[str, object] = {}
     for one in conditions:
         name, equals, value = one.partition("=")
         if not equals:
             raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
-        told[name.strip()] = value.strip()
-    if not told:
+        named[name.strip()] = value.strip()
+    if not named:
         return Conditions(azimuth_zero)
-    return Conditions(azimuth_zero, columns_of(told, load(model).needs() if model else ()))
+    return Conditions(azimuth_zero, columns_of(named, load(model).needs() if model else ()))
 
 
 @click.command(
@@ -108,19 +108,19 @@ def command(
         raise click.UsageError("nothing to do: give -o FILE, --check, --against or --refractions")
     if picture and not against:
         raise click.UsageError("--picture draws a comparison: give --against OLD")
-    told: dict[str, object] = {}
+    answer: dict[str, object] = {}
     lines: list[str] = []
     if check and model != "rt32-3model":
         raise click.UsageError(f"--check is of rt32-3model, the published table, not of {model}")
     if check:
-        lines += _checked(refraction or steering.DEFAULT_REFRACTION, reading, told)
+        lines += _checked(refraction or steering.DEFAULT_REFRACTION, reading, answer)
     if refractions:
-        lines += _refractions(told)
+        lines += _refractions(answer)
     if recordings:
         from pyport.steering.published import write_recordings
 
         write_recordings(recordings)
-        told["recordings"] = recordings
+        answer["recordings"] = recordings
         lines.append(f"{recordings}: the published extracts as recordings")
     if output or against:
         grid = steering.Grid(
@@ -134,7 +134,7 @@ def command(
         if output:
             write = steering.write_binary if layout == "binary" else steering.write_ascii
             write(table, output)
-            told["table"] = {
+            answer["table"] = {
                 "file": output,
                 "rows": len(grid),
                 "model": model,
@@ -145,8 +145,8 @@ def command(
             )
         if against:
             old = _old(against, grid, refraction, reading, beside)
-            lines += _difference(table, old, against, picture, told)
-    say("\n".join(lines), told, as_json=as_json)
+            lines += _difference(table, old, against, picture, answer)
+    say("\n".join(lines), answer, as_json=as_json)
 
 
 def _twice(model: str, refraction: str) -> list[str]:
@@ -167,7 +167,7 @@ def _twice(model: str, refraction: str) -> list[str]:
     return [f"{said}: if the recordings hold all refraction, take --refraction none"]
 
 
-def _checked(refraction: str, reading: str, told: dict[str, object]) -> list[str]:
+def _checked(refraction: str, reading: str, answer: dict[str, object]) -> list[str]:
     """Return how many cells of each published block agree in their last digit, and the others."""
     from pyport.steering import check
 
@@ -192,11 +192,11 @@ def _checked(refraction: str, reading: str, told: dict[str, object]) -> list[str
         blocks.append(
             {"name": block.name, "agree": result.agree, "total": result.total, "misses": misses}
         )
-    told["check"] = blocks
+    answer["check"] = blocks
     return lines
 
 
-def _refractions(told: dict[str, object]) -> list[str]:
+def _refractions(answer: dict[str, object]) -> list[str]:
     """Return how far each formula stays from the refraction that the published digits tell."""
     from pyport.steering.check import candidates
 
@@ -218,7 +218,7 @@ def _refractions(told: dict[str, object]) -> list[str]:
                 "total": one.total,
             }
         )
-    told["refractions"] = found
+    answer["refractions"] = found
     return lines
 
 
@@ -234,7 +234,7 @@ def _old(
 
 
 def _difference(
-    table: Table, old: Table, against: str, picture: str | None, told: dict[str, object]
+    table: Table, old: Table, against: str, picture: str | None, answer: dict[str, object]
 ) -> list[str]:
     """Return where `table` differs from another, called `against`, and draw it."""
     from pyport import steering
@@ -243,7 +243,7 @@ def _difference(
 
     difference = steering.compare(table, old)
     lines = describe(difference)
-    told["against"] = {
+    answer["against"] = {
         "old": against,
         "points": len(difference.grid),
         **{
@@ -260,6 +260,6 @@ def _difference(
     }
     if picture:
         draw(difference, picture, f"{table.model} - {old.model or Path(against).name}")
-        told["picture"] = picture
+        answer["picture"] = picture
         lines.append(f"picture: {picture}")
     return lines

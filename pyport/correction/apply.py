@@ -111,18 +111,18 @@ def _kept(rows: Recordings, where: str) -> NDArray[np.bool_]:
     return keep
 
 
-def with_conditions(raw: Raw, told: Mapping[str, str], model: PointingModel) -> Raw:
-    """Return a file's cells with columns for conditions that were told for all rows.
+def with_conditions(raw: Raw, stated: Mapping[str, str], model: PointingModel) -> Raw:
+    """Return a file's cells with columns for conditions that were stated for all rows.
 
     Raises `BadInput`: the file has such a column, or the name is nearly that of a condition.
     """
     n, known = len(raw.line), NUMBERS | LABELS | {TIME, SCAN_RATE} | set(model.needs())
     columns = {
         key: np.full(n, text, object)
-        for key, text in told.items()
+        for key, text in stated.items()
         if (key in known or angle_of(key) is not None) and key not in KEYS
     }
-    refuse_slips(set(told) - set(columns) - KEYS, known)
+    refuse_slips(set(stated) - set(columns) - KEYS, known)
     for key in set(columns) & set(raw.columns):
         raise BadInput(f"--set {key}: the file has a column of this name", raw.file)
     return replace(raw, columns={**raw.columns, **columns})

@@ -144,12 +144,12 @@ def compare(
     if scatter is None and new.model.completed is not None:
         scatter = new.model.completed.made.get("sky_rms_arcsec")
     sky = _sky(old, new, recordings, conditions or {})
-    told = None if recordings is None else as_input(recordings)
-    return Comparison(sky, rows, _unsound(new, scatter), scatter, told)
+    source = None if recordings is None else as_input(recordings)
+    return Comparison(sky, rows, _unsound(new, scatter), scatter, source)
 
 
 def _sky(
-    old: PointingModel, new: PointingModel, recordings: Recordings | None, told: Columns
+    old: PointingModel, new: PointingModel, recordings: Recordings | None, conditions: Columns
 ) -> Sky:
     az_deg, el_deg = (
         one.ravel()
@@ -157,7 +157,7 @@ def _sky(
             np.arange(0.0, 360.0, STEP_DEG), np.arange(LOWEST_DEG, 90.0, STEP_DEG), indexing="ij"
         )
     )
-    given = {name: np.asarray(one).reshape(-1)[:1] for name, one in told.items()}
+    given = {name: np.asarray(one).reshape(-1)[:1] for name, one in conditions.items()}
     for name in {*old.columns_needed(), *new.columns_needed()} - set(given):
         usual = None if recordings is None else _usual(recordings, name)
         if usual is not None:

@@ -20,8 +20,8 @@ def text(found: Comparison, beam_arcsec: float | None = None, worst: int = 5) ->
     sky = found.sky
     size = sky.size_arcsec
     most = int(np.argmax(size))
-    told = ", ".join(f"{name} {value}" for name, value in sky.conditions.items())
-    above = f"over the sky above {LOWEST_DEG:g} deg" + (f" ({told})" if told else "")
+    under = ", ".join(f"{name} {value}" for name, value in sky.conditions.items())
+    above = f"over the sky above {LOWEST_DEG:g} deg" + (f" ({under})" if under else "")
     where = f"azimuth {sky.az_deg[most]:g}, elevation {sky.el_deg[most]:g}"
     lines = [] if found.input is None else [counted(found.input)]
     lines += [f"{above}: moves by {sky.rms_arcsec():.2f} arcsec rms, {size[most]:.2f} at {where}"]
@@ -65,7 +65,7 @@ def as_json(found: Comparison, beam_arcsec: float | None = None) -> dict[str, An
     """Return the comparison for other programs."""
     sky, size = found.sky, found.sky.size_arcsec
     most = int(np.argmax(size))
-    told: dict[str, Any] = {
+    answer: dict[str, Any] = {
         "sky": {
             "rms_arcsec": sky.rms_arcsec(),
             "most_arcsec": float(size[most]),
@@ -85,17 +85,17 @@ def as_json(found: Comparison, beam_arcsec: float | None = None) -> dict[str, An
         "scatter_arcsec": found.scatter_arcsec,
     }
     if found.input is not None:
-        told["input"] = found.input
+        answer["input"] = found.input
     if beam_arcsec is not None:
-        told["sky"]["share_beyond_beam"] = sky.share(beam_arcsec)
+        answer["sky"]["share_beyond_beam"] = sky.share(beam_arcsec)
     if found.rows is not None:
         worse = found.rows.worse
-        told["recordings"] = {
+        answer["recordings"] = {
             "rms_before_arcsec": found.rows.rms_before,
             "rms_after_arcsec": found.rows.rms_after,
             "worse": [int(found.rows.line[n]) for n in worse],
         }
-    return told
+    return answer
 
 
 def picture(found: Comparison, path: Path, title: str, beam_arcsec: float | None = None) -> None:

@@ -42,25 +42,25 @@ def directions(
     `others`: columns beyond the contract's that `conditions` may name.
     Raises `BadInput`: something is not what it can be; the message says what was expected.
     """
-    told = dict(conditions)
-    site = site_of(told.pop("location", None)) or site
+    known = dict(conditions)
+    site = site_of(known.pop("location", None)) or site
     if len(where) == 2:
-        return _numbers(where, told, site, others)
+        return _numbers(where, known, site, others)
     if len(where) != 1:
         raise BadInput("expected azimuth and elevation, a coordinate, or a table")
     if hasattr(where[0], "transform_to"):
-        return _coordinate(where[0], told, site, others)
-    return _table(where[0], told, site, others)
+        return _coordinate(where[0], known, site, others)
+    return _table(where[0], known, site, others)
 
 
 def _numbers(
     where: tuple[Any, ...],
-    told: Mapping[str, Any],
+    known: Mapping[str, Any],
     site: Site | None,
     others: Collection[str],
     frame: Any = None,  # noqa: ANN401 - astropy is not typed
 ) -> Pointing:
-    columns = columns_of(told, others)
+    columns = columns_of(known, others)
     angles = [_radians(name, one) for name, one in zip(("az", "el"), where, strict=True)]
     try:
         az, el, *rest = np.broadcast_arrays(*angles, *columns.values())
@@ -72,7 +72,7 @@ def _numbers(
 
 def _coordinate(
     one: Any,  # noqa: ANN401 - astropy is not typed
-    told: dict[str, Any],
+    known: dict[str, Any],
     site: Site | None,
     others: Collection[str],
 ) -> Pointing:
@@ -82,20 +82,20 @@ def _coordinate(
 
     frame = one.frame if isinstance(one, SkyCoord) else one
     if not isinstance(frame, AltAz):
-        if "time" not in told:
+        if "time" not in known:
             raise BadInput(f"{frame.name} coordinates need a time: give time=Time(...)")
-        when = Time(columns_of({"time": told["time"]})["time"], format="unix")
+        when = Time(columns_of({"time": known["time"]})["time"], format="unix")
         frame = frame.transform_to(AltAz(obstime=when, location=location_of(site)))
     if frame.location is not None:
         site = site_of(frame.location)
     if frame.obstime is not None:
-        told.setdefault("time", frame.obstime)
-    return _numbers((frame.az, frame.alt), told, site, others, frame)
+        known.setdefault("time", frame.obstime)
+    return _numbers((frame.az, frame.alt), known, site, others, frame)
 
 
 def _table(
     table: Any,  # noqa: ANN401 - a table of any kind
-    told: Mapping[str, Any],
+    known: Mapping[str, Any],
     site: Site | None,
     others: Collection[str],
 ) -> Pointing:
@@ -104,7 +104,7 @@ def _table(
 
     at = targets(raw_table(table))
     n = len(at)
-    given = columns_of(told, others)
+    given = columns_of(known, others)
     columns = dict(at.columns) | {key: np.broadcast_to(one, n) for key, one in given.items()}
     return Pointing(at.az, at.el, (n,), columns, at.site or site)
 
@@ -133,5 +133,5 @@ def formed(there: Pointing, az: Array, el: Array) -> Any:  # noqa: ANN401 - as i
         return angles[0], angles[1]
     from astropy.coordinates import AltAz
 
-    told = there.frame
-    return AltAz(az=angles[0], alt=angles[1], obstime=told.obstime, location=told.location)
+    frame = there.frame
+    return AltAz(az=angles[0], alt=angles[1], obstime=frame.obstime, location=frame.location)

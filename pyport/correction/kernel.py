@@ -248,10 +248,10 @@ def _single(effect: Effect, values: Array) -> tuple[Effect, Array]:
     """Return a field with its values as one of a single coefficient, anything else as it is."""
     if effect.id != UNKNOWN:
         return effect, values
-    told = dict(effect.member)
-    told.pop("spread", None)  # of the directions
-    told["directions"] = (np.array(told["directions"]) @ values)[:, None].tolist()
-    return field(**told), np.ones(1)
+    changed = dict(effect.member)
+    changed.pop("spread", None)  # of the directions
+    changed["directions"] = (np.array(changed["directions"]) @ values)[:, None].tolist()
+    return field(**changed), np.ones(1)
 
 
 def _joined(rest: Sequence[tuple[Effect, Array]]) -> tuple[tuple[Effect, Array], ...]:

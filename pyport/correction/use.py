@@ -110,8 +110,8 @@ class PointingModel:
         `temperature_c`, ...).
         """
         if self.model.mount is not ALTAZ:
-            told = {key: np.array([one]) for key, one in columns.items()}
-            x, y = self._offsets(np.array([az_rad]), np.array([el_rad]), told, self.model.site)
+            arrays = {key: np.array([one]) for key, one in columns.items()}
+            x, y = self._offsets(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
             return float(x[0]), float(y[0])
         self._refuse_unknown(columns)
         ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
@@ -188,16 +188,16 @@ class PointingModel:
         )[2]
 
     def needs(self) -> list[str]:
-        """Return what the model has to be told beside a direction, as the contract names it."""
+        """Return what the model needs to know beside a direction, as the contract names it."""
         labels = (label for label in self._labels if self._varies(label))
         return [*self.model.needs(), *labels]
 
     def __repr__(self) -> str:
         """Return the coefficients as a table."""
         completed = self.model.completed
-        told = [f"{self.name}: {', '.join(one.effect.id for one in self.model.terms)}"]
+        head = [f"{self.name}: {', '.join(one.effect.id for one in self.model.terms)}"]
         more = complete.lines(completed, self.model.terms) if completed else []
-        return "\n".join([*told, *more])
+        return "\n".join([*head, *more])
 
     @cached_property
     def _labels(self) -> tuple[str, ...]:
@@ -205,7 +205,7 @@ class PointingModel:
 
     @cached_property
     def _by_row(self) -> bool:
-        """Tell whether a term changes at a row of its recordings, which told no time."""
+        """Tell whether a term changes at a row of its recordings, which gave no time."""
         return any("since_row" in term.effect.member for term in self.model.terms)
 
     def _varies(self, label: str) -> bool:

@@ -128,9 +128,9 @@ def over(
 ) -> Results:
     """Add up what holds at each chunk, in their order, from where it was killed the last time."""
     state = so_far.load()
-    told: dict[str, Any] = {"done": 0, "results": []} if state is None else state[0]
-    done = told["done"]
-    results = {(port, name): Held.from_json(held) for port, name, held in told["results"]}
+    saved: dict[str, Any] = {"done": 0, "results": []} if state is None else state[0]
+    done = saved["done"]
+    results = {(port, name): Held.from_json(held) for port, name, held in saved["results"]}
     with workers(jobs) as spread_over:
         parts = spread_over(hold_one, chunks[done:])
         for some in track(parts, "Comparing", total=len(chunks) - done):

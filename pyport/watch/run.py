@@ -1,4 +1,4 @@
-"""The watch as a process: a log followed, the state kept, others told; killed, it goes on."""
+"""The watch as a process: a log followed, the state kept, others notified; killed, it goes on."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class Process:
             self._keep(at_once=True)
 
     def _tell(self) -> None:
-        assert self.watch is not None  # noqa: S101 - told only once begun
+        assert self.watch is not None  # noqa: S101 - asked only once begun
         for wrong in self.outputs.tell(self.watch):
             self.complain(wrong)
         self.show(self.watch)

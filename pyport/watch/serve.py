@@ -114,11 +114,11 @@ def refused(request: Any, hosts: Collection[str], token: str) -> str | None:  # 
     A page of another site can send a request here, under a name of its own that leads to this
     machine too; it cannot send it under this machine's name without saying where it comes from.
     """
-    told = request.headers.get("host", "")
-    if hosts and told not in hosts:
+    asked = request.headers.get("host", "")
+    if hosts and asked not in hosts:
         return "another host"
     origin = request.headers.get("origin")
-    if origin is not None and origin != f"http://{told}":
+    if origin is not None and origin != f"http://{asked}":
         return "another site"
     if request.headers.get("sec-fetch-site", "none") not in {"none", "same-origin"}:
         return "another site"

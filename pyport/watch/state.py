@@ -30,7 +30,7 @@ from pyport.watch.watch import Event, Seen, Watch
 
 #: What reading an archive raises that is none, or is spoilt.
 _NO_ARCHIVE = (zipfile.BadZipFile, zlib.error, NotImplementedError, tokenize.TokenError)
-_TOLD, _KEY = "told", "key"
+_TEXT, _KEY = "told", "key"
 _OF_WATCH = ("row", "raised", "happened", "last", "session")
 #: What is kept of each part of an antenna's watch.
 _KEPT: dict[type, tuple[str, ...]] = {
@@ -70,21 +70,21 @@ def key(watch: Watch) -> str:
 
 def save(watch: Watch, path: Path, beside: object = None) -> None:
     """Write the state of a watch, whole or not at all; with it what must be of the same moment."""
-    told: dict[str, Any] = {name: getattr(watch, name) for name in _OF_WATCH}
-    told["beside"] = beside
-    told["alarms"] = [asdict(one) for one in watch.alarms.values()]
-    told["events"] = [asdict(one) for one in watch.events]
-    told["recent"] = [list(vars(one).values())[:-1] for one in watch.recent]
-    told["antennas"] = {}
+    kept: dict[str, Any] = {name: getattr(watch, name) for name in _OF_WATCH}
+    kept["beside"] = beside
+    kept["alarms"] = [asdict(one) for one in watch.alarms.values()]
+    kept["events"] = [asdict(one) for one in watch.events]
+    kept["recent"] = [list(vars(one).values())[:-1] for one in watch.recent]
+    kept["antennas"] = {}
     arrays: dict[str, NDArray[Any]] = {}
     for n, (name, own) in enumerate(watch.antennas.items()):
-        told["antennas"][name] = {"slots": [asdict(one) for one in own.slots]}
+        kept["antennas"][name] = {"slots": [asdict(one) for one in own.slots]}
         for part, one in _parts(own).items():
             values = {each: getattr(one, each) for each in _KEPT[type(one)]}
             some = {each: value for each, value in values.items() if isinstance(value, np.ndarray)}
             arrays |= {f"{n}/{part}/{each}": value for each, value in some.items()}
-            told["antennas"][name][part] = {k: v for k, v in values.items() if k not in some}
-    texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TOLD: np.array(json.dumps(told))}
+            kept["antennas"][name][part] = {k: v for k, v in values.items() if k not in some}
+    texts: dict[str, Any] = {_KEY: np.array(key(watch)), _TEXT: np.array(json.dumps(kept))}
     with write_whole(path, "wb") as file:
         np.savez(file, **(texts | arrays))
 
@@ -97,7 +97,7 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
     try:
         with np.load(path, allow_pickle=False) as kept:
             arrays = {name: kept[name] for name in kept.files}
-        whose, told = str(arrays[_KEY]), json.loads(str(arrays[_TOLD]))
+        whose, kept = str(arrays[_KEY]), json.loads(str(arrays[_TEXT]))
     except (OSError, ValueError, KeyError, EOFError, *_NO_ARCHIVE) as error:
         raise BadInput(f"no state of a watch: {error}", path) from None
     if whose != key(watch):
@@ -105,25 +105,25 @@ def load(watch: Watch, path: Path) -> Any:  # noqa: ANN401 - whatever was kept b
         raise BadInput(f"{wrong}: move the folder away to begin anew", path)
     try:
         for name in _OF_WATCH:
-            setattr(watch, name, told[name])
-        watch.events = [Event(**one) for one in told["events"]]
-        watch.recent = [Seen(*one) for one in told["recent"]]
-        watch.alarms = {one["number"]: Alarm(**one) for one in told["alarms"]}
+            setattr(watch, name, kept[name])
+        watch.events = [Event(**one) for one in kept["events"]]
+        watch.recent = [Seen(*one) for one in kept["recent"]]
+        watch.alarms = {one["number"]: Alarm(**one) for one in kept["alarms"]}
         for alarm in watch.alarms.values():
             alarm.members = [(tuple(alike), chance) for alike, chance in alarm.members]
         for n, (name, own) in enumerate(watch.antennas.items()):
-            _restore(own, told["antennas"][name], arrays, n)
+            _restore(own, kept["antennas"][name], arrays, n)
     except KeyError as error:
         raise BadInput(f"no state of a watch: it lacks {error}", path) from None
-    return told["beside"]
+    return kept["beside"]
 
 
-def _restore(own: Antenna, told: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:
-    own.slots = [Slot(**one) for one in told["slots"]]
+def _restore(own: Antenna, kept: dict[str, Any], arrays: dict[str, NDArray[Any]], n: int) -> None:
+    own.slots = [Slot(**one) for one in kept["slots"]]
     for part, one in _parts(own).items():
         for name in _KEPT[type(one)]:
-            value = told[part].get(name, arrays.get(f"{n}/{part}/{name}"))
-            if name not in told[part] and value is None:
+            value = kept[part].get(name, arrays.get(f"{n}/{part}/{name}"))
+            if name not in kept[part] and value is None:
                 raise KeyError(name)
             setattr(one, name, tuple(value) if isinstance(value, list) else value)
 
@@ -136,28 +136,28 @@ PATIENCE_S = 60.0
 class Outputs:
     """The files in a watch's folder, and the command that is run for each event.
 
-    The state of the watch is kept first and holds the last events; what was kept and not told is
-    told at the next start, what was told is not told again. A command that was killed is run again.
+    The state of the watch is kept first and holds the last events. What was kept and not reported
+    is reported at the next start, once. A command that was killed is run again.
 
     `command` is run for each event, its JSON on standard input; "" is none. `say` prints an event.
     """
 
     def __init__(self, folder: Path, command: str, say: Callable[[Event], None]):
         self.folder, self.command, self.say = folder, shlex.split(command), say
-        self.told = _last(folder / EVENTS)
-        self.acted = self.told
+        self.reported = _last(folder / EVENTS)
+        self.acted = self.reported
         if self.command and (folder / ACTED).is_file():
             self.acted = int((folder / ACTED).read_text(encoding="ascii") or 0)
 
     def begin(self) -> None:
-        """Forget what an earlier watch told: this one begins without a state."""
+        """Forget what an earlier watch reported: this one begins without a state."""
         for name in (EVENTS, ACTED):
             (self.folder / name).unlink(missing_ok=True)
-        self.told = self.acted = 0
+        self.reported = self.acted = 0
 
     def tell(self, watch: Watch) -> list[str]:
         """Tell what happened since the last time; return what went wrong with the command."""
-        new = [one for one in watch.events if one.number > self.told]
+        new = [one for one in watch.events if one.number > self.reported]
         if new:
             if self.command and not (self.folder / ACTED).exists():
                 self._has_acted(self.acted)
@@ -166,7 +166,7 @@ class Outputs:
                     file.write(line(one) + "\n")
                 file.flush()
                 os.fsync(file.fileno())
-            self.told = new[-1].number
+            self.reported = new[-1].number
             for one in new:
                 self.say(one)
         wrong = list(self._act(watch)) if self.command else []

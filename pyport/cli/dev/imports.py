@@ -120,8 +120,8 @@ def command(*, as_json: bool) -> None:
     package = Path(pyport.__file__).parent
     found = imports(package)
     wrong = faults(found)
-    told = {"imports": {name: sorted(to) for name, to in found.items()}, "faults": wrong}
-    say(lambda: picture(package, found), told, as_json=as_json)
+    answer = {"imports": {name: sorted(to) for name, to in found.items()}, "faults": wrong}
+    say(lambda: picture(package, found), answer, as_json=as_json)
     if wrong:
         click.echo("\n".join(wrong), err=True)
         sys.exit(1)

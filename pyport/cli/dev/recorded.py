@@ -192,5 +192,5 @@ def apply(recordings: str, out: Path, steps: str | None, *, as_json: bool) -> No
     taken = DOCUMENT if steps is None else tuple(filter(None, steps.split(",")))
     done = reduced(read(resolve(recordings)), taken)
     write(done, out)
-    told = {"file": out, "recordings": len(done), "taken_out": taken}
-    say(f"{len(done)} recordings in {out}, free of {', '.join(taken)}", told, as_json=as_json)
+    answer = {"file": out, "recordings": len(done), "taken_out": taken}
+    say(f"{len(done)} recordings in {out}, free of {', '.join(taken)}", answer, as_json=as_json)

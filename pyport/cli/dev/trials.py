@@ -95,8 +95,8 @@ def seal(folder: Path, which: str, data: Path, *, as_json: bool = False) -> None
 
     sealed = seal_set(folder, folder.resolve().name, SETS[which](there(data)))
     text = f"{len(sealed['cases'])} cases sealed: {folder / 'sealed.json'}"
-    told = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
-    say(text, told, as_json=as_json)
+    answer = {"cases": len(sealed["cases"]), "publish": folder / "sealed.json"}
+    say(text, answer, as_json=as_json)
 
 
 @command.command(epilog="Example: pyport dev trials run out/set --jobs 2")
@@ -134,9 +134,9 @@ def score(folder: Path, jobs: int, *, as_json: bool = False) -> None:
 
     whole = examine(folder, jobs)
     if as_json:
-        from pyport.examiner.sealed.examine import as_json as told
+        from pyport.examiner.sealed.examine import as_json as answer_of
 
-        say("", told(whole), as_json=True)
+        say("", answer_of(whole), as_json=True)
     else:
         show(whole)
 
@@ -185,8 +185,8 @@ def page(docs: Path, readme: Path, data: Path | None, *, as_json: bool) -> None:
     rewrite(readme, "proof", book.readme(sets))
     real = (docs / "real.md").read_text(encoding="utf-8")
     for path in sorted((docs / "proof").glob("*.md")):
-        told = path.read_text(encoding="utf-8")
-        if (anew := studies.filled(told, real)) != told:
+        text = path.read_text(encoding="utf-8")
+        if (anew := studies.filled(text, real)) != text:
             write_file(path, anew)
     if data is not None:
         for study in studies.PICTURES:

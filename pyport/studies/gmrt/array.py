@@ -158,9 +158,9 @@ def _verdict(one: UnseenDays) -> list[str]:
         return ["  No antenna could be predicted."]
     median = medians(one.days)
     good = median.after < median.fitted_before
-    told = f"{'Good' if good else 'Bad'}: predicted to {median.after / ARCMIN:.2f}'"
+    verdict = f"{'Good' if good else 'Bad'}: predicted to {median.after / ARCMIN:.2f}'"
     beside = f"{'only ' if good else ''}to {median.fitted_before / ARCMIN:.2f}'"
-    return [f"  {told}, the model's form fits that very day {beside}."]
+    return [f"  {verdict}, the model's form fits that very day {beside}."]
 
 
 def write(found: Evidence, folder: Path) -> list[Path]:

@@ -31,10 +31,10 @@ def text(days: Sequence[Day]) -> str:
     parts = [_refits(every), _differences(every), *map(_day, days)]
     if set(_SAME_AGAIN) <= {day.session for day in days}:
         factors = printed_sigma_factors(*_SAME_AGAIN)
-        told = ", ".join(f"{name} {factor:.1f}" for name, factor in factors.items())
+        cells = ", ".join(f"{name} {factor:.1f}" for name, factor in factors.items())
         parts.append(
             f"Table 18's sigmas are too small: from {' to '.join(_SAME_AGAIN)} its own a, b and d\n"
-            f"change by this many of them (median, one if honest): {told}"
+            f"change by this many of them (median, one if honest): {cells}"
         )
     return "\n\n".join(parts)
 
@@ -48,9 +48,9 @@ def _refits(found: Sequence[Refit]) -> str:
     for one in found:
         wave = one.published
         printed = ((wave.a, wave.sigma_a), (wave.b, wave.sigma_b), (wave.d, wave.sigma_d))
-        told = "".join(map(_pair, (*one.together.polar(wave), *printed), _UNITS * 2))
+        cells = "".join(map(_pair, (*one.together.polar(wave), *printed), _UNITS * 2))
         lines.append(
-            f"{_who(one)} {told}{one.rms_published / ARCMIN:5.2f}{one.rms_refit / ARCMIN:7.2f}"
+            f"{_who(one)} {cells}{one.rms_published / ARCMIN:5.2f}{one.rms_refit / ARCMIN:7.2f}"
             f"{one.rms_ratio:8.2f}{one.rms_ratio_per_freedom:12.2f}{one.condition:11.0f}"
         )
     return "\n".join(lines)
@@ -65,14 +65,14 @@ def _differences(found: Sequence[Refit]) -> str:
     ]
     for one in found:
         forward = int((one.track.direction > 0).sum())
-        told = "".join(
+        cells = "".join(
             "".join(f"{sigma:5.1f}" for sigma in one.sigmas[kind]) + "  "
             for kind in SHOWN
             if kind in one.sigmas
         )
         if one.continued is not None:
-            told += "".join(map(_pair, one.continued.polar(one.published), _UNITS))
-        lines.append(f"{_who(one)}{forward:3d} +{len(one.track) - forward:3d} {told}".rstrip())
+            cells += "".join(map(_pair, one.continued.polar(one.published), _UNITS))
+        lines.append(f"{_who(one)}{forward:3d} +{len(one.track) - forward:3d} {cells}".rstrip())
     return "\n".join(lines)
 
 

@@ -198,10 +198,10 @@ def reasons(day: Day) -> list[str]:
     for one in day.antennas:
         name = one.track.antenna
         if any((sigmas > SIGMAS).any() for kind, sigmas in one.sigmas.items() if kind in SHOWN):
-            told = ", ".join(
+            text = ", ".join(
                 f"{SHOWN[kind]} {_slashed(one, kind)}" for kind in SHOWN if kind in one.sigmas
             )
-            lines.append(f"{name}: {told} sigmas: {_of_coefficients(day, one)}")
+            lines.append(f"{name}: {text} sigmas: {_of_coefficients(day, one)}")
         if one.rms_ratio > RMS_RATIO:
             lines.append(f"{name}: {_of_rms(day, one)}")
     return lines
@@ -251,10 +251,10 @@ def _few(day: Day, one: Refit) -> str:
 
 def _of_rms(day: Day, one: Refit) -> str:
     """Return why the published curve leaves more than the refit."""
-    told = f"Table 18's curve leaves {one.rms_ratio:.2f} times the rms"
+    text = f"Table 18's curve leaves {one.rms_ratio:.2f} times the rms"
     if one.continued is None:
-        return f"{told}: {_few(day, one) or _TOO_LITTLE}"
-    told += f", the continued one {one.rms_continued / one.rms_refit:.2f} times"
+        return f"{text}: {_few(day, one) or _TOO_LITTLE}"
+    text += f", the continued one {one.rms_continued / one.rms_refit:.2f} times"
     if one.rms_published <= RMS_RATIO * one.rms_continued:
-        return f"{told}: what is best over all hours is no better on those left"
-    return f"{told}: not explained by the hours"
+        return f"{text}: what is best over all hours is no better on those left"
+    return f"{text}: not explained by the hours"

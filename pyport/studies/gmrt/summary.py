@@ -147,11 +147,11 @@ def site(times_cos_el: Sequence[Curve], dec: float, latitude: float) -> str:
     for antenna in sorted({curve.track.antenna for curve in times_cos_el}):
         own = [curve for curve in times_cos_el if curve.track.antenna == antenna]
         values = [further_on(curve.odd, dec, latitude) for curve in own]
-        told = "  ".join(
+        cells = "  ".join(
             f"{curve.track.session[5:]}: {value / ARCMIN:+6.2f} +-{sigma / ARCMIN:5.2f}"
             for curve, (value, sigma) in zip(own, values, strict=True)
         )
-        lines.append(f"  {antenna}  {told}")
+        lines.append(f"  {antenna}  {cells}")
     return "\n".join(lines)
 
 
@@ -181,12 +181,12 @@ def mirrors(found: Sequence[Mirror]) -> str:
         "odd part of the curves, coefficient of sin HA [']; east below, west above zero if mirrored"
     ]
     for day in found:
-        told = "  ".join(
+        cells = "  ".join(
             f"{antenna} {value / ARCMIN:+.1f} +-{sigma / ARCMIN:.1f}"
             for antenna, (value, sigma) in day.odd.items()
         )
         right, count = day.opposite
-        lines.append(f"{day.session}: {told}")
+        lines.append(f"{day.session}: {cells}")
         lines.append(f"  {right} of {count} bend as their arm does (by chance {day.chance:.3f})")
     means = {
         arm: np.mean([v for day in found for a, (v, _) in day.odd.items() if (a in EAST) == east])

@@ -68,7 +68,7 @@ _HUBER_CORNER = 1.345
 #: Degrees of freedom that Student's t may have; beyond it is a normal distribution.
 _DEGREES = (1.0, 100.0)
 
-#: The sizes of residuals that their distribution is told by.
+#: The sizes of residuals that their distribution is read off at.
 _QUANTILES = (np.arange(500) + 0.5) / 500
 
 

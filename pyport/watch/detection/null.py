@@ -201,15 +201,15 @@ def log_density(
     return np.logaddexp(log1p(-share) + log_usual(square, scale, degrees), wide)
 
 
-def learnt(scale: Number, dof: Number, square: float, told: float, tail: float) -> Number:
-    """Return the scale that was known from `dof` deviations after one more, of weight `told`.
+def learnt(scale: Number, dof: Number, square: float, share: float, tail: float) -> Number:
+    """Return the scale that was known from `dof` deviations after one more, of weight `share`.
 
     What is far out in a heavy tail says less of the scale; how far it is, the new scale says.
     """
     new = scale
     for _ in range(TURNS):
         weight = (1 + tail) / (1 + tail * square / new)
-        new = (dof * scale + told * weight * square) / (dof + told)
+        new = (dof * scale + share * weight * square) / (dof + share)
     return new
 
 
@@ -275,10 +275,10 @@ def _learn(null: Null, axis: int, value: float, sound: float, certain: float) ->
     `certain` is the share of its variance that is scatter: what is mostly the states' doubt says
     little of it.
     """
-    told, dof = sound * certain, float(null.dof[axis])
+    share, dof = sound * certain, float(null.dof[axis])
     outlier = outlying(value * value / float(null.scale[axis]), null.degrees(axis))
-    null.scale[axis] = learnt(float(null.scale[axis]), dof, value * value, told, null.tail)
-    null.dof[axis] = min(dof + told, SCALE_MEMORY)
+    null.scale[axis] = learnt(float(null.scale[axis]), dof, value * value, share, null.tail)
+    null.dof[axis] = min(dof + share, SCALE_MEMORY)
     null.outliers += float(outlier) * certain
     null.readings += certain
     if null.readings > SHARE_MEMORY:
