@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -54,3 +56,22 @@ def test_least_time_of_the_quickest_peer_counts(performance):
     assert row(alone, rate).value == 2.0
     assert not row(alone, rate).met
     assert row(alone, {}).measured == "not measured"
+
+
+@pytest.mark.oracle
+def test_benchmarks_measure_beside_their_peers(tmp_path):
+    """They run when they are asked for alone; one is asked here, that none breaks unseen."""
+    result = tmp_path / "bench.json"
+    options = ["--benchmark-enable", "--benchmark-only", f"--benchmark-json={result}"]
+    files = [str(ROOT / "tests" / "benchmarks" / "test_table.py"), "-k", "look_ups", "-q"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *files, *options, "-p", "no:cacheprovider"],
+        cwd=ROOT,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+
+    assert done.returncode == 0, done.stdout
+    (one,) = json.loads(result.read_text())["benchmarks"]
+    assert one["extra_info"]["peers"]

@@ -113,7 +113,7 @@ def beside(benchmark, request):
             return found
 
         benchmark.group = request.module.ROWS[request.function.__name__]
-        return benchmark.pedantic(ours, problem=every_peer, rounds=rounds, warmup_rounds=1)
+        return benchmark.pedantic(ours, setup=every_peer, rounds=rounds, warmup_rounds=1)
 
     return measure
 

@@ -128,7 +128,7 @@ def beside_the_old(benchmark, request, folder, path, old, rounds, work):
     before, now = (WORK[work](folder, path, program) for program in (old, ROOT))
     theirs, ours = [], []
     benchmark.pedantic(
-        lambda: ours.append(now()), problem=lambda: theirs.append(before()), rounds=rounds
+        lambda: ours.append(now()), setup=lambda: theirs.append(before()), rounds=rounds
     )
     benchmark.extra_info.update(
         seconds=min(ours),
