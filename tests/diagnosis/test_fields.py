@@ -15,7 +15,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import _lack
 from pyport.diagnosis.searching.winner import trials_of
-from pyport.diagnosis.shapes import fields
+from pyport.diagnosis.shapes import fields, forms
 from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.forms import Field, families
@@ -160,6 +160,34 @@ def test_what_depends_on_two_conditions_together_is_a_surface_over_both():
     found = diagnose(recordings(600, 4, y=both), load("altaz"))
 
     assert [one.variant for one in found.findings] == ["el: follows temperature_c and humidity_pct"]
+
+
+def test_four_bumps_over_each_of_two_columns_are_worth_most(monkeypatch):
+    """Of a product and of an offset in one corner: half or twice as many are worth less."""
+
+    def standard(at):
+        return (at.numbers("temperature_c") - 8) / 5, (at.numbers("humidity_pct") - 60) / 17
+
+    def product(at):
+        return 5 * np.tanh(np.prod(standard(at), axis=0))
+
+    def corner(at):
+        return 6.0 * (np.min(standard(at), axis=0) > 0.3)
+
+    def worth(count):
+        monkeypatch.setattr(forms, "OVER_TWO", count)
+        return sum(
+            one.evidence
+            for ground in grounds
+            for one in ground.worths((False,))
+            if one.field.variant == "el: follows temperature_c and humidity_pct"
+        )
+
+    problems = [prepare(recordings(600, 4, y=one), load("altaz")) for one in (product, corner)]
+    grounds = [Ground(one, weigh(one, ()), ()) for one in problems]
+    now = forms.OVER_TWO
+
+    assert worth(now) > max(worth(now // 2), worth(2 * now)) + 6
 
 
 def test_that_a_curve_takes_two_columns_must_convince():

@@ -10,12 +10,17 @@ LATITUDE_DEG = 53.0
 DECS_DEG = (10, 35, 60, -5, 25, 75, 50)
 
 
-def night(sources, rows=24, names=None, seed=1, places_arcsec=20.0):
-    """Return a table of sources that were tracked, whose places err, by noise of 2 arcsec."""
+def night(sources, rows=24, names=None, seed=1, places_arcsec=20.0, moving_deg=0.0):
+    """Return a table of sources that were tracked, whose places err, by noise of 2 arcsec.
+
+    Four fifths of the rows of each are within `moving_deg` of declination.
+    """
     rng = np.random.default_rng(seed)
     which = np.repeat(np.arange(sources), rows)
     hour_angle = np.tile(np.linspace(-1.2, 1.2, rows), sources)
-    az, el = erfa.hd2ae(hour_angle, np.radians(DECS_DEG)[which], np.radians(LATITUDE_DEG))
+    moved = np.tile(np.linspace(-0.5, 0.5, rows) * moving_deg / 0.8, sources)
+    dec = np.radians(np.array(DECS_DEG)[which] + moved)
+    az, el = erfa.hd2ae(hour_angle, dec, np.radians(LATITUDE_DEG))
     off = rng.normal(0, places_arcsec, (2, sources))[:, which] + rng.normal(0, 2, (2, len(az)))
     labels = [f"S{n}" for n in range(sources)] if names is None else names
     return {
@@ -73,6 +78,12 @@ def test_names_of_something_else_than_sources():
     table["source"] = np.array(["optical", "radio"])[np.arange(len(table["source"])) % 2]
 
     assert said(table, header=HEADER) == []
+
+
+@pytest.mark.parametrize(("moving_deg", "warned"), [(8.0, True), (12.0, False)])
+def test_a_source_stays_within_ten_degrees_of_declination(moving_deg, warned):
+    """What moves further under one name is no place that a catalogue has."""
+    assert bool(said(night(3, moving_deg=moving_deg), header=HEADER)) == warned
 
 
 def test_of_an_array_each_antenna_has_its_own_terms():
