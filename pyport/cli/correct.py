@@ -66,8 +66,8 @@ def apply(
             "low": done.low,
             "rms_arcsec": done.rms,
             "columns": columns,
+            "notes": done.notes,
         }
-        answer["notes"] = done.notes
         say("", answer, as_json=True)
         return
     if out is None:

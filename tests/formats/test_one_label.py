@@ -2,23 +2,12 @@
 
 import numpy as np
 import pytest
+from samples import OF_RECEIVERS
 
 import pyport
 from pyport.errors import BadInput
 from pyport.formats.convert import convert
 from pyport.recordings.raw import FileOptions
-
-OF_RECEIVERS = """
-[[term]]
-effect = "receiver_offset"
-per = []
-variant = "by receiver"
-member = { by = "receiver", values = ["K", "X"], starts_mhz = [] }
-coefficients = [
-  { name = "offset_xel[X]", value = -60.0, unit = "arcsec" },
-  { name = "offset_el[X]", value = 30.0, unit = "arcsec" },
-]
-"""
 
 
 @pytest.fixture

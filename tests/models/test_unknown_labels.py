@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from samples import OF_RECEIVERS
 
 import pyport
 from pyport.cli import pyport as program
@@ -12,20 +13,10 @@ from pyport.errors import BadInput
 from pyport.formats.models import load
 from pyport.steering.tabulate import Conditions, tabulate
 
-MODEL = """
+MODEL = f"""
 schema = "pyport.model/1"
 name = "two receivers"
-
-[[term]]
-effect = "receiver_offset"
-per = []
-variant = "by receiver"
-member = { by = "receiver", values = ["K", "X"], starts_mhz = [] }
-coefficients = [
-  { name = "offset_xel[X]", value = -60.0, unit = "arcsec" },
-  { name = "offset_el[X]", value = 30.0, unit = "arcsec" },
-]
-"""
+{OF_RECEIVERS}"""
 BANDS = (
     MODEL.replace('"by receiver"', '"by frequency band"')
     .replace('by = "receiver", values = ["K", "X"]', 'by = "frequency_mhz", values = ["L", "X"]')
