@@ -228,7 +228,8 @@ def worth(field: Field, information: Array, alone: Array, moments: Array) -> Wor
     that are nearly degenerate with the model are left out: their size is not determined.
     """
     power, vectors = np.linalg.eigh(information)
-    seen = power > HIDDEN**2 * (vectors * (alone @ vectors)).sum(axis=0)
+    # Rounding may leave less than nothing of either.
+    seen = power > np.maximum(HIDDEN**2 * (vectors * (alone @ vectors)).sum(axis=0), 0.0)
     power, vectors = power[seen], vectors[:, seen]
     along = vectors.T @ moments
     evidence, variance = at_best(power, along)

@@ -167,6 +167,17 @@ def test_a_direction_nearly_degenerate_with_the_model_is_left_out(share, kept):
     assert found.directions.shape[1] == kept
 
 
+@pytest.mark.filterwarnings("error")
+def test_directions_of_which_rounding_leaves_less_than_nothing_are_left_out():
+    """Bumps that are hardly felt, beside a model that draws them: eigenvalues below zero."""
+    one = Field("a field", "somewhere", np.ones((60, 2)), np.ones(60, bool))
+    nothing = np.diag([1e6, -1e-30])
+
+    found = fields.worth(one, nothing, nothing, np.array([5e3, 1e-16]))
+
+    assert found.directions.shape[1] == 1
+
+
 @pytest.mark.parametrize(("known", "kept"), [(0.5, 2), (0.35, 2), (0.25, 1), (0.1, 1)])
 def test_a_direction_that_the_data_hardly_tell_of_is_left_out(known, kept):
     """Of which they know less than three tenths of what its prior does."""
