@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, Array, handy
+from pyport.angles import ARCSEC, DEG, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
 from pyport.effects.base import THE_HOUR
+from pyport.effects.empirical import fields
+from pyport.effects.empirical.fields import Bumps
 from pyport.plots import pictures
 
 if TYPE_CHECKING:
@@ -96,6 +98,9 @@ def _follows(
 ) -> tuple[str, Array]:
     """Return the column that drives the effect, or that it follows best: label and values (m,)."""
     at, row = diagnosis.problem.recordings.at, diagnosis.problem.stack.row
+    if (bumps := _bumps(diagnosis, finding)).get("kind") == "cycle":
+        where = finding.variant.partition(": ")[2]
+        return f"{where}: how far into it [deg]", fields.within_cycle(bumps, at)[row] / DEG
     driver = _driver(diagnosis, finding)
     choices = {"el": at.el, "az": at.az}
     more = [name for name in ("hour_angle", "time", driver) if name in at]
@@ -114,6 +119,14 @@ def _follows(
         ) / 3600
     words, unit, scale = shown(best)
     return f"{words} [{unit}]" if unit else words, choices[best][row] / scale
+
+
+def _bumps(diagnosis: Diagnosis, finding: Finding) -> Bumps:
+    """Return what a field is made of; nothing for an effect with a name."""
+    if finding.choice is None:
+        return {}
+    found: Bumps = diagnosis.after.choices[finding.choice].candidate.effect.member.get("bumps", {})
+    return found
 
 
 def _driver(diagnosis: Diagnosis, finding: Finding) -> str:

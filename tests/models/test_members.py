@@ -101,6 +101,7 @@ def bumps():
             "count": 4,
             "values": [AT.numbers("temperature_c").tolist(), np.linspace(0.2, 1.4, 20).tolist()],
         },
+        "cycle": {"name": "az_deg", "period_rad": 0.2, "count": 8, "from_rad": 0.0, "falls": True},
         "elevation": {"width_rad": 0.1, "centres_rad": [0.2, 0.3, 0.4]},
         "column": {
             "name": "temperature_c",

@@ -151,7 +151,7 @@ def _single(
         variant=effect.variant,
         heldout=heldout,
         looks_like=None if named else words.looks_like(effect, called, refuting),
-        decide_by=_decided(called, like) if named else words.WATCH,
+        decide_by=_decided(called, like) if named else words.watch(effect),
         checks=tuple(one.words for one in checks),
         curve=seen,
     )

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = "look at the region and at what it follows, and record what changes there"
+TURNS = "find what turns once in that angle: a tooth, a worm, a line of the encoder"
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
 
@@ -32,6 +33,11 @@ def since(effect: Effect) -> str | None:
     if effect.changes_with != "session" or effect.parameter is None:
         return None
     return f"{np.datetime64(round(effect.parameter), 's')}Z"
+
+
+def watch(effect: Effect) -> str:
+    """Return what to look at where a misfit has no name."""
+    return TURNS if effect.member.get("bumps", {}).get("kind") == "cycle" else WATCH
 
 
 def number(parameter: Parameter) -> str:

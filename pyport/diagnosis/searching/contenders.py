@@ -77,7 +77,7 @@ def waves_of(problem: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -
     trials = beside.trials([(one.candidate, one.scope)])
     return [
         Contender(
-            replace(each, evidence=sure, gain=sure, delta_bic=sure),
+            replace(each, evidence=sure, delta_bic=sure),
             wider,
             one,
             price,

@@ -12,6 +12,7 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import predicts, trials_of
 from pyport.diagnosis.shapes.boxes import boxes
+from pyport.diagnosis.shapes.cycles import cycles
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
@@ -66,6 +67,7 @@ def _best_in_place(
     worths = list(ground.worths(of_time))
     if False in of_time:
         worths += map(ground.worth_of, boxes(problem, weighed, chosen))
+        worths += map(ground.worth_of, cycles(problem, weighed, chosen))
     strongest = max((step.winner.gain for step in kept), default=0.0)
     if names:
         together = ground.gain(problem.expanded([step.chosen for step in names]))
@@ -74,7 +76,9 @@ def _best_in_place(
     else:
         least = max(CONVINCING, IMPERFECTION * strongest, -2 * float(np.log(FAMILY_ERROR)))
     best = max(worths, key=_standing, default=None)
-    return None if best is None else (best.evidence - least, best)
+    if best is None:
+        return None
+    return (_standing(best) if names else best.evidence) - least, best
 
 
 def _standing(worth: Worth) -> float:

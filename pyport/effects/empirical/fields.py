@@ -55,6 +55,40 @@ def elevation(at: Circumstances, width_rad: float, centres_rad: Sequence[float])
     return _normal(at.el, np.asarray(centres_rad, float), width_rad)
 
 
+def cycle(
+    at: Circumstances,
+    name: str,
+    period_rad: float,
+    count: int,
+    from_rad: float | None = None,
+    *,
+    falls: bool = False,
+) -> Array:
+    """Return harmonics of what comes back along an angle, shape (n, 2 count).
+
+    The m-th is smaller by m, so that what has drawn heights is rough as a random walk is. The angle
+    is counted around a circle from `from_rad`, or as it is recorded, beyond a turn. With `falls`
+    they fall as the cosine of the second angle, as what the first drive errs by does on the sky.
+    """
+    angle = _counted(_along(at, name), from_rad)
+    order = np.arange(1, count + 1)
+    phase = 2 * np.pi / period_rad * angle[:, None] * order
+    lever = (at.sky or at).onto_sky[:, None] if falls else 1.0
+    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
+    return np.asarray(waves / np.tile(order, 2) * lever)
+
+
+def _counted(angle: Array, from_rad: float | None) -> Array:
+    return angle if from_rad is None else (angle - from_rad) % (2 * np.pi)
+
+
+def within_cycle(bumps: Bumps, at: Circumstances) -> Array:
+    """Return how far into the period of a cycle each place is [rad], shape (n,)."""
+    here = at.axes if bumps.get("in_axes") else at
+    angle = _counted(_along(here, bumps["name"]), bumps.get("from_rad"))
+    return np.asarray(angle % bumps["period_rad"])
+
+
 def column(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
     """Return bumps over the ranks that a column's numbers have among `values`, shape (n, K)."""
     return _ranked(_along(at, name), count, values)
@@ -165,8 +199,11 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
     return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
 
 
-_BUMPS = (sky, wave, waves, azimuth, elevation, column, pair, slew, sun, time, box, stretch, curve)
-KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _BUMPS}
+_OVER_SKY = (sky, wave, waves, azimuth, elevation, cycle, box, stretch)
+_ALONG_NUMBERS = (column, pair, curve, slew, sun, time)
+KINDS: dict[str, Callable[..., Array]] = {
+    one.__name__: one for one in (*_OVER_SKY, *_ALONG_NUMBERS)
+}
 
 
 def values(bumps: Bumps, at: Circumstances) -> Array:
@@ -203,7 +240,8 @@ def field(
     told = (bumps.get(name, 2) for name in ("count", "order", "around", "upward"))
     each = bumps.get("each", ())
     count = max(*told, len(each), *(one for pair in each for one in pair))
-    if bumps.get("width_rad", 1.0) < NARROWEST_RAD or count > MOST_BUMPS:
+    narrowest = min(bumps.get("width_rad", 1.0), bumps.get("period_rad", 1.0))
+    if narrowest < NARROWEST_RAD or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)
     mix = np.asarray(directions, float)

@@ -818,13 +818,13 @@ def test_evidence_beside_a_model_is_that_of_dense_algebra():
     assert gained < (column @ left) ** 2 / (column @ column)
 
 
-def field(evidence, directions=1, *, of_time=False):
+def field(evidence, directions=1, *, of_time=False, of_two=False):
     """Return what a field is worth."""
     return SimpleNamespace(
         evidence=evidence,
         directions=np.ones((3, directions)),
         gain=1.0,
-        field=SimpleNamespace(of_time=of_time, of_two=False),
+        field=SimpleNamespace(of_time=of_time, of_two=of_two),
     )
 
 
@@ -837,6 +837,7 @@ def left(monkeypatch, worths, now, turn=0, together=0.0, gain=0.0):
     ground = SimpleNamespace(worths=every, worth_of=lambda one: one, gain=lambda _: gain)
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
     monkeypatch.setattr(instead, "boxes", lambda *_: [])
+    monkeypatch.setattr(instead, "cycles", lambda *_: [])
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
     monkeypatch.setattr(instead, "_evidence", lambda *_: together)
     monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
@@ -857,6 +858,15 @@ def test_a_field_must_beat_all_names_by_six(monkeypatch, evidence, wins):
     now = outcome(step(trial()))
 
     assert taken(monkeypatch, [field(evidence)], now, together=50.0) == wins
+
+
+@pytest.mark.parametrize(("evidence", "wins"), [(62.5, True), (61.5, False), (56.5, False)])
+def test_a_surface_over_two_columns_must_beat_all_names_by_twelve(monkeypatch, evidence, wins):
+    """A name that one column drives, drawn over two, would be six better by chance too often."""
+    now = outcome(step(trial()))
+
+    assert taken(monkeypatch, [field(evidence, of_two=True)], now, together=50.0) == wins
+    assert taken(monkeypatch, [field(9.4, of_two=True)], outcome())
 
 
 @pytest.mark.parametrize(
