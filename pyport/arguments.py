@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import operator
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pyport.errors import BadInput
+
+#: A name this near to a known one is a slip: `sessoin` (0.857) of `session`, `section` (0.71) not.
+SLIP = 0.85
 
 
 def refusal(name: str, value: object, expected: str) -> BadInput:
@@ -20,6 +24,14 @@ def refusal(name: str, value: object, expected: str) -> BadInput:
     if isinstance(value, str | int | float):
         kind = f"{value!r:.60}"
     return BadInput(f"{name} is {kind}, expected {expected}")
+
+
+def nearest(name: str, known: Iterable[str], least: float = 0.6) -> str | None:
+    """Return the known name that is spelled most like another, None where none is alike.
+
+    `least`: how much alike it has to be, from 0 to 1: difflib's ratio.
+    """
+    return next(iter(difflib.get_close_matches(name, list(known), 1, least)), None)
 
 
 def mapping(name: str, value: Any) -> Mapping[Any, Any]:  # noqa: ANN401 - whatever is given

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.arguments import refusal
+from pyport.arguments import SLIP, nearest, refusal
 from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
@@ -95,9 +94,6 @@ NAMES = frozenset({*QUANTITIES, *_SPELLED, *_PLAIN, *_TIMES, *LABELS, "location"
 
 Columns = dict[str, NDArray[Any]]
 
-#: `reciever` is nearer to `receiver`, `temprature_c` to `temperature_c`.
-SLIP = 0.85
-
 
 def known(name: str) -> bool:
     """Tell whether a condition is called so."""
@@ -140,8 +136,8 @@ def _one(
         return column.name, _in_unit(key, value, column.quantity) * scale
     if key in others:
         return key, _numbers(key, value)
-    near = difflib.get_close_matches(key, sorted(NAMES | set(others)), 1)
-    meant = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(sorted(NAMES))}"
+    near = nearest(key, sorted(NAMES | set(others)))
+    meant = f"did you mean {near!r}?" if near else f"known are {', '.join(sorted(NAMES))}"
     raise BadInput(f"no condition is called {key!r}: {meant}")
 
 
@@ -151,9 +147,9 @@ def refuse_slips(names: Collection[str], others: Collection[str]) -> None:
     Raises `BadInput`: with the condition that may be meant.
     """
     for name in sorted(names):
-        near = difflib.get_close_matches(name.lower(), sorted(NAMES | set(others)), 1, SLIP)
+        near = nearest(name.lower(), sorted(NAMES | set(others)), SLIP)
         if near and not known(name):
-            raise BadInput(f"--set {name}: no condition is called so, did you mean {near[0]!r}?")
+            raise BadInput(f"--set {name}: no condition is called so, did you mean {near!r}?")
 
 
 def has_unit(value: Any) -> bool:  # noqa: ANN401 - whatever is given

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
+from pyport.arguments import SLIP, nearest
 from pyport.columns import (
     COLUMNS,
     DAY,
@@ -134,8 +134,6 @@ _SPELLED_OUT = {
     **dict.fromkeys(("highest_el_deg", "highest_el", "highest_elevation_deg"), "highest_el_deg"),
     **{one: one for one in ("largest_offset_deg", "bookkeeping")},
 }
-#: `latitude` is one more letter apart, `altitude` something else.
-SLIP = 0.86
 _SOMETHING_ELSE = frozenset({"altitude", "altitude_deg", "attitude"})
 #: Longer ones are sentences.
 LONGEST_KEY = 40
@@ -169,8 +167,8 @@ def key_meant(key: str, value: str) -> str | None:
     if small.startswith("az"):
         zero = _ZERO.fullmatch(" ".join(value.lower().split()))
         return "azimuth_zero" if zero else None
-    near = difflib.get_close_matches(small, _SPELLED_OUT, 1, SLIP)
-    return _SPELLED_OUT[near[0]] if near else None
+    near = nearest(small, _SPELLED_OUT, SLIP)
+    return None if near is None else _SPELLED_OUT[near]
 
 
 def comment(line: str) -> tuple[str, str] | None:

@@ -64,6 +64,8 @@ def test_apply(model, tmp_path):
         applied(model, targets, "--set", "receiver=Z")
     with pytest.raises(BadInput, match=r"--set reciever: no condition is called so, .* 'receiver'"):
         applied(model, targets, "--set", "reciever=X")
+    with pytest.raises(BadInput, match=r"--set sessoin: no condition is called so, .* 'session'"):
+        applied(model, targets, "--set", "sessoin=april")
 
     targets.write_text(TARGETS.replace("X", "Z"))
     with pytest.raises(BadInput, match=REFUSED):

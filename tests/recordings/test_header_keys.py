@@ -69,6 +69,7 @@ def test_another_word_for_a_key_is_refused_with_the_right_one(tmp_path):
         ("# Lattitude deg: 53.1", "Lattitude_deg", "latitude_deg"),
         ("# site longitude: 18.6", "site_longitude", "longitude_deg"),
         ("# largest offset: 20", "largest_offset", "largest_offset_deg"),
+        ("# latitude south: 30.2", "latitude_south", "latitude_deg"),
     ],
 )
 def test_a_slip_is_noted(tmp_path, line, key, right):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import re
@@ -10,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from pyport.arguments import nearest
 from pyport.errors import BadInput
 
 
@@ -176,8 +176,8 @@ class Table:
     def done(self, known: str) -> None:
         """Refuse the keys that are left; name the one that was meant."""
         for key in self.content:
-            near = difflib.get_close_matches(key, known.split(), 1)
-            meant = f"did you mean `{near[0]}`?" if near else f"expected one of {known}"
+            near = nearest(key, known.split())
+            meant = f"did you mean `{near}`?" if near else f"expected one of {known}"
             raise self.wrong(f"`{key}` is not known: {meant}", key)
 
 

@@ -8,7 +8,6 @@ text, another count of time, or degrees with colons.
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections import Counter
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
+from pyport.arguments import nearest
 from pyport.columns import (
     ANGLE,
     COLUMNS,
@@ -114,8 +114,8 @@ def _found(raw: Raw, ours: str, name: str, called: Mapping[str, str]) -> str:
             return alike[0]
     if name in raw.columns:
         return name
-    near = difflib.get_close_matches(name, bare.values(), 1)
-    meant = f"did you mean {near[0]!r}?" if near else f"it has {', '.join([*bare.values()][:20])}"
+    near = nearest(name, bare.values())
+    meant = f"did you mean {near!r}?" if near else f"it has {', '.join([*bare.values()][:20])}"
     if "1" in called and all(key == one for key, one in called.items()):
         meant = f"no line of names was found, expected a number from 1 to {len(called)}"
     raise raw.error(f"--columns: no column {name!r}: {meant}")
