@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
@@ -102,13 +102,19 @@ def families(problem: Problem) -> Iterator[tuple[int, Field]]:
         for m in WAVES_AROUND
         for n in WAVES_UPWARD
     ]
+    known = numbers(problem.recordings)
+    ordered = {
+        name: np.sort(values[np.isfinite(values)]).tolist()
+        for name, values in known.items()
+        if name not in ("az_deg", "time")
+    }
     curves = [
-        *_curves(problem),
+        *_curves(problem, known, ordered),
         *_about_the_sun(problem),
         *_after_slews(problem),
         *_in_time(problem),
     ]
-    for kind in (sky, waves, curves, [*_surfaces(problem)]):
+    for kind in (sky, waves, curves, [*_surfaces(problem, ordered)]):
         for one in kind:
             yield len(kind), one
 
@@ -135,9 +141,12 @@ def _wave_name(m: int, n: int) -> str:
     return f"goes with {m} A" + (f" and {n} E" if n else "")
 
 
-def _curves(problem: Problem) -> Iterator[Field]:
+def _curves(
+    problem: Problem, known: Mapping[str, Array], ordered: Mapping[str, list[float]]
+) -> Iterator[Field]:
     """Yield bumps along azimuth, elevation, the angles of other axes and every column of numbers.
 
+    `known`, `ordered`: the columns of numbers, and those to follow in rising order.
     A circle of azimuth is counted from north, other first axes from minus half a turn.
     """
     at, row = problem.recordings.at, problem.stack.row
@@ -151,11 +160,10 @@ def _curves(problem: Problem) -> Iterator[Field]:
         along = "unwrapped_az_deg", at.az[row] / DEG
         counted = np.sort(at.az).tolist()
         yield _curve(problem, "column", along, name="az_deg", count=ALONG_COLUMN, values=counted)
-    for name, values in numbers(problem.recordings).items():
-        if name not in ("az_deg", "el_deg", "time", "order"):
-            ordered = np.sort(values[np.isfinite(values)]).tolist()
-            along = name, values[row]
-            yield _curve(problem, "column", along, name=name, count=ALONG_COLUMN, values=ordered)
+    for name, values in ordered.items():
+        if name != "el_deg":
+            along = name, known[name][row]
+            yield _curve(problem, "column", along, name=name, count=ALONG_COLUMN, values=values)
 
 
 def _angles(
@@ -178,13 +186,8 @@ def _angles(
         )
 
 
-def _surfaces(problem: Problem) -> Iterator[Field]:
+def _surfaces(problem: Problem, ordered: Mapping[str, list[float]]) -> Iterator[Field]:
     """Yield bumps over every two columns of numbers together, elevation being one."""
-    ordered = {
-        name: np.sort(values[np.isfinite(values)]).tolist()
-        for name, values in numbers(problem.recordings).items()
-        if name not in ("az_deg", "time", "order")
-    }
     for one, two in combinations(ordered, 2):
         how, values = f"follows {one} and {two}", [ordered[one], ordered[two]]
         yield _field(
