@@ -21,6 +21,7 @@ from pyport.angles import Array
 from pyport.effects import Circumstances, Effect, MissingColumn, Site
 from pyport.effects.empirical.fields import UNKNOWN, field
 from pyport.effects.telescope.structure import jump_at
+from pyport.models.labels import refuse_unknown, split_of
 from pyport.models.members import apart
 from pyport.models.model import Model, rt32_values
 from pyport.pointing.approximate import RT32_JUMP, effect_of
@@ -82,6 +83,7 @@ class Kernel:
             at = Circumstances(np.array([az]), np.array([el]), site, _arrays(columns))
             for effect, values in self._slow:
                 more_x, more_y = effect.columns(at)
+                refuse_unknown(effect, columns)
                 x += float(more_x[0] @ values)
                 y += float(more_y[0] @ values)
         return x, y
@@ -104,6 +106,7 @@ class Kernel:
             at = Circumstances(az[rows], el[rows], site, these)
             for effect, values in self.rest:
                 across, along = effect.columns(at)
+                refuse_unknown(effect, these)
                 x[rows] += across @ values
                 y[rows] += along @ values
         return x, y
@@ -178,7 +181,8 @@ def kernel(model: Model, labels: dict[str, str], site: Site | None) -> Kernel:
         values = term.values_of(nobody)
         for effect, own, mirrored in _plain(term.effect, values):
             folded |= mirrored
-            if not own.any():
+            # labels are refused of a term of zeros too
+            if not own.any() and not split_of(effect)[0]:
                 continue
             waves = _waves(effect, own, site)
             if waves is None:

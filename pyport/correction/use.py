@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -16,11 +15,10 @@ from pyport.arguments import place
 from pyport.columns import SPELLED
 from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
-from pyport.effects import Circumstances, Effect, MissingColumn, Site
+from pyport.effects import Circumstances, MissingColumn, Site
 from pyport.errors import BadInput
 from pyport.models import complete
 from pyport.models.conditions import Columns, Value
-from pyport.models.labels import refuse_unknown, split_of
 from pyport.models.model import INSIDE, Model
 from pyport.mounts import ALTAZ, Mount, turned
 
@@ -113,7 +111,6 @@ class PointingModel:
             arrays = {key: np.array([one]) for key, one in columns.items()}
             x, y = self._offsets(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
             return float(x[0]), float(y[0])
-        self._refuse_unknown(columns)
         ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
         if self._by_row:
             columns.setdefault("order", LATEST)
@@ -228,7 +225,6 @@ class PointingModel:
         if self._by_row and "order" not in columns:
             # what changed at some row of the recordings is as it was after the last of them
             columns = columns | {"order": np.full(len(az), LATEST)}
-        self._refuse_unknown(columns)
         known = {key: columns[key] for key in self._labels if key in columns}
         single = {
             key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()
@@ -241,15 +237,6 @@ class PointingModel:
             return self._kernel(tuple(single.items())).many(az, el, columns, site)
         except MissingColumn:
             raise self._lacking(set(columns)) from None
-
-    @cached_property
-    def _split(self) -> tuple[Effect, ...]:
-        """Return the effects that distinguish receivers, bands or beams."""
-        return tuple(term.effect for term in self.model.terms if split_of(term.effect)[0])
-
-    def _refuse_unknown(self, columns: Mapping[str, Any]) -> None:
-        for effect in self._split:
-            refuse_unknown(effect, columns)
 
     def _lacking(self, given: set[str]) -> BadInput:
         """Return an error that names everything that is needed and not given."""

@@ -56,6 +56,18 @@ def test_in_python(model):
         known.correct({"az_deg": [10.0], "el_deg": [40.0], "receiver": ["Z"]})
 
 
+def test_a_term_of_zeros(tmp_path):
+    """It refuses labels like any other."""
+    path = tmp_path / "model.toml"
+    path.write_text(MODEL.replace("-60.0", "0.0").replace("30.0", "0.0"))
+    known = pyport.load_model(path)
+
+    for ask in (known.offsets, known.offsets_rad):
+        assert ask(0.1, 0.7, receiver="X") == (0, 0)
+        with pytest.raises(BadInput, match=REFUSED):
+            ask(0.1, 0.7, receiver="Z")
+
+
 def test_apply(model, tmp_path):
     """By an option and by a column; rows that tell none are counted."""
     targets = tmp_path / "targets.csv"
