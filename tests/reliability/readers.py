@@ -180,7 +180,7 @@ def readers() -> dict[str, Reader]:
     terms = ("formats.model_file", *lines)
     sheets = ("recordings.formats.mapped", "recordings.formats.sheet")
     katpoint, katpoint_csv = ("formats.katpoint_model", *terms), "recordings.formats.katpoint_csv"
-    tpoint_dat = "recordings.formats.tpoint_dat"
+    tpoint_dat = "recordings.formats.tpoint.dat"
     agrees = ("formats.field_system.agreement",)
     streams = tuple(f"recordings.stream.{one}" for one in ("pieces", "chunk", "cells", "reduce"))
     scans = ("recordings.scans",)
@@ -202,7 +202,7 @@ def readers() -> dict[str, Reader]:
             ".dat",
             (seeds.EQUATORIAL,),
             recordings,
-            ("recordings.formats.tpoint_equatorial", tpoint_dat),
+            ("recordings.formats.tpoint.equatorial", tpoint_dat),
         ),
         ("other-names", ".txt", (seeds.MINE, seeds.PLAIN), mapped, sheets),
         ("column-map", ".toml", (seeds.MAP,), column_map, ("recordings.formats.mapped",)),

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from pyport.columns import LABELS
 from pyport.errors import BadInput
-from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, tpoint_dat, xtr
+from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, xtr
 from pyport.recordings.formats import tables as typed
+from pyport.recordings.formats.tpoint import dat
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Table
 
@@ -73,7 +74,7 @@ FORMATS = {
         TableFormat("csv", ".csv", csv.read, _as_text(csv.write)),
         TableFormat("ecsv", ".ecsv", typed.read_ecsv, _with_types(typed.write_ecsv)),
         TableFormat("parquet", ".parquet", typed.read_parquet, _with_types(typed.write_parquet)),
-        TableFormat("tpoint-dat", ".dat", tpoint_dat.read, tpoint_dat.write),
+        TableFormat("tpoint-dat", ".dat", dat.read, dat.write),
         TableFormat("fs-xtr", ".xtr", xtr.read_xtr, xtr.write),
         TableFormat("fs-err", ".err", xtr.read_err, None),
         TableFormat("katpoint-csv", "", katpoint_csv.read, katpoint_csv.write),

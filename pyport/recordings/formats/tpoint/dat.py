@@ -2,7 +2,7 @@
 
 A star's line holds its azimuth and elevation, then those that the telescope
 read, all in degrees, then whatever else (a rotator's angle with ROTNL or ROTNR);
-or its right ascension and declination: see `tpoint_equatorial`. Of an equatorial
+or its right ascension and declination: see `equatorial`. Of an equatorial
 mount (EQUAT) it holds hour angles and declinations, or the same right ascensions;
 a telescope that had turned over reads a declination beyond the pole. These are TPOINT's
 formats 4, 1 and 2; the third is refused, for no public source tells its columns.
@@ -22,8 +22,9 @@ from pyport.effects.base import OVER, PIER_SIDE
 from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.formats import exact, tpoint_equatorial
+from pyport.recordings.formats import exact
 from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
+from pyport.recordings.formats.tpoint import equatorial
 from pyport.recordings.mounted import sides
 from pyport.recordings.raw import REFRACTION, Raw
 from pyport.recordings.schema import Table
@@ -80,11 +81,11 @@ def read(path: Path) -> Raw:
         raise BadInput("no line with the latitude, expected one such as 53 05 43.8", path)
     if not found:
         raise BadInput("no observations below the latitude", path, site.number)
-    equatorial = [tpoint_equatorial.is_star(line, words) for line, words, _, _ in found]
-    if all(equatorial):
+    of_catalogue = [equatorial.is_star(line, words) for line, words, _, _ in found]
+    if all(of_catalogue):
         return _of_stars(path, meta, found, site)
-    if any(equatorial):
-        other = found[equatorial.index(not equatorial[0])][0]
+    if any(of_catalogue):
+        other = found[of_catalogue.index(not of_catalogue[0])][0]
         raise other.error("a record of another kind than the first: degrees, or RA and Dec")
     return _tabulated(path, meta, found, site.number)
 
@@ -94,11 +95,11 @@ def _of_stars(
 ) -> Raw:
     """Return the columns of equatorial records, turned into azimuth and elevation."""
     words_of_site = site.text.split()
-    stars = [tpoint_equatorial.star(line, words, words_of_site) for line, words, _, _ in found]
+    stars = [equatorial.star(line, words, words_of_site) for line, words, _, _ in found]
     widest = max(len(one.rest) for one in stars)
     rows = [one.polar() if MOUNT in meta else one.across() for one in stars]
     columns = {name: [f"{row[name]:.10f}" for row in rows] for name in rows[0]}
-    meta[REFRACTION] = tpoint_equatorial.refracted(words_of_site)
+    meta[REFRACTION] = equatorial.refracted(words_of_site)
     _add_sides(meta, columns, [one.over for one in stars])
     for n in range(widest):
         cells = [one.rest[n] if n < len(one.rest) else "" for one in stars]
@@ -176,7 +177,7 @@ def _tabulated(
     angles = ("az_deg", "el_deg", "d_az_deg", "d_el_deg")
     angles = ("ha_deg", "dec_deg", "d_ha_deg", "d_dec_deg") if polar else angles
     names = (*angles, *extra, NOTE, SET_ASIDE)
-    meta[REFRACTION] = tpoint_equatorial.as_seen(meta[SITE].split())
+    meta[REFRACTION] = equatorial.as_seen(meta[SITE].split())
     rows, over = [], []
     for line, words, note, masked in found:
         if len(words) < 4:

@@ -1,0 +1,1 @@
+"""Observation files of TPOINT."""
