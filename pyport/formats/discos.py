@@ -12,7 +12,7 @@ from pyport.files import write_whole
 from pyport.formats.field_system.ctl import FITTED, OFF, entries, numbered
 from pyport.formats.model_file import ModelFile
 from pyport.models.terms.field_system import NUMBER
-from pyport.recordings.formats.csv import Line, read_text
+from pyport.recordings.formats.text import Line, read_text
 
 _SPACE = "urn:schemas-cosylab-com:PointingModel:1.0"
 

@@ -18,8 +18,8 @@ from pyport.files import write_file
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.models.terms.field_system import KATPOINT_NUMBER as NUMBER
 from pyport.models.terms.field_system import RATIOS, UNITS
-from pyport.recordings.formats.csv import Line, lines_of, read_text
 from pyport.recordings.formats.katpoint_csv import MODEL_FIELD, angle
+from pyport.recordings.formats.text import Line, lines_of, read_text
 
 _VALUE = r"[-+]?(?:\d+:\d+:\d+(?:\.\d*)?|\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+)"
 _DESCRIPTION = re.compile(rf"{_VALUE}(?:(?:\s*,\s*|\s+){_VALUE})*")

@@ -18,7 +18,7 @@ from pyport.models import toml
 from pyport.models.model import BUILT_IN, Model
 from pyport.models.terms import editing
 from pyport.models.terms.words import SCALES
-from pyport.recordings.formats.csv import Line, is_measured, read_text
+from pyport.recordings.formats.text import Line, is_measured, read_text
 from pyport.toml_text import toml_spelled
 
 #: Keys of the value and its sigma in a unit.

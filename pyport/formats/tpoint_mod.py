@@ -15,7 +15,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.models.terms import editing, tpoint
-from pyport.recordings.formats.csv import Line, lines_of, padded
+from pyport.recordings.formats.text import Line, lines_of, padded
 
 #: What the statistics are: number of stars, sky rms, two constants of refraction [arcsec].
 STATISTICS = ("stars", "sky_rms_arcsec", "refraction_a_arcsec", "refraction_b_arcsec")

@@ -17,7 +17,7 @@ from pyport.models.conditions import Completed, Value
 from pyport.models.members import effect_of
 from pyport.models.model import BUILT_IN, PER_ANTENNA, Model, Term, rt32_values
 from pyport.mounts import ALTAZ, KINDS
-from pyport.recordings.formats.csv import read_text
+from pyport.recordings.formats.text import read_text
 from pyport.toml_text import toml_spelled
 
 SCHEMA = "pyport.model/1"

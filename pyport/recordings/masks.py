@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.formats.csv import read_text
+from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
 

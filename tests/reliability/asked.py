@@ -22,7 +22,7 @@ from pandas import DataFrame
 import pyport
 from pyport import cli
 from pyport.errors import BadInput
-from pyport.recordings.formats.csv import read_text
+from pyport.recordings.formats.text import read_text
 
 ABOUT_FILE = b"--where\nel_deg < 45\n--set\nlongitude_deg=18\n--from\ncsv\n--mount\naltaz\n"
 #: A command: what stands before its options, and options that are right, a word a line.

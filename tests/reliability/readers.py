@@ -21,8 +21,8 @@ from pyport.formats.models import load
 from pyport.planning.target_lists import read_catalogue
 from pyport.recordings import masks, read
 from pyport.recordings.files import read_survey
-from pyport.recordings.formats import csv
 from pyport.recordings.formats import mapped as columns
+from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.scans import measure
 from pyport.recordings.where import where
@@ -64,14 +64,14 @@ def effects(path: Path) -> None:
 
 def description(path: Path) -> None:
     """Take a file's text for katpoint's description of a model."""
-    load(csv.read_text(path)).offsets(AT)
+    load(read_text(path)).offsets(AT)
 
 
 def filtered(path: Path) -> None:
     """Take a file's text for a filter of recordings."""
     night = path.with_name("night.csv")
     night.write_bytes(NIGHT)
-    where(read(night), csv.read_text(path))
+    where(read(night), read_text(path))
 
 
 def mask(path: Path) -> None:
@@ -93,7 +93,7 @@ def table(path: Path) -> None:
 
 def places(path: Path) -> None:
     """Take a file for the directions that a table is asked for."""
-    list(answers(seeds.table(), csv.read_text(path).splitlines(), path.name))
+    list(answers(seeds.table(), read_text(path).splitlines(), path.name))
 
 
 def data_set(path: Path) -> None:
@@ -175,7 +175,7 @@ def _modules(names: Iterable[str]) -> tuple[str, ...]:
 def readers() -> dict[str, Reader]:
     """Return all readers by name."""
     raw = ("recordings.interpret", "recordings.raw", "columns")
-    lines = ("recordings.formats.csv",)
+    lines = ("recordings.formats.text",)
     field_system = ("recordings.formats.xtr", *lines)
     terms = ("formats.model_file", *lines)
     sheets = ("recordings.formats.mapped", "recordings.formats.sheet")
@@ -186,7 +186,7 @@ def readers() -> dict[str, Reader]:
     scans = ("recordings.scans",)
     judges = ("examiner.sealed.scoring.judge",)
     all_of_them = (
-        ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *raw)),
+        ("csv", ".csv", (NIGHT,), recordings, ("recordings.formats.csv", *lines, *raw)),
         ("ecsv", ".ecsv", (ECSV,), recordings, ("recordings.formats.tables", *raw)),
         ("parquet", ".parquet", (parquet(),), recordings, ("recordings.formats.tables", *raw)),
         ("data-set", ".parquet", (parquet(seeds.PLAIN), parquet()), data_set, streams),

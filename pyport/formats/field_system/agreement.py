@@ -14,7 +14,7 @@ from pyport.errors import BadInput
 from pyport.formats.field_system import ctl, err
 from pyport.models.terms import field_system
 from pyport.recordings.formats import csv
-from pyport.recordings.formats.csv import Line
+from pyport.recordings.formats.text import Line
 from pyport.recordings.formats.xtr import read_xtr, section, sections
 
 GRID, MODEL = "fs_fln_flt_grid.csv", "mdlpo.ctl"

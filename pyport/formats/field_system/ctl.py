@@ -16,7 +16,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import Entry, ModelFile
 from pyport.models.terms.field_system import NUMBER
-from pyport.recordings.formats.csv import Line, lines_of, padded
+from pyport.recordings.formats.text import Line, lines_of, padded
 from pyport.recordings.formats.xtr import section, sections
 
 OFF, FITTED, HELD, ALONE, FORGOTTEN = range(5)

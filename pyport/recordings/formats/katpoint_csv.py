@@ -16,7 +16,7 @@ from pyport.columns import SET_ASIDE
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats import exact
-from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
+from pyport.recordings.formats.text import Line, lines_of, raw_of, spelled
 from pyport.recordings.naming import comment
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Table

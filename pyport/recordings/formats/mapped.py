@@ -42,8 +42,8 @@ from pyport.recordings.formats.cells import (
     name_and_unit,
     unit_missed,
 )
-from pyport.recordings.formats.csv import read_text
 from pyport.recordings.formats.sheet import Sheet, sheet
+from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import (
     EARLIEST_S,
     LATEST_S,

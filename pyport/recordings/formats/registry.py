@@ -17,6 +17,7 @@ from pyport.columns import LABELS
 from pyport.errors import BadInput
 from pyport.recordings.formats import csv, exact, katpoint_csv, mapped, xtr
 from pyport.recordings.formats import tables as typed
+from pyport.recordings.formats.text import refuse_packed
 from pyport.recordings.formats.tpoint import dat
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Table
@@ -156,7 +157,7 @@ def format_of(path: Path, name: str = "", *, to_write: bool = False) -> TableFor
         return BY_SUFFIX[path.suffix.lower()]
     except KeyError:
         if not to_write:
-            csv.refuse_packed(path)
+            refuse_packed(path)
         known = [suffix for suffix, one in BY_SUFFIX.items() if one.write or not to_write]
         wrong = f"suffix {path.suffix!r} names no format, expected {', '.join(known)}"
         way = "" if to_write else "; --columns reads any other table"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.recordings.formats.cells import are_units, joined
-from pyport.recordings.formats.csv import read_text
+from pyport.recordings.formats.text import read_text
 from pyport.recordings.naming import comment
 
 #: Signs between columns, in the order in which they are tried; None for blanks.

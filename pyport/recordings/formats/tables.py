@@ -16,7 +16,7 @@ from pyport.columns import ANGLES
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats.cells import in_its_unit
-from pyport.recordings.formats.csv import LARGEST_TEXT, MOST_COLUMNS, read_text
+from pyport.recordings.formats.text import LARGEST_TEXT, MOST_COLUMNS, read_text
 from pyport.recordings.raw import LONGEST_CELL, Raw, TextColumn
 from pyport.recordings.schema import Table
 

@@ -15,7 +15,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.mounts import ALTAZ, KINDS, Mount
 from pyport.recordings.formats import exact
-from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
+from pyport.recordings.formats.text import Line, lines_of, raw_of, spelled
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Table
 

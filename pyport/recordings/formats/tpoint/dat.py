@@ -23,7 +23,7 @@ from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats import exact
-from pyport.recordings.formats.csv import Line, lines_of, raw_of, spelled
+from pyport.recordings.formats.text import Line, lines_of, raw_of, spelled
 from pyport.recordings.formats.tpoint import equatorial
 from pyport.recordings.mounted import sides
 from pyport.recordings.raw import REFRACTION, Raw

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pyport.angles import ARCSEC, DEG, Array, wrap
-from pyport.recordings.formats.csv import Line
+from pyport.recordings.formats.text import Line
 from pyport.recordings.sky import Place, equator, equinox, horizon, to_j2000
 
 #: Words of a record: RA, Dec, observed RA and Dec of three each, sidereal time of two.
