@@ -215,7 +215,7 @@ ANGLES = frozenset(
 DIRECTIONS = (AXES | {one.name for one in _kind(ANGLE) if one.spoken}) - {"az", "el"}
 #: Short names of angles.
 ALIASES = {"ha": "hour_angle"}
-#: Angles that are also told in hours.
+#: Angles that are also given in hours.
 HOURLY = frozenset({"hour_angle", "ra"})
 #: Numbers whose unit is a fixed part of their name.
 NUMBERS = frozenset(one.name for one in _kind(NUMBER) if one.name not in {"scan_rate", HOUR_OF_DAY})

@@ -1,4 +1,4 @@
-"""What a user may get wrong, and how it is told to them."""
+"""What a user may get wrong, and how it is said."""
 
 from __future__ import annotations
 

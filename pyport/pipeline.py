@@ -159,18 +159,18 @@ def _run_one(
     if diagnosis.problem.blocks.antennas > 1 or request.survey is not None:
         array = report_array(diagnosis.problem, diagnosis.after, request.survey)
         diagnosis = with_site(diagnosis, array)
-    told = report_of(diagnosis, array)
-    text = in_words(told)
+    contents = report_of(diagnosis, array)
+    text = in_words(contents)
     if array is not None:
         text += "\n" + words(array)
     if (folder := request.folder) is None:
-        report = as_json(told)
+        report = as_json(contents)
     else:
         beside = write_findings(diagnosis, folder)
-        beside.append(page.write(*page.of_diagnosis(diagnosis, told), folder / "report.html"))
+        beside.append(page.write(*page.of_diagnosis(diagnosis, contents), folder / "report.html"))
         if array is not None and (places := write_places(array, folder)) is not None:
             beside.append(places)
-        report = write(diagnosis, folder, told, beside)
+        report = write(diagnosis, folder, contents, beside)
         for kept in pass_files(folder):
             kept.unlink(missing_ok=True)
     if request.save is not None:

@@ -77,8 +77,8 @@ class Combination:
         listed = f"{', '.join(names[:-1])} and {names[-1]}"
         if not self.known:
             return f"{listed} cannot be distinguished here, and no combination of them is known"
-        told = [f"{self.formula(one)} = {amount(one)}" for one in self.known[:MOST_DIRECTIONS]]
-        return f"{listed} are known in combination only: {', and '.join(told)}"
+        sums = [f"{self.formula(one)} = {amount(one)}" for one in self.known[:MOST_DIRECTIONS]]
+        return f"{listed} are known in combination only: {', and '.join(sums)}"
 
     def formula(self, one: Direction) -> str:
         """Return a direction as a sum, with arcsec for a unit of each coefficient."""

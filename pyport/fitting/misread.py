@@ -288,13 +288,13 @@ def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
         sign = np.where(session == code, -1.0, 1.0)
         sides = (across, x * sign, y), (along, x, y * sign), ("both axes", x * sign, y * sign)
         for axes, of_x, of_y in sides:
-            told = f"the offsets in {axes} of session {name} have the sign opposite to the others'"
-            yield Reading((told,), of_x, of_y)
+            how = f"the offsets in {axes} of session {name} have the sign opposite to the others'"
+            yield Reading((how,), of_x, of_y)
         if (times := _unit(x, y, session == code)) != 1.0:
             scale = np.where(session == code, times, 1.0)
             size = f"{times:.4g} times as large as" if times > 1 else f"1/{1 / times:.4g} of"
-            told = f"the offsets of session {name} are in a unit {size} the others'"
-            yield Reading((told,), x * scale, y * scale, scale, scale)
+            how = f"the offsets of session {name} are in a unit {size} the others'"
+            yield Reading((how,), x * scale, y * scale, scale, scale)
 
 
 def _unit(x: Array, y: Array, own: NDArray[np.bool_]) -> float:

@@ -73,17 +73,17 @@ def write_model(
         return chosen.name, len(model.completed.values), Rest()
     conditions = conditions or {}
     model = _of_labels(model, conditions, path)
-    told = _told(model, path)
-    if not told and model.given is None:
+    values = _values(model, path)
+    if not values and model.given is None:
         raise BadInput(f"the model {model.name} has no values to write: fit it first", path)
     vocabulary = _vocabulary(chosen, model, path)
-    each = [(one.called, _in_vocabulary(one, vocabulary)) for one in told]
+    each = [(one.called, _in_vocabulary(one, vocabulary)) for one in values]
     found = [entry for _, entries in each for entry in entries]
     lost = list(dict.fromkeys(name for name, entries in each if not entries))
     if model.given is not None:
         lost.insert(0, f"the RT32's exact form ({model.base})")
     whole = rest_as is None and not leave_out
-    nameless = [one for one, (_, entries) in zip(told, each, strict=True) if not entries]
+    nameless = [one for one, (_, entries) in zip(values, each, strict=True) if not entries]
     instead = _waves(model, nameless, vocabulary, conditions) if lost and whole else None
     if instead is not None:
         found, lost = [*found, *_entries(instead, vocabulary)], []
@@ -91,7 +91,7 @@ def write_model(
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
         wrong = f"{vocabulary} has no name for {', '.join(lost)}"
         raise BadInput(f"{wrong}: {ways} or --leave-out", path)
-    made = dict(model.completed.made) if model.completed else dict(model.told)
+    made = dict(model.completed.made) if model.completed else dict(model.details)
     title = str(made.get("title") or made.get("telescope") or model.name)
     field_system = chosen.vocabulary == "field-system"
     details = {key: made[key] for key in KEPT if key in made and field_system}
@@ -127,8 +127,8 @@ def _phi_deg(model: Model, path: Path) -> Decimal:
 
 
 @dataclass(frozen=True)
-class _Told:
-    """A coefficient of a model in internal units: sigma None where it was fixed or is not told."""
+class _Value:
+    """A coefficient of a model in internal units: sigma None where it was fixed or is not known."""
 
     name: str
     effect: Effect
@@ -186,7 +186,7 @@ def _of_labels(model: Model, conditions: Mapping[str, Any], path: Path) -> Model
     return replace(model, terms=tuple(terms), completed=completed)
 
 
-def _told(model: Model, path: Path) -> list[_Told]:
+def _values(model: Model, path: Path) -> list[_Value]:
     known = iter(() if model.completed is None else model.completed.values)
     found = []
     for term in model.terms:
@@ -204,30 +204,30 @@ def _told(model: Model, path: Path) -> list[_Told]:
             sigma = None if row is None or row.sigma is None else row.sigma * abs(coefficient.scale)
             if term.has_values or term.fixed:
                 held = term.fixed or (row is not None and row.sigma is None)
-                found.append(_Told(coefficient.name, term.effect, n, value, sigma, held))
+                found.append(_Value(coefficient.name, term.effect, n, value, sigma, held))
     return found
 
 
-def _in_vocabulary(told: _Told, vocabulary: str) -> list[Entry]:
+def _in_vocabulary(one: _Value, vocabulary: str) -> list[Entry]:
     """Return a coefficient under the name, or names, that a vocabulary has for it, if any."""
     for own, words in WORDS.items():
-        word = words(told.name)
+        word = words(one.name)
         if word is not None and own == "field-system" and vocabulary.startswith(f"{own}-"):
-            return [told.entry(told.name, word.unit)]
-        same_unit = told.effect.coefficients[told.column].unit == (word.unit if word else None)
+            return [one.entry(one.name, word.unit)]
+        same_unit = one.effect.coefficients[one.column].unit == (word.unit if word else None)
         if word is not None and word.parts and same_unit:
-            file = ModelFile(own, (told.entry(told.name, word.unit),))
+            file = ModelFile(own, (one.entry(one.name, word.unit),))
             try:
                 return list(translated(file, vocabulary).entries)
             except BadInput:
                 return []
-    found = shape_of(told.effect, told.column)
+    found = shape_of(one.effect, one.column)
     name = None if found is None else NAMES[vocabulary](found[0])
     word = None if name is None else WORDS[vocabulary](name[0])
     if found is None or name is None or word is None:
         return []
     names = GRAVITY if vocabulary in MOUNT_OF and name[0] in GRAVITY else (name[0],)
-    return [told.entry(one, word.unit, name[1] / found[1]) for one in names]
+    return [one.entry(own, word.unit, name[1] / found[1]) for own in names]
 
 
 def _summed(entries: Sequence[Entry]) -> list[Entry]:
@@ -246,7 +246,7 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
 
 
 def _waves(
-    model: Model, lost: Sequence[_Told], vocabulary: str, conditions: Mapping[str, Any]
+    model: Model, lost: Sequence[_Value], vocabulary: str, conditions: Mapping[str, Any]
 ) -> Waves | None:
     """Return waves for what is lost: fields nearly, what has a law of its own exactly.
 

@@ -161,16 +161,16 @@ def read_ska_mid(path: Path) -> ModelFile:
     return ModelFile("ska-mid", found, title, details=details)
 
 
-def _entry(name: str, told: Any, path: Path) -> Entry:  # noqa: ANN401 - whatever JSON holds
-    if not isinstance(told, dict) or not isinstance(told.get("value"), Decimal):
+def _entry(name: str, given: Any, path: Path) -> Entry:  # noqa: ANN401 - whatever JSON holds
+    if not isinstance(given, dict) or not isinstance(given.get("value"), Decimal):
         raise BadInput(f"{name} has no value, expected a number", path)
-    unit = told.get("units", told.get("unit")) or UNITS[name]
+    unit = given.get("units", given.get("unit")) or UNITS[name]
     if unit != UNITS[name]:
         raise BadInput(f"{name} is in {unit!r}, expected {UNITS[name]!r}", path)
-    sigma, used = told.get("stderr"), told.get("used", True)
+    sigma, used = given.get("stderr"), given.get("used", True)
     if not isinstance(sigma, Decimal | None) or not isinstance(used, bool):
         raise BadInput(f"{name} has a stderr or used that is none", path)
-    value = told["value"]
+    value = given["value"]
     return Entry(name, value, unit, sigma, fixed=not used, used=used or value != 0)
 
 

@@ -16,7 +16,7 @@ from pyport.models.terms.shapes import Shape
 from pyport.models.terms.words import SCALES, Word
 from pyport.mounts import BY_MODEL
 
-#: How many decimals a number gets in another unit. Degrees with ten are told exactly by
+#: How many decimals a number gets in another unit. Degrees with ten are given exactly by
 #: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.
 DECIMALS = {"deg": 12, "arcsec": 8, "": 14}
 _RADIAN_DEG = Decimal("57.295779513082320876798")
@@ -94,12 +94,12 @@ class ModelFile:
 
         Raises `BadInput`: a term is used whose formula is not known.
         """
-        told: dict[str, Any] = {
+        details: dict[str, Any] = {
             key: float(one) for key, one in self.details.get("statistics", {}).items()
         }
         kept = {"title": self.title, **{key: self.details.get(key) for key in KEPT}}
-        told |= {key: one for key, one in kept.items() if one}
-        model = Model(name, tuple(filter(None, map(self._term, self.entries))), told=told)
+        details |= {key: one for key, one in kept.items() if one}
+        model = Model(name, tuple(filter(None, map(self._term, self.entries))), details=details)
         of = MOUNT_OF.get(self.vocabulary)
         return model if of is None else model.on(BY_MODEL[of])
 

@@ -204,8 +204,8 @@ def sky_under(
 ) -> tuple[tuple[Array, Array], Circumstances]:
     """Return the same for a model, at its site and under conditions that are given by name."""
     grid, at = sky()
-    told = columns_of(conditions, model.needs())
-    columns = {name: np.broadcast_to(one, len(at)) for name, one in told.items()}
+    known = columns_of(conditions, model.needs())
+    columns = {name: np.broadcast_to(one, len(at)) for name, one in known.items()}
     return grid, replace(at, site=model.site, columns=columns)
 
 

@@ -171,7 +171,7 @@ def _made(model: Model, recordings: Recordings, by: str) -> dict[str, Any]:
         "rows": len(recordings),
         "model": model.name,
         "telescope": recordings.meta.get("telescope"),
-        **{key: model.told[key] for key in ("title", *KEPT) if key in model.told},
+        **{key: model.details[key] for key in ("title", *KEPT) if key in model.details},
     }
 
 

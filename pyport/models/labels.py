@@ -39,13 +39,13 @@ def refuse_unknown(effect: Effect, columns: Mapping[str, Any]) -> None:
     by, values = split_of(effect)
     if not by or by not in columns:
         return
-    told = np.atleast_1d(np.asarray(columns[by]))
+    labels = np.atleast_1d(np.asarray(columns[by]))
     if by == _FREQUENCY:
-        told = told.astype(float)
+        labels = labels.astype(float)
         starts = np.array(effect.member["starts_mhz"])
-        strange = told[np.isfinite(told) & (band_of(told, starts) == "")]
+        strange = labels[np.isfinite(labels) & (band_of(labels, starts) == "")]
     else:
-        strange = np.setdiff1d(told.astype(str), [*values, ""])
+        strange = np.setdiff1d(labels.astype(str), [*values, ""])
     if len(strange):
         raise BadInput(
             f"the model's term {effect.id} has no coefficients for {by} {str(strange[0])!r}: "
@@ -61,8 +61,8 @@ def taken_for(completed: Completed | None, columns: Mapping[str, Any]) -> Iterat
     values = () if completed is None else completed.values
     for name in sorted(LABELS - {"session"}):
         known = {one.labels[name] for one in values if name in one.labels}
-        told = np.unique(np.asarray(columns.get(name, "")).astype(str))
-        others = [one for one in told.tolist() if one and one not in known]
+        labels = np.unique(np.asarray(columns.get(name, "")).astype(str))
+        others = [one for one in labels.tolist() if one and one not in known]
         if len(known) == 1 and others:
             listed = ", ".join(others[:MOST_LISTED])
             yield f"the coefficients are those of {name} {next(iter(known))}, taken for {listed}"

@@ -130,7 +130,7 @@ class Model:
         Where the telescope stands, if the model tells; what is recorded elsewhere tells its own.
     completed
         What is known of a model that a fit or a diagnosis completed.
-    told
+    details
         What another program's file says beside the terms: of its own fit `stars` and
         `sky_rms_arcsec`; `title`, `comments`, `number_and_date`.
     mount
@@ -143,7 +143,7 @@ class Model:
     base: str = ""
     site: Site | None = None
     completed: Completed | None = field(default=None, compare=False, repr=False)
-    told: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    details: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
     mount: Mount = ALTAZ
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:

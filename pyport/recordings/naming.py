@@ -261,12 +261,12 @@ def refuse_keys(keys: Iterable[str], how: str) -> None:
             raise BadInput(f"{how}{key!r} is no key, did you mean {key.lower()!r}?")
 
 
-def refuse_slips(told: Mapping[str, str], how: str) -> None:
+def refuse_slips(keys: Mapping[str, str], how: str) -> None:
     """Refuse a header key that is a slip of the contract's; `how` says where it was given.
 
     Raises `BadInput`: with the right key.
     """
-    for key, value in told.items():
+    for key, value in keys.items():
         right = key_meant(key, value)
         if right is not None:
             raise BadInput(f"{how}{key!r} is no key, did you mean {right!r}?")

@@ -25,14 +25,14 @@ from numpy.typing import NDArray
 
 from pyport.files import tree, write_whole
 
-#: What is told of a state, as JSON holds it, and its arrays.
+#: What is known of a state, as JSON holds it, and its arrays.
 State = tuple[dict[str, Any], Mapping[str, NDArray[Any]]]
 
 #: Runs shorter than this leave nothing behind; no more than this is lost, or a twentieth. [s]
 LEAST_S = 1.0
 #: Keeping the state takes no more than one part in so many of the time.
 SPARING = 20
-_TOLD, _KEY = "told", "key"
+_TEXT, _KEY = "told", "key"
 _LIBRARIES = ("numpy", "pyarrow")
 
 
@@ -57,8 +57,8 @@ class Checkpoint:
             with np.load(self.path, allow_pickle=False) as kept:
                 if str(kept[_KEY]) != self.key:
                     return None
-                arrays = {name: kept[name] for name in kept.files if name not in {_KEY, _TOLD}}
-                return json.loads(str(kept[_TOLD])), arrays
+                arrays = {name: kept[name] for name in kept.files if name not in {_KEY, _TEXT}}
+                return json.loads(str(kept[_TEXT])), arrays
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return None
 
@@ -77,9 +77,9 @@ class Checkpoint:
         if self.path is None:
             return
         started = time.monotonic()
-        told, arrays = state()
+        known, arrays = state()
         with contextlib.suppress(OSError), write_whole(self.path, "wb") as file:
-            texts: dict[str, Any] = {_KEY: np.array(self.key), _TOLD: np.array(json.dumps(told))}
+            texts: dict[str, Any] = {_KEY: np.array(self.key), _TEXT: np.array(json.dumps(known))}
             np.savez(file, **(texts | dict(arrays)))
         self._last = time.monotonic()
         self._cost = self._last - started

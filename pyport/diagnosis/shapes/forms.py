@@ -210,8 +210,8 @@ def _after_slews(problem: Problem) -> Iterator[Field]:
         known = np.sort(went[np.isfinite(went)]).tolist()
         if len(set(known)) > ALONG_COLUMN:
             how = f"follows the last slew in {name.removesuffix('_deg')}"
-            told = {"name": name, "count": ALONG_COLUMN, "values": known}
-            yield _field(problem, "a smooth curve", how, "slew", **told)
+            bumps = {"name": name, "count": ALONG_COLUMN, "values": known}
+            yield _field(problem, "a smooth curve", how, "slew", **bumps)
 
 
 def _about_the_sun(problem: Problem) -> Iterator[Field]:
@@ -240,5 +240,5 @@ def _in_time(problem: Problem) -> Iterator[Field]:
         centres = np.unique(np.round(time / length)) * length
         if 3 <= len(centres) <= MOST_BUMPS:
             how = f"follows time, over {length / 3600:.0f} h"
-            told = {"length_s": length, "centres_s": centres.tolist()}
-            yield _field(problem, "a smooth curve", how, "time", of_time=True, **told)
+            bumps = {"length_s": length, "centres_s": centres.tolist()}
+            yield _field(problem, "a smooth curve", how, "time", of_time=True, **bumps)

@@ -191,7 +191,7 @@ def curve(at: Circumstances, name: str, low: float, high: float, order: int) -> 
 
 
 def waves(at: Circumstances, each: Sequence[Sequence[int]]) -> Array:
-    """Return several waves, each told by how often it goes around and up, shape (n, K)."""
+    """Return several waves, each given by how often it goes around and up, shape (n, K)."""
     return np.concatenate([wave(at, around, upward) for around, upward in each], axis=1)
 
 
@@ -211,9 +211,9 @@ def values(bumps: Bumps, at: Circumstances) -> Array:
 
     With `"in_axes": true` azimuth and elevation are the angles of the mount's axes.
     """
-    told = dict(bumps)
-    here = at.axes if told.pop("in_axes", False) else at
-    return KINDS[told.pop("kind")](here, **told)
+    settings = dict(bumps)
+    here = at.axes if settings.pop("in_axes", False) else at
+    return KINDS[settings.pop("kind")](here, **settings)
 
 
 def field(

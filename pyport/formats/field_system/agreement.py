@@ -82,8 +82,8 @@ def compared(folder: Path, name: str) -> Compared:
     chosen = np.array(ours.numbers) - 1
     if min(len(value), len(sigma), len(triangle)) <= chosen.max():
         wanted = f"expected one of each up to P{chosen.max() + 1}"
-        told = f"{len(value)} values, {len(sigma)} sigmas, {len(triangle)} rows of correlations"
-        raise correlation[0].error(f"{told}, {wanted}")
+        sizes = f"{len(value)} values, {len(sigma)} sigmas, {len(triangle)} rows of correlations"
+        raise correlation[0].error(f"{sizes}, {wanted}")
     return Compared(
         name,
         tuple(f"P{n}" for n in ours.numbers),
@@ -104,12 +104,12 @@ def _values_and_sigmas(lines: list[Line]) -> tuple[Array, Array]:
 
 def _triangle(lines: list[Line]) -> Array:
     """Return a symmetric matrix from the rows of its lower triangle, wherever they are broken."""
-    told = [_number(line, word) for line in lines for word in line.words]
-    size = int(np.sqrt(2 * len(told)))
-    if size * (size + 1) // 2 != len(told):
-        raise lines[-1].error(f"{len(told)} correlations, expected those of a triangle")
+    numbers = [_number(line, word) for line in lines for word in line.words]
+    size = int(np.sqrt(2 * len(numbers)))
+    if size * (size + 1) // 2 != len(numbers):
+        raise lines[-1].error(f"{len(numbers)} correlations, expected those of a triangle")
     matrix = np.zeros((size, size))
-    matrix[np.tril_indices(size)] = told
+    matrix[np.tril_indices(size)] = numbers
     return matrix + np.tril(matrix, -1).T
 
 

@@ -116,11 +116,11 @@ def to_lines(file: ModelFile) -> Iterator[str]:
 
 def numbered(file: ModelFile) -> tuple[list[Decimal], list[int]]:
     """Return the values and flags of P1, P2, ..."""
-    told = file.details.get("flags")
-    size = len(told) if told else NUMBER
+    flags = file.details.get("flags")
+    size = len(flags) if flags else NUMBER
     values, marks = [Decimal(0)] * size, [OFF] * size
     for entry in file.entries:
         place = int(entry.name[1:]) - 1
         values[place] = entry.value
         marks[place] = (HELD if entry.fixed else FITTED) if entry.used else OFF
-    return values, list(told) if told else marks
+    return values, list(flags) if flags else marks

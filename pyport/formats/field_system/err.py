@@ -112,17 +112,17 @@ def _sky_noise(antenna: str) -> bool:
 
 
 def _model(old: ModelFile, done: ParameterFit, held: Sequence[bool] | None) -> ModelFile:
-    """Return the fitted parameters as a model, with those that were held where they are told."""
+    """Return the fitted parameters as a model, with those that were held where that is known."""
     values, marks = ctl.numbered(old)
     new = dict(zip(done.numbers, done.value / DEG, strict=True))
     entries = []
     flags = []
     for number, (value, mark) in enumerate(zip(values, marks, strict=True), 1):
         keep = held is not None and held[number - 1]
-        told = value if keep else rounded(Decimal(repr(float(new.get(number, 0.0)))), _DECIMALS)
+        entered = value if keep else rounded(Decimal(repr(float(new.get(number, 0.0)))), _DECIMALS)
         flags.append(ctl.FITTED if number in new else mark if keep else ctl.OFF)
         used = flags[-1] != ctl.OFF
-        entries.append(Entry(f"P{number}", told, "deg", used=used, fixed=keep))
+        entries.append(Entry(f"P{number}", entered, "deg", used=used, fixed=keep))
     which, *date = old.details.get("number_and_date", [0] * 7)
     return replace(
         old, entries=tuple(entries), details={"number_and_date": [which + 1, *date], "flags": flags}

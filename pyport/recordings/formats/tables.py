@@ -54,12 +54,12 @@ def read_ecsv(path: Path) -> Raw:
         columns[name] = cells
     if not len(table):
         raise BadInput("no rows below the column names", path, header)
-    meta = {str(key): _told(value) for key, value in table.meta.items()}
+    meta = {str(key): _text(value) for key, value in table.meta.items()}
     lines_of_rows = np.array(rows[: len(table)], np.int64)
     return Raw(path, meta, header, columns, lines_of_rows, units=units)
 
 
-def _told(value: object) -> str:
+def _text(value: object) -> str:
     """Return what a header key holds as text; what is nested in YAML may be endless."""
     if not isinstance(value, dict | list | tuple | set):
         return str(value)
@@ -74,9 +74,9 @@ def _with_unit(column: Any, path: Path) -> tuple[str, NDArray[Any]]:  # noqa: AN
     if unit is None or not str(unit):
         return name, _filled(column)
     unit = _SUFFIX.get(str(unit), str(unit))
-    quantity, _, told = name.rpartition("_")
-    if quantity in ANGLES and told in RADIANS_PER and unit in RADIANS_PER and told != unit:
-        raise BadInput(f"column {name!r} says its unit is {unit!r}, expected {told!r}", path)
+    quantity, _, suffix = name.rpartition("_")
+    if quantity in ANGLES and suffix in RADIANS_PER and unit in RADIANS_PER and suffix != unit:
+        raise BadInput(f"column {name!r} says its unit is {unit!r}, expected {suffix!r}", path)
     try:
         return in_its_unit(name, column)
     except BadInput as error:

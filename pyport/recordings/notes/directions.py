@@ -31,15 +31,15 @@ Otherwise: TypeAlias = tuple[str, Array, Array]
 
 def note(recordings: Recordings, raw: Raw) -> str:
     """Return how far directions are from those of the same rows' other coordinates, if they are."""
-    told = {angle[0] for name in raw.columns if (angle := angle_of(name)) is not None}
+    angles = {angle[0] for name in raw.columns if (angle := angle_of(name)) is not None}
     at, places = recordings.at, {"az", "el", "dec"}
     said = ""
-    if at.site is not None and places | {"hour_angle"} <= told:
+    if at.site is not None and places | {"hour_angle"} <= angles:
         said = _compared(
             recordings, "hour angle, declination", ("hour_angle", "dec"), _by_hour_angle
         )
     timed = "time" in at and at.site is not None and at.site.longitude is not None
-    if not said and timed and places | {"ra"} <= told:
+    if not said and timed and places | {"ra"} <= angles:
         what = "right ascension, declination, time"
         said = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
     return said

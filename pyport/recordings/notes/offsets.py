@@ -40,9 +40,9 @@ def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
     if rows < MANY * max(apart, third):
         return ""
     pair = list(zip(names, (most.real, most.imag), strict=True))
-    told = " and ".join(f"{name} {value:.15g}" for name, value in pair)
+    both = " and ".join(f"{name} {value:.15g}" for name, value in pair)
     others = " or ".join(f"{name} != {value:.15g}" for name, value in pair)
     return (
-        f"{told} stand together in {rows} of {len(pairs)} rows, which may mean that "
+        f"{both} stand together in {rows} of {len(pairs)} rows, which may mean that "
         "nothing was measured there" + f': --where "{others}" excludes them' * by_row
     )

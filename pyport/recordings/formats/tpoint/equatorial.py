@@ -180,13 +180,13 @@ def _apparent(
 
 def refracted(site: Sequence[str]) -> str:
     """Return in words what `star` makes of refraction with a run's record."""
-    told = _weather(site)
-    if told is None:
+    numbers = _weather(site)
+    if numbers is None:
         return (
             "the catalogue's places are not refracted, for the run's record has no weather or a "
             "pressure of 0: the elevation offsets hold all refraction that was not corrected for"
         )
-    celsius, hpa, _, humidity, micron = told
+    celsius, hpa, _, humidity, micron = numbers
     weather = f"{celsius:g} C, {hpa:g} hPa, humidity {humidity:g}, {micron:g} um"
     return f"the catalogue's places are refracted by the run's weather ({weather})"
 
@@ -201,10 +201,10 @@ def as_seen(site: Sequence[str]) -> str:
 def _weather(site: Sequence[str]) -> list[float] | None:
     """Return the weather of a run's record, None where it tells none or a pressure of zero."""
     try:
-        told = [float(word) for word in site[6 : 6 + len(WEATHER)]]
+        numbers = [float(word) for word in site[6 : 6 + len(WEATHER)]]
     except ValueError:
         return None
-    return None if len(told) < len(WEATHER) or told[1] <= 0 else told
+    return None if len(numbers) < len(WEATHER) or numbers[1] <= 0 else numbers
 
 
 def _refraction(site: Sequence[str], el: float) -> float:
