@@ -106,8 +106,8 @@ def _solve(task: tuple[Spec, int]) -> tuple[Verdict, float]:
         placed = place(read_table(path), report["findings"], made.truth["effects"])
     wanted = _FOLLOWS.get(spec.effect or "")
     if spec.group == "unknown" and verdict.first and wanted:
-        told = report["findings"][0]["looks_like"] or ""
-        verdict = replace(verdict, first=wanted in told)
+        like = report["findings"][0]["looks_like"] or ""
+        verdict = replace(verdict, first=wanted in like)
     chance = 0.0 if made.truth["kind"] != "one" else observer.possible(made)
     return replace(verdict, place=placed), chance
 
@@ -168,21 +168,21 @@ def array_lines(survey: Survey | None) -> Iterator[Line]:
         yield Line(f"GMRT, {check.what}", f"{check.value:.3f}", check.wanted, check.passed)
     if array.unseen is not None:
         median = medians(array.unseen.of(GAINED))
-        told = f"{median.fitted_before / ARCMIN:.2f}' to {median.fitted_after / ARCMIN:.2f}'"
+        seen = f"{median.fitted_before / ARCMIN:.2f}' to {median.fitted_after / ARCMIN:.2f}'"
         factor = median.fitted_before / median.fitted_after
         what = f"GMRT, {GAINED}: rms of the median antenna in the fit falls by"
-        yield Line(what, f"{factor:.3f} ({told})", "shown", None)
+        yield Line(what, f"{factor:.3f} ({seen})", "shown", None)
         weak = [one for one in array.unseen.days if one.why]
-        told = f"{len(weak)} of {len(array.unseen.days)}; `pyport study gmrt-array` has the reasons"
-        yield Line("GMRT, antenna-days that gain less than twice", told, "shown", None)
+        seen = f"{len(weak)} of {len(array.unseen.days)}; `pyport study gmrt-array` has the reasons"
+        yield Line("GMRT, antenna-days that gain less than twice", seen, "shown", None)
     for name, crab in found.crab.items():
         if not crab.days:
             yield Line(f"{name}, the Crab, from Cyg A", "no antenna", "shown", None)
             continue
         median = medians(crab.days)
         numbers = np.array([median.before, median.after, median.fitted_before]) / ARCMIN
-        told = "{:.2f}' to {:.2f}'; the model fitted to that very day {:.2f}'".format(*numbers)
-        yield Line(f"{name}, the Crab, from Cyg A: rms of the median antenna", told, "shown", None)
+        seen = "{:.2f}' to {:.2f}'; the model fitted to that very day {:.2f}'".format(*numbers)
+        yield Line(f"{name}, the Crab, from Cyg A: rms of the median antenna", seen, "shown", None)
 
 
 #: The published model without its last parameter.
@@ -223,10 +223,10 @@ def _campaign(seed: int, folder: Path, model: str) -> Iterator[Line]:
         size = jumps[0]["parameters"][0]
         off = abs(size["value"] - SIZE_ARCSEC) / size["sigma"]
         near = edge is not None and edge <= NEAR_DEG
-        told = "no curve" if edge is None else f"{edge:.2f} deg"
-        yield Line(f"{head}: its edge is off by", told, f"at most {NEAR_DEG:g} deg", near)
-        told = f"{size['value']:.1f} +- {size['sigma']:.1f} arcsec, {off:.1f} sigma off"
-        yield Line(f"{head}: its size", told, f"within {SIGMAS:g} sigma", off <= SIGMAS)
+        seen = "no curve" if edge is None else f"{edge:.2f} deg"
+        yield Line(f"{head}: its edge is off by", seen, f"at most {NEAR_DEG:g} deg", near)
+        seen = f"{size['value']:.1f} +- {size['sigma']:.1f} arcsec, {off:.1f} sigma off"
+        yield Line(f"{head}: its size", seen, f"within {SIGMAS:g} sigma", off <= SIGMAS)
     others = [one["effect"] for one in report["findings"] if one not in jumps]
     yield Line(f"{head}: found besides", ", ".join(others) or "nothing", "shown", None)
     rows = report["input"]["rows"]

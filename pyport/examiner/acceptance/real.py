@@ -66,15 +66,15 @@ def auxtel_lines(folder: Path) -> Iterator[Line]:
             one / ARCSEC
             for one in (found.heldout.before, found.heldout.after, found.heldout.noise_floor)
         )
-        told = f"{said(found)}; left out {before:.1f} -> {after:.1f} arcsec, noise {floor:.1f}"
-        yield Line(f"AuxTel {date}: found", told, "shown", None)
+        value = f"{said(found)}; left out {before:.1f} -> {after:.1f} arcsec, noise {floor:.1f}"
+        yield Line(f"AuxTel {date}: found", value, "shown", None)
     loose = compare(many, altaz)
-    told = ", ".join(
+    value = ", ".join(
         f"{way} {own:.1f} against {loose.model.unseen[way]:.1f}"
         for way, own in loose.own.unseen.items()
     )
-    told = f"{told} arcsec, {loose.outliers} offsets aside"
-    yield Line("AuxTel 2021-06-09: left out, model with waves against altaz", told, "shown", None)
+    value = f"{value} arcsec, {loose.outliers} offsets aside"
+    yield Line("AuxTel 2021-06-09: left out, model with waves against altaz", value, "shown", None)
 
 
 def _published(recordings: Recordings, file: Path) -> Iterator[Line]:
@@ -89,9 +89,9 @@ def _published(recordings: Recordings, file: Path) -> Iterator[Line]:
     off = float(np.max(np.abs(change) / sigma))
     what = "AuxTel 2022-04-06: published six terms"
     yield Line(f"{what} are off by at most", f"{off:.3f} sigma", "1 sigma", off <= 1)
-    told = f"{rms / ARCSEC:.4f} arcsec, published {_SIX_RMS}"
+    value = f"{rms / ARCSEC:.4f} arcsec, published {_SIX_RMS}"
     same = abs(rms / ARCSEC - _SIX_RMS) < 0.001
-    yield Line(f"{what}, sky rms", told, "the same", same)
+    yield Line(f"{what}, sky rms", value, "the same", same)
 
 
 def _overfit(night: str, done: Comparison) -> Iterator[Line]:
@@ -100,27 +100,27 @@ def _overfit(night: str, done: Comparison) -> Iterator[Line]:
     terms = f"{rival.terms:.0f} free terms"
     for way, own in done.own.unseen.items():
         left = f"{night}, {way} left out"
-        told = f"{own:.2f} arcsec, {terms} picked without them {anew.unseen[way]:.2f}"
+        value = f"{own:.2f} arcsec, {terms} picked without them {anew.unseen[way]:.2f}"
         what = f"{left}, model with waves"
-        yield Line(what, told, "the better", own < anew.unseen[way])
-        told = f"{own:.2f} arcsec, the published {terms}, which saw them, {rival.unseen[way]:.2f}"
-        yield Line(what, told, "the better", own < rival.unseen[way])
-        told = (
+        yield Line(what, value, "the better", own < anew.unseen[way])
+        value = f"{own:.2f} arcsec, the published {terms}, which saw them, {rival.unseen[way]:.2f}"
+        yield Line(what, value, "the better", own < rival.unseen[way])
+        value = (
             f"picked once and held {held.unseen[way]:.2f} arcsec, picked without them "
             f"{anew.unseen[way]:.2f}; {done.model.name} {done.model.unseen[way]:.2f}"
         )
-        yield Line(f"{left}, what {terms} gain by having seen them", told, "shown", None)
-    told = (
+        yield Line(f"{left}, what {terms} gain by having seen them", value, "shown", None)
+    value = (
         f"{rival.fitted:.2f} arcsec in the fit, largest term {done.cancel[rival.name]:.1f} times "
         "what all add"
     )
-    yield Line(f"{night}: the published {terms}", told, "shown", None)
+    yield Line(f"{night}: the published {terms}", value, "shown", None)
     for other, alone in done.model.nights.items():
-        told = (
+        value = (
             f"{done.model.name} {alone:.2f} arcsec, with what the published terms added "
             f"{rival.nights[other]:.2f}, the model with waves {done.own.nights[other]:.2f}"
         )
-        yield Line(f"{night}: carried over to {other}", told, "shown", None)
+        yield Line(f"{night}: carried over to {other}", value, "shown", None)
 
 
 def _rehearsed(night: str, recordings: Recordings, file: Path) -> Iterator[Line]:
@@ -128,14 +128,14 @@ def _rehearsed(night: str, recordings: Recordings, file: Path) -> Iterator[Line]
     for one in rehearse(recordings, load("altaz"), load(str(file))):
         (picked,) = (name for name in one.fresh if "picked" in name)
         own, claimed = one.fresh["model with waves"], one.claimed["model with waves"]
-        told = (
+        value = (
             f"{own:.2f} arcsec (left out {claimed:.2f}), {picked} {one.fresh[picked]:.2f} "
             f"(left out {one.claimed[picked]:.2f}), the published {one.fresh[file.stem]:.2f} "
             f"(left out {one.claimed[file.stem]:.2f})"
         )
         what = f"{night}, were the telescope as {one.truth} says, fresh pointings, model with waves"
         better = own < one.fresh[picked]
-        yield Line(what, told, "better than terms picked", better)
+        yield Line(what, value, "better than terms picked", better)
 
 
 #: The Large Millimeter Telescope's list has no line of names.
@@ -170,13 +170,13 @@ def lmt(file: Path) -> Iterator[Line]:
         off = np.abs(values[: len(published)] - published) / sigma[: len(published)]
         what = f"LMT, {axis}: published terms are off by at most"
         yield Line(what, f"{off.max():.2f} sigma", "1 sigma", bool(off.max() <= 1))
-        told = f"{rms:.4f} arcsec, published {_LMT_RMS[axis]}"
-        yield Line(f"LMT, {axis}: rms", told, "the same", abs(rms - _LMT_RMS[axis]) < 0.01)
+        value = f"{rms:.4f} arcsec, published {_LMT_RMS[axis]}"
+        yield Line(f"LMT, {axis}: rms", value, "the same", abs(rms - _LMT_RMS[axis]) < 0.01)
     found = diagnosed(recordings, "altaz")
     apart = [one for one in found.two_axes if one.chosen.candidate.effect.id == "tilt"]
-    told = explained.two_axes_sentence(apart[0]) if apart else "nothing"
+    value = explained.two_axes_sentence(apart[0]) if apart else "nothing"
     far = bool(apart) and apart[0].found.sigmas >= 3
-    yield Line("LMT: diagnose says of the tilts of both axes", told, "apart by 3 sigma", far)
+    yield Line("LMT: diagnose says of the tilts of both axes", value, "apart by 3 sigma", far)
     yield Line("LMT: diagnose finds", said(found), "shown", None)
 
 

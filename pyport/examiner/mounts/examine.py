@@ -88,8 +88,8 @@ def examine(case: Case) -> dict[str, Any]:
         {key: one.get(key) for key in ("effect", "variant", "verdict", "class")}
         for one in report["findings"]
     ]
-    told = {"claimed": verdict.claimed, "found": verdict.found, "wrong": verdict.wrong}
-    return outcome | told | {"p_value": report["p_value"], "findings": found}
+    names = {"claimed": verdict.claimed, "found": verdict.found, "wrong": verdict.wrong}
+    return outcome | names | {"p_value": report["p_value"], "findings": found}
 
 
 def right(outcome: dict[str, Any]) -> bool:

@@ -226,10 +226,10 @@ def text(found: Replay) -> str:
     many = Counter(one["effect"] for one in found.alarms)
     if len(found.alarms) > MOST_LISTED:
         antennas = len({one["antenna"] for one in found.alarms})
-        told = ", ".join(f"{count} {effect}" for effect, count in many.most_common())
+        each = ", ".join(f"{count} {effect}" for effect, count in many.most_common())
         stood = sum(one["stood"] for one in found.alarms)
         lines.append(
-            f"  {len(found.alarms)} alarms of {antennas} antennas, {stood} as if always so: {told}"
+            f"  {len(found.alarms)} alarms of {antennas} antennas, {stood} as if always so: {each}"
         )
     for one in found.alarms if len(found.alarms) <= MOST_LISTED else ():
         whose = f", antenna {one['antenna']}" if one["antenna"] else ""

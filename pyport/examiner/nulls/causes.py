@@ -45,7 +45,7 @@ class Cause:
     def expected(self, name: str) -> float | None:
         """Return what a coefficient of the report should be, None for one it may not have.
 
-        A change is told since a moment ("tilt_north[since ...]"), or for each session against
+        A change is given since a moment ("tilt_north[since ...]"), or for each session against
         the first one ("tilt_north[night 05]").
         """
         bare, _, label = name.partition("[")

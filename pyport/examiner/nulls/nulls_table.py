@@ -93,8 +93,8 @@ def text(lines: list[Line]) -> str:
     rows.append("")
     for one in lines:
         if one.said:
-            told = ", ".join(f"{name} {n}" for name, n in one.said.most_common())
-            rows.append(f"claimed in {one.kind}: {told}")
+            names = ", ".join(f"{name} {n}" for name, n in one.said.most_common())
+            rows.append(f"claimed in {one.kind}: {names}")
         if one.refused:
             rows.append(f"refused in {one.kind}: {one.refused}")
     rows += ["", *(_verdict(lines, which) for which in (scores.OPEN, scores.MISSED))]

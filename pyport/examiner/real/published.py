@@ -49,15 +49,15 @@ def _step(recordings: Recordings, report: Report, _: Report, fact: Fact) -> Outc
     el = recordings.el
     x = np.mean(-fact["p10"] * np.cos(el) - fact["p11"] * np.sin(el))
     y = np.mean(fact["p10"] * np.sin(el) - fact["p11"] * np.cos(el))
-    told = [f"published {x:+.1f} across, {y:+.1f} along elevation"]
+    parts = [f"published {x:+.1f} across, {y:+.1f} along elevation"]
     near = False
     for one in steps:
         late_h = (_utc(one["where"]["since"]) - _utc(fact["when"])) / np.timedelta64(1, "h")
         both = {"xel", "el"} <= set(one["where"]["axes"])
         near = bool(abs(late_h) <= fact["within_h"]) and both
         sizes = ", ".join(f"{p['name'].partition('[')[0]} {_shown(p)}" for p in one["parameters"])
-        told.append(f"{one['effect']} {late_h:+.1f} h from it: {sizes}")
-    return "; ".join(told[::-1] if steps else ["no step", *told]), len(steps) == 1 and near
+        parts.append(f"{one['effect']} {late_h:+.1f} h from it: {sizes}")
+    return "; ".join(parts[::-1] if steps else ["no step", *parts]), len(steps) == 1 and near
 
 
 def _utc(when: object) -> np.datetime64:
@@ -121,17 +121,17 @@ def _change(_: Recordings, report: Report, __: Report, fact: Fact) -> Outcome:
     if not found:
         return "not found", False
     label, size, sigma = found[0]
-    told = f"{size:.1f} +- {sigma:.1f} ({label}), published {fact['arcsec']}"
-    return told, abs(size - fact["arcsec"]) <= 2 * sigma
+    text = f"{size:.1f} +- {sigma:.1f} ({label}), published {fact['arcsec']}"
+    return text, abs(size - fact["arcsec"]) <= 2 * sigma
 
 
 def _change_or_asked(recordings: Recordings, report: Report, fit: Report, fact: Fact) -> Outcome:
-    """Look for a change of the published size, or for words that ask what it could be told by."""
-    told, found = _change(recordings, report, fit, fact)
+    """Look for a change of the published size, or for words that ask what would show it."""
+    text, found = _change(recordings, report, fit, fact)
     if found:
-        return told, True
+        return text, True
     asked = next((one for one in texts(report) if re.search(fact["words"], one)), None)
-    return asked or told, asked is not None
+    return asked or text, asked is not None
 
 
 def texts(value: Any) -> Iterator[str]:  # noqa: ANN401 - whatever JSON holds
@@ -159,9 +159,9 @@ def _silent(_: Recordings, report: Report, __: Report, fact: Fact) -> Outcome:
     """Expect no finding, words that say why, and limits of what would have been seen."""
     said = next((one for one in texts(report) if re.search(fact["words"], one)), None)
     limits = any(one is not None for one in report["detection_limit_arcsec"].values())
-    told = f"{len(report['findings'])} findings; {said or 'no word of it'}"
-    told += "; with limits" if limits else "; no limits"
-    return told, not report["findings"] and said is not None and limits
+    text = f"{len(report['findings'])} findings; {said or 'no word of it'}"
+    text += "; with limits" if limits else "; no limits"
+    return text, not report["findings"] and said is not None and limits
 
 
 def _no_number_above_data(recordings: Recordings, report: Report, _: Report, __: Fact) -> Outcome:
@@ -242,8 +242,8 @@ def _read(recordings: Recordings, _: Report, __: Report, ___: Fact) -> Outcome:
         if isinstance(one, dict)
     )
     largest, apart = float(np.max(np.abs(second))), float(np.max(np.abs(first - second)))
-    told = f"fitted offsets up to {largest:.0f} arcsec; the file as read differs by {apart:.1f}"
-    return told, apart < 0.01 * largest
+    text = f"fitted offsets up to {largest:.0f} arcsec; the file as read differs by {apart:.1f}"
+    return text, apart < 0.01 * largest
 
 
 #: Kind of fact -> how it is looked for.

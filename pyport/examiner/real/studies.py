@@ -48,18 +48,18 @@ def _of_sets(names: Sequence[str], real: str) -> list[str]:
     if not chosen:
         raise BadInput(f"the table of real recordings has no set {', '.join(names)}")
     head = next(cells for cells in rows if cells[0] == "set" and "total, arcsec" in cells)
-    told = ["| set | pointings | nights | predicted, rms before and after |", "|---|---|---|---|"]
+    totals = ["| set | pointings | nights | predicted, rms before and after |", "|---|---|---|---|"]
     facts = ["", "| set | published | found | |", "|---|---|---|---|"]
     for cells in chosen:
         if len(cells) == len(head):
             own = dict(zip(head, cells, strict=True))
             total = f"{own['total, arcsec']} arcsec"
-            told.append(f"| {own['set']} | {own['rows']} | {own['nights']} | {total} |")
+            totals.append(f"| {own['set']} | {own['rows']} | {own['nights']} | {total} |")
         else:
             facts.append(f"| {' | '.join(cells)} |")
     begin = lines.index("## Findings") + 2
     findings = [line for line in lines[begin : lines.index("", begin)] if line.startswith(starts)]
-    return [*told, *(facts if len(facts) > 3 else []), "", "What the tool found:", "",
+    return [*totals, *(facts if len(facts) > 3 else []), "", "What the tool found:", "",
             *findings, ""]  # fmt: skip
 
 

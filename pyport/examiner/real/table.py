@@ -42,25 +42,25 @@ def rows(
     call = partial(_row, data=data, subsets=subsets)
     for row in scores.each(call, rest, jobs):
         if isinstance(row, Row):
-            told = {"program": program.version(), "subsets": subsets, "row": asdict(row)}
-            scores.keep(file, told)
+            line = {"program": program.version(), "subsets": subsets, "row": asdict(row)}
+            scores.keep(file, line)
         yield row
 
 
 def read(file: Path, subsets: int) -> dict[str, Row]:
     """Return the rows that a file has of the present program and as many subsets."""
     return {
-        told["row"]["name"]: _row_of(told["row"])
-        for told in scores.lines(file)
-        if (told["program"], told["subsets"]) == (program.version(), subsets)
+        line["row"]["name"]: _row_of(line["row"])
+        for line in scores.lines(file)
+        if (line["program"], line["subsets"]) == (program.version(), subsets)
     }
 
 
-def _row_of(told: dict[str, Any]) -> Row:
+def _row_of(line: dict[str, Any]) -> Row:
     lists: dict[str, Any] = {
-        key: tuple(one) if isinstance(one, list) else one for key, one in told.items()
+        key: tuple(one) if isinstance(one, list) else one for key, one in line.items()
     }
-    lists["checks"] = tuple(Check(**one) for one in told["checks"])
+    lists["checks"] = tuple(Check(**one) for one in line["checks"])
     return Row(**lists)
 
 
@@ -192,8 +192,8 @@ def markdown(rows: Sequence[Row], absent: Sequence[str]) -> str:
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     lines += ["", "## Findings", ""]
     for row in rows:
-        told = "; ".join((*row.findings, *row.notes)) or "none"
-        lines.append(f"- {row.name}: {told}")
+        found = "; ".join((*row.findings, *row.notes)) or "none"
+        lines.append(f"- {row.name}: {found}")
     lines += [f"- not there: {one}" for one in absent]
     missed = [(row.name, one) for row in rows for one in failures(row)]
     lines += ["", "## Targets missed", ""]

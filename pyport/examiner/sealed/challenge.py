@@ -138,12 +138,12 @@ def read(path: Path) -> dict[str, dict[str, Any]]:
     Raises `BadInput`: the file is no answer, with the line where one is at fault.
     """
     if path.suffix == ".json":
-        told = read_json(path)
-        lists = isinstance(told, dict) and all(isinstance(one, list) for one in told.values())
+        cases = read_json(path)
+        lists = isinstance(cases, dict) and all(isinstance(one, list) for one in cases.values())
         if not lists:
             raise BadInput("no lists of answers by case, expected those", path)
         return {
-            case: _report([_json(one, path) for one in some], path) for case, some in told.items()
+            case: _report([_json(one, path) for one in some], path) for case, some in cases.items()
         }
     found: dict[str, list[dict[str, Any]]] = {}
     with path.open(encoding="utf-8", newline="") as file:
@@ -174,16 +174,16 @@ def _csv(row: dict[str, str]) -> list[dict[str, Any]]:
     return [_finding(names, sizes, row["since"] or None, region, None)] if names else []
 
 
-def _json(told: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401 - whatever JSON holds
+def _json(one: Any, path: Path) -> dict[str, Any]:  # noqa: ANN401 - whatever JSON holds
     try:
         sizes = [
             (name, *([size, None] if isinstance(size, int | float) else size))
-            for name, size in (told.get("sizes") or {}).items()
+            for name, size in (one.get("sizes") or {}).items()
         ]
-        region = [(column, low, high) for column, (low, high) in (told.get("region") or {}).items()]
-        curve = told.get("curve")
+        region = [(column, low, high) for column, (low, high) in (one.get("region") or {}).items()]
+        curve = one.get("curve")
         points = curve and [{"az_deg": az, "el_deg": el} for az, el in curve]
-        return _finding(list(told["names"]), sizes, told.get("since"), region, points)
+        return _finding(list(one["names"]), sizes, one.get("since"), region, points)
     except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
         said = f"{type(error).__name__} {error}: expected names, sizes, since, region, curve"
         raise BadInput(said, path) from None

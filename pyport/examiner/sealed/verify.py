@@ -102,20 +102,20 @@ def _order(chain: Chain) -> Iterator[Check]:
     for commit, (names, _, what) in list(zip(chain.commits, STAGES, strict=True))[:-1]:
         expected |= {*names}
         there = history.files(commit, place)
-        told = f"{', '.join(sorted(there))} in {commit[:12]}"
-        yield Check(f"{what.lower()}: the set holds no more by then", told, there == expected)
+        said = f"{', '.join(sorted(there))} in {commit[:12]}"
+        yield Check(f"{what.lower()}: the set holds no more by then", said, there == expected)
         touched = history.touched(commit)
-        told = f"{len(touched)} file" + "s" * (len(touched) > 1)
-        yield Check(f"{what.lower()}: a commit of its own", told, len(touched) == len(names))
+        said = f"{len(touched)} file" + "s" * (len(touched) > 1)
+        yield Check(f"{what.lower()}: a commit of its own", said, len(touched) == len(names))
 
 
 def _code(sealed: dict[str, Any], package: Path) -> Iterator[Check]:
     """Check that program and examiner are those that stood in the history at the sealing."""
     for who, unit in (("solver", code.SOLVER), ("examiner", code.EXAMINER)):
         parts = code.parts(unit, package)
-        told = f"{code.whole(parts)[:16]}, {len(parts)} parts"
+        said = f"{code.whole(parts)[:16]}, {len(parts)} parts"
         same = code.whole(parts) == sealed[f"{who}_sha256"]
-        yield Check(f"the {who} is that of the sealing commit", told, same)
+        yield Check(f"the {who} is that of the sealing commit", said, same)
 
 
 def _hashes(chain: Chain, sealed: dict[str, Any], folder: Folder) -> Iterator[Check]:
@@ -124,11 +124,11 @@ def _hashes(chain: Chain, sealed: dict[str, Any], folder: Folder) -> Iterator[Ch
     Answers and truths are written to the folder on the way.
     """
     (head, *said), (opening, *opened) = (read_lines(chain.held[name]) for name in (ANSWERS, OPENED))
-    for what, told, of in (
+    for what, named, of in (
         ("the answers name the seal", head.get("seal_sha256"), chain.held[SEALED]),
         ("the opening names the answers", opening.get("answers_sha256"), chain.held[ANSWERS]),
     ):
-        yield Check(what, str(told)[:16], told == hashlib.sha256(of).hexdigest())
+        yield Check(what, str(named)[:16], named == hashlib.sha256(of).hexdigest())
     cases = [one["case"] for one in sealed["cases"]]
     answered = sorted((one["by"], one["case"]) for one in said)
     complete = answered == sorted((by, case) for by in WHO for case in cases)
@@ -161,8 +161,8 @@ def _again(
         if (data := truth["spec"].get("data")) is None or Path(data).is_dir()
     )
     if absent := len(list(folder.opened.glob("*.json"))) - len(cases):
-        told = f"{absent} cases have their noise from public recordings that are not here"
-        yield Check("made again as far as can be", told, passed=True)
+        said = f"{absent} cases have their noise from public recordings that are not here"
+        yield Check("made again as far as can be", said, passed=True)
     if again is not None:
         # A sample that could be foreseen could be cheated.
         cases = sorted(random.SystemRandom().sample(cases, min(again, len(cases))))
@@ -173,19 +173,19 @@ def _again(
     made = _run(folder, package, jobs, cases)
     hashes = {one["case"]: one["recordings_sha256"] for one in sealed["cases"]}
     same = [case for case in cases if made["recordings"][case] == hashes[case]]
-    told = f"{len(same)} of {len(cases)}"
+    said = f"{len(same)} of {len(cases)}"
     if len(same) < len(cases):
-        told += f"; first other one {min({*cases} - {*same})}, sealed with {sealed['libraries']}"
-    yield Check("recordings made again are those sealed", told, len(same) == len(cases))
+        said += f"; first other one {min({*cases} - {*same})}, sealed with {sealed['libraries']}"
+    yield Check("recordings made again are those sealed", said, len(same) == len(cases))
     published = {one["case"]: one for one in read_lines(chain.held[VERDICTS])}
     agree = [one for one in made["verdicts"] if alike(one, published.get(one["case"]))]
-    told = f"{len(agree)} of {len(cases)}"
-    yield Check("verdicts judged again are those published", told, len(agree) == len(cases))
+    said = f"{len(agree)} of {len(cases)}"
+    yield Check("verdicts judged again are those published", said, len(agree) == len(cases))
     if len(cases) == len(sealed["cases"]):
         score = json.loads(chain.held[SCORE])
         for key in ("passed", "table", "beside"):
-            told = f"{len(made['table'])} rows" if key == "table" else ""
-            yield Check(f"score computed again: {key}", told, made[key] == score[key])
+            said = f"{len(made['table'])} rows" if key == "table" else ""
+            yield Check(f"score computed again: {key}", said, made[key] == score[key])
         yield Check("no other verdict", f"{len(published)}", len(published) == len(cases))
 
 

@@ -22,7 +22,7 @@ Lay = Callable[[np.random.Generator, int], Plan]
 
 @dataclass(frozen=True)
 class Twin:
-    """What is hidden, what it cannot be told from, the plan that makes it so."""
+    """What is hidden, what it cannot be distinguished from, the plan that makes it so."""
 
     effect: str
     same: tuple[str, ...]
