@@ -188,7 +188,9 @@ def but_of_every_session(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _of_every_session(effect: Effect) -> bool:
-    return effect.is_change and len(effect.coefficients) > len(CATALOGUE[effect.id].coefficients)
+    return effect.is_change and len(effect.coefficients) > len(
+        CATALOGUE[effect.on_altaz].coefficients
+    )
 
 
 #: Order of the curve that is laid through a column.

@@ -170,7 +170,7 @@ def pier_flip(at: Circumstances) -> tuple[Array, Array]:
 EFFECTS = (
     Effect(
         "fork_flexure",
-        "the fork bends under the weight of the tube",
+        "the fork, or what else carries the declination axis, bends under the weight of the tube",
         _TPOINT,
         (Coefficient("fork_flexure"),),
         fork_flexure,

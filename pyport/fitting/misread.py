@@ -4,7 +4,8 @@ What a column holds is the commonest thing to be wrong about: a circle that is c
 opposite sense, zenith distances for elevations, offsets of a coordinate for offsets on the sky,
 axes in each other's place, a sign that was turned for a night. Both axes share the tilt, and the
 other terms have shapes of their own, so that one reading of a file fits and the others do not.
-Nights may differ in their zeros, so that means of sessions say nothing here.
+Nights may differ in their zeros, so that means of sessions say nothing here, nor what goes as the
+zero of the first angle does.
 """
 
 from __future__ import annotations
@@ -172,24 +173,33 @@ class _Numbers:
     """Which k of the m readings count.
 
     `side` is the number of the axis in a session of each of them, `measured` that of the pointing
-    and axis: repeats have the same, shape (k,) each.
+    and axis: repeats have the same; `zero` is what a zero of the first angle does, shape (k,) each.
     """
 
     stack: Stack
     rows: Codes
     side: Codes
     measured: Codes
+    zero: Array
 
     def averaged(self, values: Array) -> Array:
         """Return the mean over repeats of values (k,), one for each pointing and axis."""
         return np.bincount(self.measured, values) / np.bincount(self.measured)
 
     def centred(self, columns: Array) -> Array:
-        """Return columns (k, P), or one (k,), less the mean of each axis in each session."""
-        total = np.zeros((int(self.side.max()) + 1, *columns.shape[1:]))
-        np.add.at(total, self.side, columns)
-        count = np.maximum(np.bincount(self.side), 1).reshape(-1, *[1] * (columns.ndim - 1))
-        return np.asarray(columns - (total / count)[self.side])
+        """Return columns (k, P), or one (k,), without what zeros of each session would draw."""
+        level = self._without(np.ones(len(self.side)), columns)
+        return self._without(self._without(np.ones(len(self.side)), self.zero), level)
+
+    def _without(self, shape: Array, columns: Array) -> Array:
+        """Return columns less what a shape (k,) draws of them on each axis in each session."""
+        one = shape.reshape(-1, *[1] * (columns.ndim - 1))
+        drawn = np.zeros((int(self.side.max()) + 1, *columns.shape[1:]))
+        np.add.at(drawn, self.side, one * columns)
+        power = np.bincount(self.side, shape**2).reshape(-1, *[1] * (columns.ndim - 1))
+        # What a session shows nothing of is not drawn.
+        share = np.where(power > 1e-9, drawn / np.maximum(power, 1e-9), 0.0)
+        return np.asarray(columns - one * share[self.side])
 
     def misfit(self, left: Array) -> float:
         """Return minus twice the log-likelihood of residuals (k,), each axis of its own scatter."""
@@ -215,7 +225,9 @@ def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:
     share = np.bincount(side, weights=used) / np.maximum(np.bincount(side), 1)
     rows = np.flatnonzero(used | (share[side] < MOSTLY))
     number = 2 * pointings(recordings)[data.row] + data.is_y
-    return _Numbers(data, rows, side[rows], np.unique(number[rows], return_inverse=True)[1])
+    measured = np.unique(number[rows], return_inverse=True)[1]
+    zero = data.spread(recordings.at.onto_sky, np.zeros(len(recordings)))
+    return _Numbers(data, rows, side[rows], measured, zero[rows])
 
 
 def _refitted(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from diagnosis.made import LATITUDE, recordings
 
+from pyport.angles import ARCSEC
 from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
@@ -15,6 +16,8 @@ from pyport.diagnosis.naming import verdict
 from pyport.diagnosis.searching import changes, settling
 from pyport.diagnosis.searching import search as searching
 from pyport.formats.models import load
+from pyport.mounts import KINDS
+from pyport.report.made import report_of
 
 NIGHTS, EACH = 6, 50
 NIGHT = np.repeat(np.arange(NIGHTS), EACH)
@@ -166,6 +169,52 @@ def test_a_clock_that_is_late_from_a_night_on_is_no_tilt():
     assert (found.effect, found.verdict) == ("epoch_clock", "named")
     assert found.parameters[0].value == pytest.approx(1, abs=3 * found.parameters[0].sigma)
     assert found.parameters[0].unit == "s"
+
+
+def reset(mount, size_arcsec=15.0):
+    """Return recordings of two nights before a first angle's zero was set anew and two after."""
+    made = recordings(300, 5, noise_arcsec=3.0, **nights(300, 160))
+    at = replace(made.at, mount=KINDS[mount])
+    x, y = 3 * ARCSEC * np.random.default_rng(5).normal(size=(2, 300))
+    off = size_arcsec * ARCSEC * (np.arange(300) >= 160)
+    return replace(made, at=at, x=x + off * np.cos(at.axes.el), y=y)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mount", "name"), [("altaz", "epoch_azimuth_zero"), ("fork", "epoch_hour_angle_zero")]
+)
+def test_a_zero_that_is_set_anew_is_named_with_its_size(mount, name):
+    """It falls with the cosine of the second angle, as no offset of the beam does."""
+    made = reset(mount)
+    (found,) = diagnose(made, load("altaz").on(made.at.mount)).findings
+
+    assert found.effect == name
+    assert found.parameters[0].value == pytest.approx(15, abs=3 * found.parameters[0].sigma)
+
+
+@pytest.mark.slow
+def test_nights_whose_azimuth_zeros_differ_are_nights_that_differ():
+    """Each by its own amount: none is another state of the telescope than the rest."""
+    night = np.arange(400) // 50
+    made = recordings(
+        400,
+        6,
+        noise_arcsec=3.0,
+        x=lambda at: np.random.default_rng(6).normal(0, 20, 8)[night] * np.cos(at.el),
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + 86400.0 * night + 120.0 * (np.arange(400) % 50),
+    )
+    found = diagnose(made, load("altaz"))
+    (size,) = [
+        one.sigma_arcsec
+        for one in report_of(found).noise.departures
+        if one.term == "zero of azimuth"
+    ]
+
+    assert not found.findings
+    assert found.misread is None
+    assert 10 < size < 40
 
 
 def nights(rows, first):

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from diagnosis.made import recordings
 
+from pyport.diagnosis import joint
+from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.naming import scene
 from pyport.diagnosis.naming.remarks import uneven
+from pyport.diagnosis.preparing import prepare
+from pyport.diagnosis.weighing import weigh
 from pyport.formats.models import load
 from pyport.report.made import report_of
 
@@ -47,6 +52,34 @@ def test_what_every_session_has_keeps_its_name():
 
     assert one.effect == "azimuth_eccentricity"
     assert any(check.startswith("strength in session n") for check in one.checks)
+
+
+@pytest.mark.slow
+def test_strengths_are_shares_of_what_the_rest_has():
+    """Half as strong in the last of three nights as in the others, which the common fit is not."""
+    night = np.arange(900) // 300
+    made = recordings(
+        900,
+        12,
+        x=lambda at: 20 * np.cos(at.el) * np.sin(at.az) * np.where(night == 2, 0.5, 1.0),
+        session=np.char.add("n", night.astype(str)),
+        time=1.2e9 + 86400.0 * night + 60.0 * (np.arange(900) % 300),
+    )
+    problem = prepare(made, load("altaz"))
+    chosen = tuple(
+        Chosen(one, "all") for one in problem.candidates if one.effect.id == "azimuth_eccentricity"
+    )
+    weighed = weigh(problem, chosen)
+    fitted = joint.fit(problem, weighed, chosen)
+    place = next(
+        n for n, one in enumerate(fitted.choices) if one.candidate.effect.physical and one in chosen
+    )
+    (last,) = scene._strengths(
+        problem, weighed, fitted, place, {"n2": problem.session == 2}
+    ).values()
+
+    assert last.extra == pytest.approx(-0.5, abs=3 * last.sigma)
+    assert last.sigma < 0.05
 
 
 @pytest.mark.slow

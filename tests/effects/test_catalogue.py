@@ -20,7 +20,8 @@ STABLE = {
     *("scan_direction", "scan_timing", "backlash_azimuth", "backlash_elevation"),
     *("servo_lag_azimuth", "servo_lag_elevation", "thermal_tilt", "temperature"),
     *("wind_tilt", "receiver_offset", "beam_squint", "epoch_offset"),
-    *("epoch_tilt", "epoch_sag", "epoch_clock", "drift", "subreflector_jump"),
+    *("epoch_azimuth_zero", "epoch_tilt", "epoch_sag", "epoch_clock", "drift"),
+    *("subreflector_jump",),
     *("nasmyth", "rotator_circle", "driven_term", "oscillation", "azimuth_turns"),
 }
 
@@ -108,6 +109,7 @@ def test_what_drives_an_effect_and_what_it_changes_with():
         "drift": "the hour",
         "driven_term": "temperature_c",
     }
-    assert changing == {"epoch_offset", "epoch_tilt", "epoch_sag", "epoch_clock"}
+    epochs = {"azimuth_zero", "clock", "offset", "sag", "tilt"}
+    assert changing == {f"epoch_{one}" for one in epochs}
     for name in changing:
         assert all(one.changes_with == "session" for one in CATALOGUE[name].variants(AT))

@@ -103,8 +103,9 @@ def test_one_moment_has_no_epochs():
     """Recordings of one session at one moment cannot show that something was moved."""
     at = Circumstances(np.zeros(3), np.ones(3), columns={"time": np.zeros(3)})
 
-    with pytest.raises(MissingColumn, match="a second moment"):
-        variants("epoch_offset", at)
+    for effect in ("epoch_offset", "epoch_azimuth_zero"):
+        with pytest.raises(MissingColumn, match="a second moment"):
+            variants(effect, at)
     for effect in ("epoch_tilt", "epoch_sag", "epoch_clock"):
         with pytest.raises(MissingColumn, match="a second session"):
             variants(effect, replaced(AT, session=np.full(len(AT), "one")))
@@ -385,3 +386,15 @@ def test_a_warm_tube_sags_along_elevation_on_any_mount(mount):
     found = family["as the tube sags"].columns(at)
     wanted = at.along_axes(np.zeros((len(at), 1)), (excess * np.cos(AT.el))[:, None])
     np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+def test_a_drift_stays_as_it_was_at_the_ends_of_its_recordings():
+    """What crept for a night is not known to go on: a month later it is where the night ended."""
+    time = np.array([-30 * 86400.0, 0.0, 4e4, 8e4, 30 * 86400.0])
+    drift = CATALOGUE["drift"].make(order=2, span_s=(0.0, 8e4))
+    at = Circumstances(np.ones(5), np.ones(5), columns={"time": time})
+
+    for axis in drift.columns(at):
+        np.testing.assert_array_equal(axis[0], axis[1])
+        np.testing.assert_array_equal(axis[-1], axis[-2])
+        assert not np.array_equal(axis[1], axis[2])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -186,7 +187,7 @@ def halves(problem: Problem, weighed: WhitenedData, joint: Joint, choice: int) -
 
 @dataclass(frozen=True)
 class Strength:
-    """By what share an effect is stronger in some of the readings, and its sigma."""
+    """By what share of the rest's strength a part's exceeds it, and its sigma."""
 
     extra: float
     sigma: float
@@ -206,8 +207,8 @@ def _strengths(
 ) -> dict[str, Strength]:
     """Return an effect's strength in parts of the data, everything else refitted.
 
-    The fitted curve of the effect gets a second coefficient that acts in one part only; of the
-    same strength, that is zero.
+    The fitted curve of the effect gets a second coefficient that acts in one part only, and is
+    divided by that of the rest; of the same strength, it is zero.
     """
     curve = contribution(problem, joint, choice)
     parts = {one: curve * mask for one, mask in masks.items() if curve[mask].any()}
@@ -221,8 +222,11 @@ def _strengths(
     for n, label in enumerate(parts, start=len(base)):
         solution = gram.solve([Part(np.append(base, n), np.zeros(1, np.intp))])
         if solution.known[-2:].all():
-            sigma = float(np.sqrt(solution.covariance[-1, -1]))
-            found[label] = Strength(float(solution.values[-1]), sigma)
+            rest, more = solution.values[-2:].tolist()
+            own, sigma = np.sqrt(np.diag(solution.covariance)[-2:]).tolist()
+            # The rest may have nothing of it: then its error is what the part is compared with.
+            rest = math.copysign(max(abs(rest), own), rest)
+            found[label] = Strength(more / rest, sigma / abs(rest))
     return found
 
 

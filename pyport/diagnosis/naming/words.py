@@ -129,7 +129,10 @@ def two_axes_sentence(one: Disagreement, axes: tuple[str, str] = ALTAZ.names) ->
         f"The {name} seen in {axes[0]} and that seen in {axes[1]} differ by "
         f"{found.sigmas:.1f} sigma (chance {found.p_value:.1g}): {each}."
     )
-    said = [differ, f"No {name} does that: something acts on one axis alone."]
+    said = [
+        differ,
+        f"No {name} does that: something besides acts otherwise on one axis than on the other.",
+    ]
     said.append(_place(one.splits, name, axes))
     if one.causes:
         causes = ", ".join(f"{which} ({left.sigmas:.1f})" for which, left in one.causes)

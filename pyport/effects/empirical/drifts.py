@@ -15,12 +15,15 @@ DRIFT_ORDERS = (1, 2, 3)
 
 
 def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
-    """Return a polynomial in time over a span, by default that of the recordings themselves."""
+    """Return a polynomial in time over a span, by default that of the recordings themselves.
+
+    Before and after it stays as it was at its ends: what crept for a night is not known to go on.
+    """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         time = at.numbers("time")
         first, last = _span(time) if span_s is None else span_s
-        phase = (time - (first + last) / 2) / max((last - first) / 2, 1.0)
+        phase = np.clip((time - (first + last) / 2) / max((last - first) / 2, 1.0), -1.0, 1.0)
         powers = np.polynomial.legendre.legvander(phase, order)[:, 1:].T
         return stack(at, *[(one, 0) for one in powers], *[(0, one) for one in powers])
 
@@ -36,7 +39,7 @@ def _drift(order: int, span_s: Sequence[float] | None = None) -> Effect:
         acts_in=AXES,
         pattern="slowly, with time",
         needs=("time_utc",),
-        formula=("a polynomial in time", "another polynomial in time"),
+        formula=("a polynomial in time, constant outside its span", "another one"),
         parameter=order,
         driver=THE_HOUR,
         changes_with="time",

@@ -21,7 +21,7 @@ from pyport.effects.base import (
     stack,
 )
 from pyport.effects.sky.site import hour_angle_turned
-from pyport.effects.telescope.geometry import sag_cosine, tilt
+from pyport.effects.telescope.geometry import azimuth_zero, sag_cosine, tilt
 from pyport.thresholds import SEVERAL
 
 OWN = "the constants of a pointing model hold for one state of the telescope"
@@ -47,7 +47,7 @@ def _within(
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
         there = inside(at)[:, :, None]
-        x, y = (there * axis[:, None, :] for axis in _SHAPES[effect.id](at))
+        x, y = (there * axis[:, None, :] for axis in _SHAPES[effect.on_altaz](at))
         return x.reshape(len(at), -1), y.reshape(len(at), -1)
 
     coefficients = tuple(
@@ -178,11 +178,11 @@ def _splits_alike(by_session: Effect, step: Effect, at: Circumstances) -> bool:
     return np.array_equal(by_session.columns(at), step.columns(at))
 
 
-def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
-    """Return a constant per session, where there are some, and steps between recordings."""
+def _at_any_moment(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
+    """Return an effect per session, where there are some, and as steps between recordings."""
     if "time" not in at and "order" not in at:
-        return (_by_session(_OFFSET, at),)
-    members = _members(_OFFSET, at, _moments(_when(at)))
+        return (_by_session(effect, at),)
+    members = _members(effect, at, _moments(_when(at)))
     if not members:
         raise MissingColumn("a second moment")
     return members
@@ -204,9 +204,9 @@ _OFFSET: Effect = Effect(
     "something was moved or reset",
     OWN,
     (Coefficient("offset_xel"), Coefficient("offset_el")),
-    lambda at: _epoch_offsets(at)[0].basis(at),
+    lambda at: _at_any_moment(_OFFSET, at)[0].basis(at),
     variant="constant per session",
-    profile=_epoch_offsets,
+    profile=lambda at: _at_any_moment(_OFFSET, at),
     acts_in=AXES,
     in_arrays=STEP,
     pattern="the zeros differ from one time to another",
@@ -214,6 +214,22 @@ _OFFSET: Effect = Effect(
     formula=("b in each session, or since a moment", "c in each session, or since a moment"),
     changes_with="session",
     make=_made(lambda: _OFFSET),
+)
+_ZERO: Effect = Effect(
+    "epoch_azimuth_zero",
+    "the azimuth encoder's zero was set anew, or slipped",
+    OWN,
+    (Coefficient("azimuth_zero"),),
+    lambda at: _at_any_moment(_ZERO, at)[0].basis(at),
+    variant="constant per session",
+    profile=lambda at: _at_any_moment(_ZERO, at),
+    acts_in=AXES,
+    pattern="a constant in azimuth, from one time to another",
+    needs=("session or time_utc",),
+    formula=("a cos E in each session, or since a moment", ""),
+    change_of="azimuth_zero",
+    changes_with="session",
+    make=_made(lambda: _ZERO),
 )
 _TILT: Effect = Effect(
     "epoch_tilt",
@@ -270,9 +286,10 @@ _CLOCK: Effect = Effect(
 #: What each of them does inside an epoch.
 _SHAPES = {
     "epoch_offset": offset,
+    "epoch_azimuth_zero": azimuth_zero,
     "epoch_tilt": tilt,
     "epoch_sag": sag_cosine,
     "epoch_clock": hour_angle_turned,
 }
 
-EFFECTS = (_OFFSET, _TILT, _SAG, _CLOCK)
+EFFECTS = (_OFFSET, _ZERO, _TILT, _SAG, _CLOCK)

@@ -237,9 +237,9 @@ def field(
     """
     if bumps["kind"] not in KINDS:
         raise ValueError(f"no field is made of {bumps['kind']!r}")
-    told = (bumps.get(name, 2) for name in ("count", "order", "around", "upward"))
+    counts = (bumps.get(name, 2) for name in ("count", "order", "around", "upward"))
     each = bumps.get("each", ())
-    count = max(*told, len(each), *(one for pair in each for one in pair))
+    count = max(*counts, len(each), *(one for pair in each for one in pair))
     narrowest = min(bumps.get("width_rad", 1.0), bumps.get("period_rad", 1.0))
     if narrowest < NARROWEST_RAD or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")

@@ -134,5 +134,6 @@ EFFECTS = (
         formula=("", "h sin E"),
         acts_in=SKY,
         pattern="in elevation, with the sine of elevation",
+        means={"nasmyth": "a mirror, receiver or camera off the elevation axis"},
     ),
 )
