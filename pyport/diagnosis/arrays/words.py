@@ -44,7 +44,7 @@ def words(found: ArrayReport) -> str:
 
 def _sessions(found: ArrayReport) -> list[str]:
     """Return a table of what each session's antennas share, and which sessions are weak."""
-    lines = ["What a session's antennas share (of the clock only its changes mean anything):"]
+    lines = ["What a session's antennas share (of clocks only changes count, beside those found):"]
     lines.append(
         f"  {'session':12} {'antennas':8}  {'hour angles':15}  {'time tag of scans':18}  clock"
     )
