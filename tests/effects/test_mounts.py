@@ -58,6 +58,19 @@ def test_what_the_columns_show_comes_first():
     assert told.index("4.20 +- 0.30 arcsec") < told.index("on a wheel-and-track mount: the track")
 
 
+def test_of_many_coefficients_those_far_from_zero_are_named():
+    """The antenna that has the fault stands in the sentence, wherever it stands in the list."""
+    sizes = [Parameter(f"track_pitch_sine[a{n}]", 0.1 * n, 1.0, "arcsec") for n in range(9)]
+    sizes[7] = Parameter("track_pitch_sine[a7]", -31.0, 1.2, "arcsec")
+    sizes[8] = Parameter("track_pitch_sine[a8]", 40.0, 25.0, "arcsec")
+    said = sentence(azimuth_track(2), sizes, Where(("xel", "el")))
+
+    first = said.partition("(seen in")[2].partition(", ")[2]
+    assert first.startswith("track pitch sine[a7] -31.0 +- 1.2 arcsec, track pitch sine[a8]")
+    assert "and 3 more" in said
+    assert "[a0]" not in said
+
+
 @pytest.mark.parametrize(("k", "said"), [(2, "twice"), (3, "three times"), (8, "8 times")])
 def test_harmonics_are_counted_in_words(k, said):
     """So many times per turn."""

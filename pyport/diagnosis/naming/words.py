@@ -74,9 +74,15 @@ def sentence(
     cause = meaning(effect, mounts)
     if together is not None:
         return f"{said}: {cause}; {together.sentence}"
-    sizes = [f"{spoken(p.name)} {number(p)}" for p in parameters[:_SHOWN]]
+    shown = parameters if len(parameters) <= _SHOWN else sorted(parameters, key=_chance)[:_SHOWN]
+    sizes = [f"{spoken(p.name)} {number(p)}" for p in shown]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
     return f"{said}, {', '.join(sizes)}{more}: {cause}"
+
+
+def _chance(parameter: Parameter) -> float:
+    """Return a key that is smaller the more sigmas a value is from zero."""
+    return -abs(parameter.value) / parameter.sigma if parameter.sigma > 0 else -np.inf
 
 
 def common(effect: Effect, parameters: Sequence[Parameter], *, several: bool) -> str:
