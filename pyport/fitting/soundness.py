@@ -19,6 +19,7 @@ from pyport.effects.degeneracies import BY_ELEVATION
 from pyport.fitting import misread
 from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.two_axes import UNLIKELY
+from pyport.noise import outliers
 from pyport.recordings.schema import Recordings, Stack
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
@@ -135,6 +136,7 @@ def warnings(fit: Fit) -> Iterator[str]:
     yield from fit.recordings.notes
     if (other := misread.of_fit(fit)) is not None:
         yield other.of_fit
+    yield from outliers.shared(fit.recordings, fit.stack, fit.noise.used)
     everything = named(fit)
     unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
     if unknown:

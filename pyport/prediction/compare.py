@@ -12,6 +12,7 @@ from pyport.angles import ARCSEC
 from pyport.errors import BadInput
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
+from pyport.noise.outliers import shared
 from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
 from pyport.prediction.unseen import left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings, as_input
@@ -48,6 +49,7 @@ class Comparison:
     pointings: int
     numbers: int
     outliers: int
+    warnings: tuple[str, ...]  #: of outliers that are most of a session, receiver or source
     model: Row
     rivals: tuple[Row, ...]
     own: Row
@@ -115,11 +117,13 @@ def compare(
         tell(one.name)
         return _row(one, night, nights, model, seed)
 
+    used = _counted(night, model)
     return Comparison(
         recordings.file.name,
         len(night.pointings[0]),
         len(night.stack),
-        int(np.count_nonzero(~_counted(night, model))),
+        int(np.count_nonzero(~used)),
+        tuple(shared(recordings, night.stack, used)),
         row(first),
         tuple(row(one) for one in others_of),
         row(own),

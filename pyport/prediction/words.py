@@ -24,7 +24,7 @@ def text(done: Comparison) -> str:
     """Return the table and the verdict."""
     said = [
         textwrap.fill(one, _WIDTH, subsequent_indent="  ", break_on_hyphens=False)
-        for one in verdict(done)
+        for one in (*verdict(done), *(f"Warning: {one}." for one in done.warnings))
     ]
     return "\n".join([*_table(done), "", *said])
 
@@ -137,6 +137,7 @@ def as_json(done: Comparison, rehearsals: Sequence[Rehearsal] = ()) -> dict[str,
         "pointings": done.pointings,
         "offsets": done.numbers,
         "outliers": done.outliers,
+        "warnings": list(done.warnings),
         "unit": "arcsec",
         "contenders": [dataclasses.asdict(row) for row in done.rows()],
         "cancel": done.cancel,

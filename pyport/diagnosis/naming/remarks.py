@@ -16,6 +16,7 @@ from pyport.effects.empirical.conditions import MOST_DRIVERS, untried
 from pyport.fitting.soundness import doubts
 from pyport.least_squares import robust
 from pyport.models.conditions import undetermined
+from pyport.noise import outliers
 from pyport.recordings.raw import BLANK
 from pyport.recordings.sky import CELLS, ORDER, SESSIONS, SHORT, TIMES
 from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
@@ -233,8 +234,9 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
 
 def warnings(diagnosis: Diagnosis) -> list[str]:
     """Return a sentence for everything that a user should know before trusting the numbers."""
+    found = list(_outliers(diagnosis))
     alone = list(_of(diagnosis, diagnosis.before))
-    found = [f"fit of the model: {one}" for one in alone]
+    found += [f"fit of the model: {one}" for one in alone]
     if diagnosis.findings:
         both = (one for one in _of(diagnosis, diagnosis.after) if one not in alone)
         found += [f"fit with what was found: {one}" for one in both]
@@ -249,6 +251,11 @@ def warnings(diagnosis: Diagnosis) -> list[str]:
             f"{', '.join(left)}"
         )
     return found
+
+
+def _outliers(diagnosis: Diagnosis) -> Iterator[str]:
+    problem = diagnosis.problem
+    return outliers.shared(problem.recordings, problem.stack, diagnosis.weighed.used)
 
 
 def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
@@ -309,6 +316,8 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     if said:
         sizes = " and ".join(f"{one} arcsec" for one in said)
         remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
+    if any(_outliers(diagnosis)):
+        remarks.append("the outliers are no gross errors, see the warning")
     if "source" in largest:
         remarks.append(f"{largest['source']} arcsec, which counts as noise")
     alone = "which is worth a diagnosis of its own"

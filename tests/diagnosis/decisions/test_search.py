@@ -108,6 +108,7 @@ def warned(at, turns=0):
         SimpleNamespace(
             problem=SimpleNamespace(
                 residual=np.zeros(100),
+                stack=None,
                 recordings=SimpleNamespace(at=at, meta={}),
                 precision=lambda _: np.zeros(1),
             ),
