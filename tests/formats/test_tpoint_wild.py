@@ -53,10 +53,22 @@ def test_the_weather_of_the_run_lifts_the_star(tmp_path):
     assert lift == pytest.approx(36.29 / np.tan(np.radians(72.9)), rel=0.01)
 
 
+@pytest.mark.parametrize(("weather", "most"), [(" 8 705 3050 0.2", 1e-9), (" 8 705", 0.03)])
+def test_weather_without_a_wavelength_is_that_of_light(tmp_path, weather, most):
+    """As TPOINT has it: 0.55 um; humidity moves light by hundredths of an arcsecond."""
+    whole = read(written(tmp_path, STAR, run=f"{RUN} 8 705 3050 0.2 0.55 0.0065"))
+    short = read(written(tmp_path, STAR, run=RUN + weather))
+
+    assert np.degrees(short.y[0]) * 3600 == pytest.approx(np.degrees(whole.y[0]) * 3600, abs=most)
+
+
 @pytest.mark.parametrize(
     ("star", "run", "said"),
     [
         (STAR, RUN + WEATHER, "refracted by the run's weather (6.25 C, 627.9 hPa, humidity 0.034,"),
+        (STAR, f"{RUN} 8 705 3050 0.2", "humidity 0.2, 0.55 um); its record does not give the wav"),
+        (STAR, f"{RUN} 8 705", "humidity 0.5, 0.55 um); its record does not give the humidity and"),
+        (STAR, f"{RUN} 8", "not refracted, for the run's record has no weather"),
         (STAR, RUN, "not refracted, for the run's record has no weather or a pressure of 0"),
         (STAR, f"{RUN} 6 0 4111 0.03 0.55", "not refracted, for the run's record has no weather"),
         ("10 40 10.1 40.1", RUN, "taken for refracted ones, as the telescope sees them"),

@@ -28,8 +28,11 @@ SHORTEST = 6
 #: With two proper motions and an equinox.
 MEAN = APPARENT + 3
 #: Weather behind the date of the run's record: temperature [C], pressure [hPa], height [m],
-#: relative humidity, wavelength [um].
+#: relative humidity, wavelength [um]; a lapse rate may follow, which ERFA does not use.
 WEATHER = ("temperature_c", "pressure_hpa", "height_m", "humidity", "wavelength_um")
+#: What is taken where a record ends before these: half humid, which moves light by less than 0.1
+#: arcsec at 45 deg, and TPOINT's wavelength.
+USUAL = {"height_m": 0.0, "humidity": 0.5, "wavelength_um": 0.55}
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,12 @@ def refracted(site: Sequence[str]) -> str:
         )
     celsius, hpa, _, humidity, micron = numbers
     weather = f"{celsius:g} C, {hpa:g} hPa, humidity {humidity:g}, {micron:g} um"
-    return f"the catalogue's places are refracted by the run's weather ({weather})"
+    said = f"the catalogue's places are refracted by the run's weather ({weather})"
+    taken = [name for name in WEATHER[_given(site) :] if name != "height_m"]
+    if not taken:
+        return said
+    names = " and ".join(name.partition("_")[0] for name in taken)
+    return f"{said}; its record does not give the {names}, for which the usual is taken"
 
 
 def as_seen(site: Sequence[str]) -> str:
@@ -199,12 +207,25 @@ def as_seen(site: Sequence[str]) -> str:
 
 
 def _weather(site: Sequence[str]) -> list[float] | None:
-    """Return the weather of a run's record, None where it tells none or a pressure of zero."""
-    try:
-        numbers = [float(word) for word in site[6 : 6 + len(WEATHER)]]
-    except ValueError:
+    """Return the weather of a run's record, None where it tells none or a pressure of zero.
+
+    What it does not give behind the pressure is as usual.
+    """
+    given = _given(site)
+    numbers = [float(word) for word in site[6 : 6 + given]]
+    if given < len(WEATHER) - len(USUAL) or numbers[1] <= 0:
         return None
-    return None if len(numbers) < len(WEATHER) or numbers[1] <= 0 else numbers
+    return numbers + [USUAL[name] for name in WEATHER[given:]]
+
+
+def _given(site: Sequence[str]) -> int:
+    """Return how many numbers of the weather a run's record gives."""
+    for count, word in enumerate(site[6 : 6 + len(WEATHER)]):
+        try:
+            float(word)
+        except ValueError:
+            return count
+    return len(site[6 : 6 + len(WEATHER)])
 
 
 def _refraction(site: Sequence[str], el: float) -> float:
