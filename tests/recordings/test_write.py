@@ -138,6 +138,28 @@ def test_ecsv_units_beside_the_names(tmp_path):
         read(path)
 
 
+def test_ecsv_holds_times_of_astropy(tmp_path):
+    """A time is read in UTC, a masked one as blank; a difference of times is none."""
+    from astropy import units
+    from astropy.table import QTable
+    from astropy.time import Time, TimeDelta
+
+    path, when = tmp_path / "night.ecsv", Time("2025-11-03T04:00:00") + [0, 1, 2] * units.hour
+    masked = when.copy()
+    masked[1] = np.ma.masked
+    plain = {"az": [10, 130, 250] * units.deg, "el": [40, 50, 60] * units.deg}
+    plain["d_el"] = [5, 6, 7] * units.arcsec
+    for name, times in {"time_utc": when, "time": when.tai, "blank": masked}.items():
+        QTable(plain | {name.replace("blank", "time_utc"): times}).write(path, overwrite=True)
+        found = read(path).at.column("time")
+
+        assert found[[0, 2]] == pytest.approx(when.unix[[0, 2]], abs=1e-3)
+        assert np.isfinite(found[1]) == (name != "blank")
+    QTable(plain | {"took": TimeDelta([9, 8, 9] * units.s)}).write(path, overwrite=True)
+
+    assert read(path).y == pytest.approx(np.radians(np.array([5, 6, 7]) / 3600))
+
+
 def with_unit(path, name, unit, number):
     """Write an ECSV file with one row and one column more, and return it."""
     path.write_text(

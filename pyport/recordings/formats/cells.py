@@ -20,8 +20,10 @@ def in_its_unit(name: str, column: Any) -> tuple[str, NDArray[Any]]:  # noqa: AN
 
     Raises `BadInput`: Astropy's unit of the column is none that its name could have.
     """
-    if hasattr(column, "utc") and hasattr(column, "unix"):
+    # an astropy difference of times has no `unix`, and fails when asked for `utc`
+    if hasattr(column, "unix") and hasattr(column, "utc"):
         when = np.asarray(column.utc.datetime64)
+        when = np.where(getattr(column, "mask", False), np.datetime64("NaT"), when)
         return (TIME if name == "time" else name), when
     unit = getattr(column, "unit", None)
     if unit is None or not str(unit):

@@ -47,8 +47,8 @@ def read_ecsv(path: Path) -> Raw:
     units: dict[str, str] = {}
     for column in table.itercols():
         name, cells = _with_unit(column, path)
-        if name == column.name and column.unit is not None:
-            units[name] = str(column.unit)
+        if name == column.info.name and column.info.unit is not None:
+            units[name] = str(column.info.unit)
         if name in columns:
             raise BadInput(f"two columns are called {name!r}, expected one", path, header)
         columns[name] = cells
@@ -70,8 +70,10 @@ def _text(value: object) -> str:
 
 def _with_unit(column: Any, path: Path) -> tuple[str, NDArray[Any]]:  # noqa: ANN401 - astropy
     """Return a column under the contract's name, in the unit that the name tells."""
-    name, unit = column.name, getattr(column, "unit", None)
-    if unit is None or not str(unit):
+    name, unit = column.info.name, column.info.unit
+    if not hasattr(column, "name"):  # a time, a direction: in_its_unit knows or refuses it
+        unit = ""
+    elif unit is None or not str(unit):
         return name, _filled(column)
     unit = _SUFFIX.get(str(unit), str(unit))
     quantity, _, suffix = name.rpartition("_")
