@@ -23,6 +23,7 @@ from pyport.fitting.fit import Fit, expanded
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.mounts import ALTAZ
+from pyport.mounts.equatorial import EQUATORIAL
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
 from pyport.thresholds import MOSTLY, OUT_OF_REACH
@@ -31,9 +32,11 @@ Words = tuple[str, ...]
 #: Readings that show where terms are held to what the model gives.
 IN_USE: Words = ("the offsets were measured with this model in use (--in-use)",)
 SIGN: Words = ("all offsets have the other sign",)
-#: Units of angles that are mistaken for each other, the larger over the smaller: mdeg or arcmin
-#: for arcsec, mrad, deg, rad.
-UNITS = (3.6, 60.0, 206.265, 3600.0, 206265.0)
+#: Seconds of arc in a second of time.
+TIME = 15.0
+#: Units of angles that are mistaken for each other, the larger over the smaller: mdeg, seconds of
+#: time or arcmin for arcsec, mrad, deg, rad.
+UNITS = (3.6, TIME, 60.0, 206.265, 3600.0, 206265.0)
 
 
 class Reading(NamedTuple):
@@ -276,6 +279,11 @@ def _offsets(recordings: Recordings, here: Circumstances, model: Model) -> Itera
             yield Reading((*turned, lacking), signed * cosine, y, cosine)
             already = f"the offsets of {first} are on the sky already"
             yield Reading((*turned, already), signed * (1 / cosine), y, 1 / cosine)
+            if first == EQUATORIAL.first.name:
+                time = (
+                    f"the offsets of {first} are in seconds of time where seconds of arc are read"
+                )
+                yield Reading((*turned, time), signed * TIME, y, TIME)
         else:
             yield Reading(turned, signed * (cosine / read), y, cosine / read)
         if np.array_equal(np.isfinite(x), np.isfinite(y)):

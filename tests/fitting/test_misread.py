@@ -119,15 +119,15 @@ def test_terms_that_are_refitted_hide_no_model_that_was_in_use():
     assert said(recordings(300, 9, **other), steering) is None
 
 
-@pytest.mark.parametrize("times", [3.6, 60.0, 1 / 60])
+@pytest.mark.parametrize("times", [3.6, 15.0, 60.0, 1 / 60])
 def test_a_session_in_another_unit_is_named(times):
     """Thousandths of a degree or minutes of arc under the others' seconds, or the reverse."""
     measured = recordings(300, 11)
     odd = np.where(measured.at.column("session") == "s2", 1 / times, 1.0)
     told = said(replace(measured, x=measured.x * odd, y=measured.y * odd))
 
-    size = "60 times as large as" if times == 60 else "3.6 times as large as"
-    assert f"session s2 are in a unit {size if times > 1 else '1/60 of'} the others'" in told
+    size = f"{times:g} times as large as" if times > 1 else "1/60 of"
+    assert f"session s2 are in a unit {size} the others'" in told
 
 
 def test_what_has_no_name_is_no_other_explanation():
@@ -183,6 +183,7 @@ def test_the_axes_of_other_mounts_have_their_own_names():
 
     assert said(right, model) is None
     assert "hour angle is counted in the opposite sense" in said(replace(right, x=-right.x), model)
+    assert "hour angle are in seconds of time" in said(replace(right, x=right.x / 15), model)
 
 
 def test_what_is_recorded_often_is_no_surer():
