@@ -206,6 +206,60 @@ def test_what_names_and_header_say_of_units_and_signs(tmp_path, names, header, m
     assert mapped.propose(sheet(path)) == mapped.parse(",".join(wanted))
 
 
+NUMBERS = "expected numbers in deg, arcmin, arcsec, mdeg, rad"
+
+
+@pytest.mark.parametrize(
+    ("unit", "proposed", "mapped_"),
+    [
+        ("gon", f"is in gon, {NUMBERS}", f"has it in gon, {NUMBERS}"),
+        ("Gon", f"is in gon, {NUMBERS}", f"has it in gon, {NUMBERS}"),
+        ("µrad", f"is in µrad, {NUMBERS}", f"has it in µrad, {NUMBERS}"),
+        ("counts", f"is in counts, {NUMBERS}", f"has it in counts, {NUMBERS}"),
+        ("s", f"is in s, {NUMBERS}", f"has it in s, {NUMBERS}"),
+        ("deg on sky", f"is in deg on sky, {NUMBERS}", f"has it in deg on sky, {NUMBERS}"),
+        (
+            "Grad",
+            "is in grad, expected d_el_deg=dEl [Grad] where that means degrees, not gon",
+            "has it in grad, expected d_el_deg=dEl [Grad] where that means degrees, not gon",
+        ),
+    ],
+)
+def test_a_unit_that_no_angle_is_read_in_is_refused(tmp_path, unit, proposed, mapped_):
+    """It was taken for arcseconds, by `look` and by a map."""
+    path = tmp_path / "drives.csv"
+    path.write_text(f"Az,El,dEl [{unit}]\n31,42,0.5\n133,54,0.25\n")
+    doubts = []
+
+    assert mapped.propose(sheet(path), doubts) == {"az_deg": "Az", "el_deg": "El"}
+    assert [one.partition(" is in")[2] for one in doubts] == [proposed.removeprefix("is in")]
+    map_ = {"az_deg": "Az", "el_deg": "El", "d_el_arcsec": f"dEl [{unit}]"}
+    with pytest.raises(BadInput) as refused:
+        read(path, FileOptions(mapping=map_))
+    assert str(refused.value).startswith(f"{path}:1: --columns d_el_arcsec=dEl [{unit}]: ")
+    assert str(refused.value).endswith(mapped_)
+
+
+def test_degrees_may_be_called_grad(tmp_path):
+    """Whoever maps the column to degrees says which they are."""
+    path = tmp_path / "drives.csv"
+    path.write_text("Az [Grad],El,dEl [Grad]\n31,42,0.5\n133,54,0.25\n")
+    map_ = {"az_deg": "Az [Grad]", "el_deg": "El", "d_el_deg": "dEl [Grad]"}
+
+    assert np.degrees(read(path, FileOptions(mapping=map_)).y) == pytest.approx([0.5, 0.25])
+
+
+@pytest.mark.parametrize("word", ["encoder", "raw", "obs", "d m s", "h:m:s", "E of N", "C"])
+def test_brackets_that_hold_no_unit_say_nothing_of_it(tmp_path, word):
+    """Directions are then taken for degrees, offsets for arcseconds."""
+    path = tmp_path / "drives.csv"
+    path.write_text(f"Az [{word}],El,dEl ({word})\n31,42,0.5\n133,54,0.25\n")
+    doubts = []
+
+    assert [*mapped.propose(sheet(path), doubts)] == ["az_deg", "el_deg", "d_el_arcsec"]
+    assert not doubts
+
+
 def test_a_map_that_lacks_a_direction_is_no_command(tmp_path):
     """What is missing is said; a name with a blank is quoted as a shell wants it."""
     (tmp_path / "my night.csv").write_text("az,zd,dxel\n1,2,3\n1,2,3\n")

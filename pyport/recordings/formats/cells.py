@@ -110,8 +110,23 @@ def _blank(cell: object) -> bool:
     return cell is None or cell != cell or str(cell) in {"<NA>", "NaT"}  # noqa: PLR0124
 
 
+#: Of a German file degrees, elsewhere gon: whoever maps the column decides.
+GRAD = "grad"
 #: Units of angle that the contract has no column in: they are recognised to be refused.
-_UNKNOWN = ("urad", "mrad", "mas")
+_UNKNOWN = (
+    *("urad", "µrad", "mrad", "mas", "marcsec", "uas", "uarcsec", "mdegs"),
+    *("gon", "gons", "gradian", "gradians", "grade", "grades", "mgon", "cc", GRAD, "grads"),
+    *("grados", "gradi", "graden", "degré", "degrés", "bogenminuten", "bogensekunden"),
+    *("turn", "turns", "rev", "revs", "cycles", "hms"),
+)
+#: Other units in the brackets of a column's name, which no angle is in.
+_NO_ANGLES = frozenset(
+    (
+        *("s", "sec", "secs", "second", "seconds", "min", "mins", "minute", "minutes", "d", "m"),
+        *("mm", "cm", "um", "v", "mv", "pix", "pixel", "pixels", "px", "beam", "beams", "hpbw"),
+        *("count", "counts", "cts", "step", "steps", "tick", "ticks", "pulses", "bit", "bits"),
+    )
+)
 #: Units of angle as tables spell them -> as the contract does.
 _SPELLED = {
     **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), "deg"),
@@ -156,8 +171,19 @@ def bracketed(name: str) -> str:
 
 
 def in_brackets(text: str) -> str:
-    """Return the unit of angle that stands in brackets in a text, "" for none."""
-    return next(filter(None, map(angle_unit, re.findall(r"[\[(]([^\[\]()]*)[\])]", text))), "")
+    """Return the unit of angle that stands in brackets in a text, "" for none.
+
+    Without one, return what else there is a unit, or has one of angle among its words.
+    """
+    stated = re.findall(r"[\[(]([^\[\]()]*)[\])]", text)
+    others = filter(_is_unit, (one.strip().lower() for one in stated))
+    return next(filter(None, map(angle_unit, stated)), "") or next(others, "")
+
+
+def _is_unit(text: str) -> bool:
+    """Tell whether a text is a unit, or has one of angle among its words: not `d m s`."""
+    words = set(text.split())
+    return text in _NO_ANGLES or (bool(words & _SPELLED.keys()) and not words & _NO_ANGLES)
 
 
 def unit_missed(name: str, stated: str) -> str:

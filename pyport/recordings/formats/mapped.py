@@ -36,6 +36,7 @@ from pyport.columns import (
 from pyport.errors import BadInput
 from pyport.files import write_file
 from pyport.recordings.formats.cells import (
+    GRAD,
     angle_unit,
     bracketed,
     in_brackets,
@@ -129,8 +130,10 @@ def _refuse_other_unit(raw: Raw, ours: str, theirs: str, key: str, name: str) ->
     if unit not in RADIANS_PER:
         stated = beside or bracketed(name)
         expected = unit_missed(ours, stated)
-    elif stated in {"", unit}:
+    elif stated in {"", unit} or (stated, unit) == (GRAD, "deg"):
         return
+    elif stated == GRAD:
+        expected = f"{quantity}_deg={theirs} where that means degrees, not gon"
     else:
         others = f"numbers in {', '.join(_UNITS)}"
         expected = f"{quantity}_{stated}={theirs}" if stated in RADIANS_PER else others
@@ -339,6 +342,12 @@ def _meant(table: Sheet, n: int, bare: str, doubts: list[str]) -> str:
     if known or not ours or ours in _OURS:
         return ours + (colons if angle_of(ours) else "")
     unit = _unit(table.names[n], beside, table.meta)
+    if unit == GRAD:
+        doubts.append(
+            f"{bare} is in {unit}, expected {ours}_deg={table.names[n]} where that means degrees, "
+            "not gon"
+        )
+        return ""
     ours = f"{ours}_{unit or ('arcsec' if ours.startswith(('d_', 'sigma_')) else 'deg')}"
     if angle_of(ours) is None:
         doubts.append(f"{bare} is in {unit}, expected numbers in {', '.join(_UNITS)}")
