@@ -76,6 +76,7 @@ def applied(
     kept = _kept(rows, where)
     there &= kept
     known = with_nights(rows).at.take(there) if residuals else at.take(there)
+    _refuse_labels(model, known, raw, np.flatnonzero(there))
     try:
         found = _inverse(model, known) if inverse else _forward(model, known)
         if residuals:
@@ -99,6 +100,16 @@ def applied(
         _rms(raw, there, found) if residuals else {},
         tuple(taken_for(model.model.completed, known.columns)),
     )
+
+
+def _refuse_labels(
+    model: PointingModel, at: Circumstances, raw: Raw, rows: NDArray[np.intp]
+) -> None:
+    """Refuse the first of a file's `rows` whose label a term has no coefficients for."""
+    for term in model.model.terms:
+        found = term.first_unknown(at.columns) if term.has_values else None
+        if found is not None:
+            raise raw.error(found[1], int(rows[found[0]]))
 
 
 def _kept(rows: Recordings, where: str) -> NDArray[np.bool_]:

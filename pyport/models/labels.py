@@ -36,21 +36,30 @@ def refuse_unknown(effect: Effect, columns: Mapping[str, Any]) -> None:
     `columns`: by the names inside the program, scalars or arrays.
     Raises `BadInput`: with the labels that it has them for.
     """
+    found = first_unknown(effect, columns)
+    if found is not None:
+        raise BadInput(found[1])
+
+
+def first_unknown(effect: Effect, columns: Mapping[str, Any]) -> tuple[int, str] | None:
+    """Return the first row that `refuse_unknown` refuses, and why; None where it refuses none."""
     by, values = split_of(effect)
     if not by or by not in columns:
-        return
+        return None
     labels = np.atleast_1d(np.asarray(columns[by]))
     if by == _FREQUENCY:
         labels = labels.astype(float)
         starts = np.array(effect.member["starts_mhz"])
-        strange = labels[np.isfinite(labels) & (band_of(labels, starts) == "")]
+        strange = np.isfinite(labels) & (band_of(labels, starts) == "")
     else:
-        strange = np.setdiff1d(labels.astype(str), [*values, ""])
-    if len(strange):
-        raise BadInput(
-            f"the model's term {effect.id} has no coefficients for {by} {str(strange[0])!r}: "
-            f"it has them for {', '.join(sorted(values)[:MOST_LISTED])}"
-        )
+        strange = ~np.isin(labels.astype(str), [*values, ""])
+    if not strange.any():
+        return None
+    row = int(np.argmax(strange))
+    return row, (
+        f"the model's term {effect.id} has no coefficients for {by} {str(labels[row])!r}: "
+        f"it has them for {', '.join(sorted(values)[:MOST_LISTED])}"
+    )
 
 
 def taken_for(completed: Completed | None, columns: Mapping[str, Any]) -> Iterator[str]:

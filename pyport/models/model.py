@@ -15,7 +15,7 @@ from pyport.angles import Array
 from pyport.columns import LABELS, SPELLED
 from pyport.effects import Circumstances, Coefficient, Effect, MissingColumn, Site, catalogue
 from pyport.errors import BadInput
-from pyport.models.labels import refuse_unknown
+from pyport.models.labels import first_unknown, refuse_unknown
 from pyport.mounts import ALTAZ, BY_MODEL, Mount
 
 if TYPE_CHECKING:
@@ -95,6 +95,23 @@ class Term:
         """
         return np.array(self.values) if not self.by else self._by_labels(labels)[1][0]
 
+    def first_unknown(self, columns: Mapping[str, NDArray[Any]]) -> tuple[int, str] | None:
+        """Return the first row whose labels it has no coefficients for, and why; None for none."""
+        if self.by and columns.keys() >= set(self.per):
+            rows = zip(*(columns[name].astype(str).tolist() for name in self.per), strict=True)
+            for row, one in enumerate(rows):
+                if one not in self.by:
+                    return row, self._lacks(one)
+        return first_unknown(self.effect, columns)
+
+    def _lacks(self, labels: tuple[str, ...]) -> str:
+        what = " and ".join(f"{n} {v!r}" for n, v in zip(self.per, labels, strict=True))
+        known = ", ".join(" ".join(each) for each in list(self.by)[:12])
+        return (
+            f"the model's term {self.effect.id} has no coefficients for {what}: "
+            f"it has them for {known}"
+        )
+
     def _by_labels(self, of_row: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.intp], Array]:
         """Return which values each row has by its labels, (n,), and those, (groups, k)."""
         labels = [of_row[name].astype(str) for name in self.per]
@@ -102,12 +119,7 @@ class Term:
         found = []
         for one in map(tuple, there.T.tolist()):
             if one not in self.by:
-                what = " and ".join(f"{n} {v!r}" for n, v in zip(self.per, one, strict=True))
-                known = ", ".join(" ".join(each) for each in list(self.by)[:12])
-                raise BadInput(
-                    f"the model's term {self.effect.id} has no coefficients for {what}: "
-                    f"it has them for {known}"
-                )
+                raise BadInput(self._lacks(one))
             found.append(self.by[one])
         return which.ravel(), np.array(found)
 

@@ -88,6 +88,29 @@ def test_apply(model, tmp_path):
     assert said in applied(model, targets).stderr
 
 
+@pytest.mark.parametrize(
+    ("rows", "line"), [("10,40,K\n11,41,X\n12,42,Z\n", 4), (",,\n11,41,Q9\n12,42,Z\n", 3)]
+)
+def test_apply_names_the_line(model, tmp_path, rows, line):
+    """Of the first row whose label the model does not know, of an effect's own and of a fit's."""
+    targets, each = tmp_path / "targets.csv", tmp_path / "each.toml"
+    targets.write_text(f"az_deg,el_deg,receiver\n{rows}")
+    rng, n = np.random.default_rng(2), 80
+    night = {
+        "az_deg": rng.uniform(0, 360, n),
+        "el_deg": rng.uniform(20, 80, n),
+        "d_xel_arcsec": rng.normal(0, 3, n),
+        "d_el_arcsec": rng.normal(0, 3, n),
+        "receiver": np.array(["K", "X"])[np.arange(n) % 2],
+    }
+    pyport.fit(night, per=["receiver"]).model.save(each)
+    for one in (model, each):
+        with pytest.raises(
+            BadInput, match=rf"targets.csv:{line}: the model's term .*receiver '[QZ]"
+        ):
+            applied(one, targets)
+
+
 def test_table_and_fit(model):
     """Wherever the model's values are used."""
     with pytest.raises(BadInput, match=REFUSED):
