@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pyport.cli import pyport as program
 from pyport.errors import BadInput
 from pyport.recordings import read, write
 from pyport.recordings.formats import csv
@@ -90,6 +92,26 @@ def test_binary_file(tmp_path, content, suffix):
 
     with pytest.raises(BadInput, match="binary"):
         read(path)
+
+
+@pytest.mark.parametrize("suffix", [".log", ".csv", ".txt", ".dat"])
+@pytest.mark.parametrize("command", ["fit", "look"])
+def test_a_log_of_the_field_system_is_read_by_xtrac(tmp_path, suffix, command):
+    """The .xtr that it makes is what is read; a table whose times are written so is a table."""
+    log = tmp_path / f"r1{suffix}"
+    log.write_text(
+        "2025.041.07:30:00.12:Log Opened: Mark IV Field System Version 10.1.0\n"
+        "2025.041.07:30:00.12;location,SOMEWHERE,-20.5,41.25,310.0\n"
+        "2025.041.07:34:10.55#fivpt#offset 121.3 41.0 0.0102 -0.0044 1 1 01d0 taua\n"
+    )
+    done = CliRunner().invoke(program, [command, str(log)])
+
+    said = f"{log}:1: a log of the VLBI Field System, expected the .xtr file"
+    assert str(done.exception).startswith(said)
+    log.write_text(
+        "t;az;el;del\n2025.041.07:30:00.12;121.3;41.0;0.25\n2025.041.07:34:00.12;12;31;0.5\n"
+    )
+    assert "Field System" not in str(CliRunner().invoke(program, [command, str(log)]).exception)
 
 
 @pytest.mark.parametrize("suffix", [".ecsv", ".parquet"])

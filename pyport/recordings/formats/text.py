@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import NamedTuple
@@ -93,13 +94,22 @@ _NO_TEXT = {
 }
 
 
+#: A line of a log of the Field System: its time, and what is no cell of a table.
+_FS_LOG = re.compile(rb"^\d{4}\.\d{3}\.\d\d:\d\d:\d\d\.\d\d([#&/:?$]|;Log Opened)", re.MULTILINE)
+#: It begins with some header lines of its own.
+_BEGINNING = 2**12
+
+
 def refuse_packed(path: Path) -> None:
-    """Refuse a file that begins as gzip or FITS does, with what to do about it."""
+    """Refuse a file that begins as gzip, FITS or a log does, with what to do about it."""
     with path.open("rb") as file:
-        beginning = file.read(max(map(len, _NO_TEXT)))
+        beginning = file.read(_BEGINNING)
     for begins, wrong in _NO_TEXT.items():
         if beginning.startswith(begins):
             raise BadInput(wrong, path)
+    if _FS_LOG.search(beginning):
+        wanted = "expected the .xtr file that its program xtrac extracts from the log"
+        raise BadInput(f"a log of the VLBI Field System, {wanted}", path)
 
 
 def read_text(path: Path) -> str:
