@@ -169,6 +169,7 @@ class Raw:
     key_line: Mapping[str, int] = field(default_factory=dict)
     #: Name -> the unit that the file gives a column beside its name and that is not yet used.
     units: Mapping[str, str] = field(default_factory=dict)
+    note: str = ""  #: what its reader passed over
 
     def error(self, message: str, row: int | None = None, *, key: str = "") -> BadInput:
         """Return an error that names the file and the line of the row, the key or the header."""

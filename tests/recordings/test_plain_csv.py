@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pyport.errors import BadInput
+from pyport.recordings import read
 from pyport.recordings.formats import csv
 from pyport.recordings.raw import Raw, TextColumn
 
@@ -123,6 +124,26 @@ def test_it_is_arrow_that_reads_a_large_plain_file(tmp_path, monkeypatch):
     path.write_text('a,b\n1,2\n3,"4"\n' + "5,6\n" * 5)
 
     assert isinstance(csv.read(path).columns["a"], np.ndarray)
+
+
+@pytest.mark.parametrize("least", [20, 2**22])
+def test_the_index_of_pandas_is_passed_over(tmp_path, monkeypatch, least):
+    """A first column without a name that counts from 0, by either reader; another needs a name."""
+    monkeypatch.setattr(csv, "LEAST_BYTES", least)
+    path = tmp_path / "frame.csv"
+    path.write_text(",az_deg,el_deg,d_el_arcsec\n0,11,41,2\n1,95,52,-3\n2,203,63,4\n")
+    found = read(path)
+
+    assert np.degrees(found.at.az) == pytest.approx([11, 95, 203])
+    assert found.notes == (
+        "the first column, which has no name and counts the rows from 0, is passed over",
+    )
+    path.write_text(path.read_text().replace("\n1,95", "\n7,95"))
+    with pytest.raises(BadInput, match=r"csv:3: column 1 of the header has no name, .* has '7'"):
+        read(path)
+    path.write_text("az_deg,,d_el_arcsec\n0,0,2\n1,1,-3\n")
+    with pytest.raises(BadInput, match=r"csv:1: column 2 of the header has no name, expected one"):
+        read(path)
 
 
 def test_a_long_cell_is_named_with_its_line(tmp_path):

@@ -7,6 +7,7 @@ import io
 import operator
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -83,6 +84,8 @@ def _parsed(body: bytes, names: list[str]) -> dict[str, TextColumn] | None:
 def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     """Read the cells of a CSV file; `names` are those of its columns where it has no header.
 
+    A first column without a name that counts the rows from 0, the index of pandas, is passed over.
+
     Raises `BadInput`: no header, no rows, a row with too few or too many cells, no text.
     """
     text = read_text(path)
@@ -107,7 +110,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
     _add_below(meta, key_line, body, path, above)
     plain = plain_columns(body.encode(), columns, above)
     if plain is not None:
-        return Raw(path, meta, max(above, 1), *plain, key_line)
+        return _without_index(Raw(path, meta, max(above, 1), *plain, key_line))
     rows, lines = _rows(text, above, path)
     expected = "as named" if names else "as in the header"
     for row, line in zip(rows, lines, strict=True):
@@ -118,7 +121,25 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
         raise BadInput("no rows below the column names", path, above)
     cells = [np.array(column, object) for column in zip(*rows, strict=True)]
     named = dict(zip(columns, cells, strict=True))
-    return Raw(path, meta, max(above, 1), named, np.array(lines, np.int64), key_line)
+    return _without_index(
+        Raw(path, meta, max(above, 1), named, np.array(lines, np.int64), key_line)
+    )
+
+
+def _without_index(raw: Raw) -> Raw:
+    """Return the cells without a first column that counts the rows and has no name.
+
+    Raises `BadInput`: there is one that does not count them.
+    """
+    if "" not in raw.columns:
+        return raw
+    for row, cell in enumerate(raw.words("").tolist()):
+        if cell != str(row):
+            wanted = "expected one, or 0, 1, 2, ... below it, the index of pandas"
+            raise raw.error(f"column 1 of the header has no name, {wanted}; it has {cell!r}", row)
+    named = {name: cells for name, cells in raw.columns.items() if name}
+    note = "the first column, which has no name and counts the rows from 0, is passed over"
+    return replace(raw, columns=named, note=note)
 
 
 def _add(meta: dict[str, str], key_line: dict[str, int], key: str, value: str, line: Line) -> None:
@@ -159,8 +180,9 @@ def _names(header: str, path: Path, line: int) -> list[str]:
         raise BadInput(wrong, path, line)
     seen: set[str] = set()
     for position, name in enumerate(names):
-        if not name:
-            raise BadInput(f"column {position + 1} of the header has no name", path, line)
+        if not name and position:
+            wrong = f"column {position + 1} of the header has no name, expected one"
+            raise BadInput(wrong, path, line)
         if name in seen:
             raise BadInput(f"two columns are called {name!r}, expected one", path, line)
         seen.add(name)

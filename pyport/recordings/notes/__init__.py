@@ -21,6 +21,7 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
         **{f"{KEY}{key}": text for key, text in keys.notes(raw)},
         "directions": directions.note(recordings, raw),
         "radians": directions.radians(recordings),
+        "reader": raw.note,
         "refraction": raw.meta.get(REFRACTION, ""),
         "offsets": offsets.note(recordings, raw, by_row=by_row),
     }
