@@ -166,8 +166,8 @@ def predict(
 
     if rehearse and not against:
         raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
-    measured, first = read(recordings, given), load(model)
-    rivals = [load(one) for one in against]
+    measured, names = read(recordings, given), [model, *against]
+    first, *rivals = compare.distinct([load(one) for one in names], names)
     with working("comparing") as tell:
         done = compare.compare(
             measured, first, rivals, [read(one, given) for one in nights], seed=seed, tell=tell

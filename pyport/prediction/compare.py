@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,17 @@ class Comparison:
     def rows(self) -> tuple[Row, ...]:
         """Return all in the order of a table."""
         return (self.model, *self.rivals, *self.picked, self.own)
+
+
+def distinct(models: Sequence[Model], given: Sequence[str]) -> list[Model]:
+    """Return models with those of one name called by the files that they were `given` as."""
+    files = [Path(one).name for one in given]
+    found = []
+    for model, file, path in zip(models, files, given, strict=True):
+        several = [one.name for one in models].count(model.name) > 1
+        called = path if files.count(file) > 1 else file
+        found.append(replace(model, name=called) if several else model)
+    return found
 
 
 @one_thread

@@ -14,6 +14,8 @@ from pyport.angles import ARCSEC, DEG
 from pyport.cli.explain import predict
 from pyport.effects import CATALOGUE, Circumstances, Site
 from pyport.errors import BadInput
+from pyport.fitting.fit import completed, fit
+from pyport.formats.completed import write_model
 from pyport.formats.models import load
 from pyport.models.model import Term
 from pyport.mounts import KINDS
@@ -222,6 +224,29 @@ def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]
     assert all(done.own.unseen[way] < anew.unseen[way] for way in done.own.unseen)
     assert "are an overfit here" in words.text(done)
+
+
+def test_models_of_one_name_are_called_by_their_files(tmp_path):
+    """In the table, in the verdict and in JSON; those of one file name by their paths."""
+    at = _night(30, 12)
+    file = tmp_path / "night.csv"
+    rows = zip(at.at.az / DEG, at.at.el / DEG, at.x / ARCSEC, at.y / ARCSEC, strict=True)
+    file.write_text(
+        "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n"
+        + "".join(",".join(f"{one:.5f}" for one in row) + "\n" for row in rows)
+    )
+    models = [tmp_path / name for name in ("march.toml", "april.toml")]
+    for one in models:
+        write_model(completed(fit(at, ALTAZ)), one)
+    arguments = [str(file), *(f"--against={one}" for one in models), "--json"]
+    told = json.loads(CliRunner().invoke(predict, arguments).output)
+
+    names = ["altaz", "march.toml", "april.toml"]
+    assert [one["name"] for one in told["contenders"][:3]] == names
+    assert list(told["cancel"]) == names[1:]
+    assert [one.partition(":")[0] for one in told["verdict"] if ": 7 terms" in one] == names[1:]
+    found = compare.distinct([ALTAZ, ALTAZ, load("gmrt-paper")], ["a/m.toml", "b/m.toml", "m"])
+    assert [one.name for one in found] == ["a/m.toml", "b/m.toml", "gmrt-paper"]
 
 
 def test_repeats_of_a_pointing_are_left_out_together():
