@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from pyport.prediction.compare import Comparison, Row
 from pyport.prediction.rehearsal import NIGHTS, Rehearsal
 from pyport.recordings.schema import counted
@@ -101,7 +103,9 @@ def _of_rival(done: Comparison, rival: Row) -> Iterator[str]:
             "the telescope or these readings, only readings that they were not picked by can tell."
         )
     ratios = {way: anew.unseen[way] / own for way, own in done.own.unseen.items()}
-    if min(ratios.values()) > 1:
+    # an rms of n numbers is known to 1 / sqrt(2 n) of itself
+    error = anew.fitted / np.sqrt(2 * max(done.numbers - done.outliers, 1))
+    if min(ratios.values()) > 1 and min(anew.unseen.values()) > anew.fitted + error:
         yield (
             f"  So many picked terms are an overfit here: {anew.fitted:.2f} in the fit, and on "
             f"readings that nothing was chosen by {min(ratios.values()):.2f} to "
