@@ -197,12 +197,15 @@ def _misread(
 def searched(problem: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tuple[Dropped, ...]]:
     """Return what was found and stands, and what was dropped.
 
-    Names that a field stood in place of get their place back where it is dropped, if data left
-    out are predicted better with them.
+    Names that a field, or a change, stood in place of get their place back where it is dropped, if
+    data left out are predicted better with them.
     """
     outcome, dropped = settled(averaged(search(problem, tell)))
-    if any(one.effect == UNKNOWN for one in dropped):
-        again, more = settled(averaged(resumed(outcome, tell)))
+    lost = {one.effect for one in dropped}
+    changes = {one.effect.id for one in problem.candidates if one.effect.is_change} & lost
+    if changes or UNKNOWN in lost:
+        without = replace(outcome, banned=outcome.banned | changes)
+        again, more = settled(averaged(resumed(without, tell)))
         dropped = tuple(dict.fromkeys((*dropped, *more)))
         partition = holdout.folds(again.problem, again.weighed, again.chosen)
         both = outcome.weighed, again.weighed

@@ -19,7 +19,7 @@ from pyport.diagnosis.shapes import fields, forms
 from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.forms import Field, families
-from pyport.diagnosis.shapes.instead import _same_bumps, _standing, _together_with
+from pyport.diagnosis.searching.instead import _same_bumps, _standing, _together_with
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site

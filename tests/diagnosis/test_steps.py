@@ -17,7 +17,6 @@ from pyport.diagnosis.searching import changes, settling
 from pyport.diagnosis.searching import search as searching
 from pyport.formats.models import load
 from pyport.mounts import KINDS
-from pyport.report.made import report_of
 
 NIGHTS, EACH = 6, 50
 NIGHT = np.repeat(np.arange(NIGHTS), EACH)
@@ -191,30 +190,6 @@ def test_a_zero_that_is_set_anew_is_named_with_its_size(mount, name):
 
     assert found.effect == name
     assert found.parameters[0].value == pytest.approx(15, abs=3 * found.parameters[0].sigma)
-
-
-@pytest.mark.slow
-def test_nights_whose_azimuth_zeros_differ_are_nights_that_differ():
-    """Each by its own amount: none is another state of the telescope than the rest."""
-    night = np.arange(400) // 50
-    made = recordings(
-        400,
-        6,
-        noise_arcsec=3.0,
-        x=lambda at: np.random.default_rng(6).normal(0, 20, 8)[night] * np.cos(at.el),
-        session=np.char.add("n", night.astype(str)),
-        time=1.2e9 + 86400.0 * night + 120.0 * (np.arange(400) % 50),
-    )
-    found = diagnose(made, load("altaz"))
-    (size,) = [
-        one.sigma_arcsec
-        for one in report_of(found).noise.departures
-        if one.term == "zero of azimuth"
-    ]
-
-    assert not found.findings
-    assert found.misread is None
-    assert 10 < size < 40
 
 
 def nights(rows, first):

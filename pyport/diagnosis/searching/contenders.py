@@ -75,9 +75,11 @@ def waves_of(problem: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -
         return []
     beside = projection(wider, weigh(wider, chosen), chosen)
     trials = beside.trials([(one.candidate, one.scope)])
+    # Beside the noise of the turn, which took it for a drift, one in time gains too little.
+    of_time = one.candidate.of_time
     return [
         Contender(
-            replace(each, evidence=sure, delta_bic=sure),
+            replace(each, evidence=sure, gain=sure if of_time else each.gain, delta_bic=sure),
             wider,
             one,
             price,

@@ -178,14 +178,22 @@ def _splits_alike(by_session: Effect, step: Effect, at: Circumstances) -> bool:
     return np.array_equal(by_session.columns(at), step.columns(at))
 
 
-def _at_any_moment(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
-    """Return an effect per session, where there are some, and as steps between recordings."""
+def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
+    """Return a constant per session, where there are some, and steps between recordings."""
     if "time" not in at and "order" not in at:
-        return (_by_session(effect, at),)
-    members = _members(effect, at, _moments(_when(at)))
+        return (_by_session(_OFFSET, at),)
+    members = _members(_OFFSET, at, _moments(_when(at)))
     if not members:
         raise MissingColumn("a second moment")
     return members
+
+
+def _set_anew(at: Circumstances) -> tuple[Effect, ...]:
+    """Return steps of the azimuth zero: set anew it stays, and nights differ in other zeros."""
+    steps = _steps(_ZERO, at, _moments(_when(at)))
+    if not steps:
+        raise MissingColumn("a second moment")
+    return steps
 
 
 def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:
@@ -204,9 +212,9 @@ _OFFSET: Effect = Effect(
     "something was moved or reset",
     OWN,
     (Coefficient("offset_xel"), Coefficient("offset_el")),
-    lambda at: _at_any_moment(_OFFSET, at)[0].basis(at),
+    lambda at: _epoch_offsets(at)[0].basis(at),
     variant="constant per session",
-    profile=lambda at: _at_any_moment(_OFFSET, at),
+    profile=_epoch_offsets,
     acts_in=AXES,
     in_arrays=STEP,
     pattern="the zeros differ from one time to another",
@@ -220,13 +228,13 @@ _ZERO: Effect = Effect(
     "the azimuth encoder's zero was set anew, or slipped",
     OWN,
     (Coefficient("azimuth_zero"),),
-    lambda at: _at_any_moment(_ZERO, at)[0].basis(at),
-    variant="constant per session",
-    profile=lambda at: _at_any_moment(_ZERO, at),
+    lambda at: _set_anew(at)[0].basis(at),
+    variant="step",
+    profile=_set_anew,
     acts_in=AXES,
     pattern="a constant in azimuth, from one time to another",
-    needs=("session or time_utc",),
-    formula=("a cos E in each session, or since a moment", ""),
+    needs=("time_utc",),
+    formula=("a cos E since a moment", ""),
     change_of="azimuth_zero",
     changes_with="session",
     make=_made(lambda: _ZERO),

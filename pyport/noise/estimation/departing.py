@@ -50,7 +50,6 @@ def terms_of_sessions(at: Circumstances) -> dict[str, tuple[Array, Array]]:
     return {
         across: (one, none),
         along: (none, one),
-        f"zero of {at.mount.first.name}": CATALOGUE["azimuth_zero"].columns(at),
         f"tilt of the {at.mount.fixed}": CATALOGUE["tilt"].columns(at),
         "sag": CATALOGUE["sag_cosine"].columns(at),
     }
