@@ -14,12 +14,12 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirming import _lack
+from pyport.diagnosis.searching.instead import _same_bumps, _standing, _together_with
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes import fields, forms
 from pyport.diagnosis.shapes.boxes import boxes
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
 from pyport.diagnosis.shapes.forms import Field, families
-from pyport.diagnosis.searching.instead import _same_bumps, _standing, _together_with
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site

@@ -247,7 +247,12 @@ LABELLED = [
         PAIRS,
         lambda s: {"beam_left": s * NORTHWARD, "droop": lambda _: s * EASTWARD},
     ),
-    mounted("epoch_azimuth_zero", tuple(NORTH), lambda s: {"read_az": lambda _: s * NORTHWARD}),
+    mounted(
+        "epoch_azimuth_zero",
+        (40.0,),
+        lambda s: {"read_az": lambda _: s * 40 * ARCSEC * SINCE},
+        variant=STEP.variant,
+    ),
     mounted("epoch_tilt", PAIRS, lambda s: {"lean": (s * NORTHWARD, s * EASTWARD)}),
     mounted("epoch_sag", tuple(NORTH), lambda s: {"droop": lambda el: s * NORTHWARD * np.cos(el)}),
     # A parabola in a phase from 0 to 1 is 1/3, 1/2, 1/6 of Legendre's, whose constant is a zero.

@@ -12,9 +12,9 @@ from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.contenders import joined
+from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
-from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.runs.workers import side_by_side
 from pyport.thresholds import (

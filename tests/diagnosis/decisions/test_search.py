@@ -18,13 +18,13 @@ from pyport.diagnosis.searching import (
     confirmed_changes,
     confirming,
     contenders,
+    instead,
     search,
     settling,
     winner,
 )
 from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed
-from pyport.diagnosis.shapes import instead
 from pyport.diagnosis.trial import at_best
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame
@@ -882,20 +882,31 @@ def test_a_field_must_exceed_what_strong_names_leave(monkeypatch, evidence, wins
 
 @pytest.mark.parametrize(
     ("dropped", "after", "kept"),
-    [("unknown", 2.9, "resumed"), ("unknown", 3.1, "searched"), ("refraction", 2.9, "searched")],
+    [
+        ("unknown", 2.9, "resumed"),
+        ("unknown", 3.1, "searched"),
+        ("epoch_tilt", 2.9, "resumed without epoch_tilt"),
+        ("epoch_tilt", 3.1, "searched"),
+        ("refraction", 2.9, "searched"),
+    ],
 )
-def test_names_get_back_the_place_of_a_field_that_was_dropped(monkeypatch, dropped, after, kept):
-    """The search goes on, and what it finds counts if data left out are predicted better."""
+def test_names_get_back_the_place_of_what_was_dropped(monkeypatch, dropped, after, kept):
+    """Of a field, or of a change, if data left out are predicted better without it."""
     one = settling.Dropped(dropped, "", "it does not pay")
+
+    def resumed(now, _):
+        return replace(now, p_value=" without ".join(["resumed", *now.banned]))
+
     monkeypatch.setattr(diagnose, "search", lambda *_: replace(outcome(), p_value="searched"))
-    monkeypatch.setattr(diagnose, "resumed", lambda *_: replace(outcome(), p_value="resumed"))
+    monkeypatch.setattr(diagnose, "resumed", resumed)
     monkeypatch.setattr(diagnose, "averaged", lambda now: now)
     monkeypatch.setattr(diagnose, "settled", lambda now: (now, (one,)))
     monkeypatch.setattr(diagnose.holdout, "folds", lambda *_: None)
     told = SimpleNamespace(rms=lambda: (3.0, after))
     monkeypatch.setattr(diagnose, "unseen", lambda *_: told)
 
-    found, told = diagnose.searched(None, lambda _: None)
+    candidates = [trial(name).candidate for name in ("epoch_tilt", "refraction")]
+    found, told = diagnose.searched(SimpleNamespace(candidates=candidates), lambda _: None)
     assert (found.p_value, told) == (kept, (one,))
 
 
