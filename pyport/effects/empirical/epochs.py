@@ -190,7 +190,7 @@ def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
 
 def _set_anew(at: Circumstances) -> tuple[Effect, ...]:
     """Return steps of the azimuth zero: set anew it stays, and nights differ in other zeros."""
-    steps = _steps(_ZERO, at, _moments(_when(at)))
+    steps = _steps(_ZERO, at, _moments(at.numbers("time")))
     if not steps:
         raise MissingColumn("a second moment")
     return steps
