@@ -24,6 +24,8 @@ from pyport.thresholds import OUTLIER_WEIGHT
 KEPT = 0.8
 #: With so many offsets for each term picking costs next to nothing, and is not tried.
 PLENTY = 100
+#: [share of a term] What rounding may leave of it beside a model that draws all of it.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,7 @@ def cancelled(rival: Refitted, model: Refitted) -> float:
     basis = spanned(model.columns)[0]
     whole = terms.sum(axis=1)
     added = whole - basis @ (basis.T @ whole)
-    single = terms - basis @ (basis.T @ terms)
-    return float(
-        np.linalg.norm(single, axis=0).max(initial=0.0) / max(np.linalg.norm(added), 1e-300)
-    )
+    single = np.linalg.norm(terms - basis @ (basis.T @ terms), axis=0)
+    # What rounding leaves of the model's own terms is none of them.
+    single = single[single > ROUNDING * np.linalg.norm(terms, axis=0)]
+    return float(single.max(initial=0.0) / max(np.linalg.norm(added), 1e-300))

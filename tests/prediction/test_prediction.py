@@ -298,6 +298,14 @@ def test_repeats_of_a_pointing_are_left_out_together():
     assert _unseen(own, often) > 0.5 * _unseen(alone, Night.of(once))
 
 
+def test_a_rival_of_the_models_own_terms_cancels_nothing():
+    """What rounding leaves of both is no ratio: 3.1 was printed."""
+    night = Night.of(_night(60, 13))
+    again = replace(load("altaz"), name="again")
+
+    assert compare.cancelled(Refitted(night, again), Refitted(night, ALTAZ)) == 0
+
+
 def test_an_axis_that_was_not_measured_is_no_term_that_cancels():
     """Of a file of elevation alone some columns are empty."""
     night = _night(60, 5)
