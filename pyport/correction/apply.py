@@ -76,12 +76,12 @@ def applied(
     kept = _kept(rows, where)
     there &= kept
     known = with_nights(rows).at.take(there) if residuals else at.take(there)
-    _refuse_labels(model, known, raw, np.flatnonzero(there))
     try:
         found = _inverse(model, known) if inverse else _forward(model, known)
         if residuals:
             found |= _residuals(raw, at, there, found)
     except BadInput as error:
+        _refuse_labels(model, known, raw, np.flatnonzero(there))
         raise BadInput(error.message, raw.file) from None
     turn = np.pi if azimuth_from_south(raw) else 0.0
     columns = dict(table_of(raw).columns)
@@ -105,7 +105,7 @@ def applied(
 def _refuse_labels(
     model: PointingModel, at: Circumstances, raw: Raw, rows: NDArray[np.intp]
 ) -> None:
-    """Refuse the first of a file's `rows` whose label a term has no coefficients for."""
+    """Refuse, with its line, the first of a file's `rows` whose label a term does not know."""
     for term in model.model.terms:
         found = term.first_unknown(at.columns) if term.has_values else None
         if found is not None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from pyport.diagnosis.diagnose import Diagnosis
     from pyport.diagnosis.naming.finding import Finding, Parameter
+    from pyport.effects.base import Effect
 
 #: Okabe and Ito's colours, which every eye can distinguish.
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#999999"
@@ -123,19 +124,25 @@ def _follows(
 
 def _bumps(diagnosis: Diagnosis, finding: Finding) -> Bumps:
     """Return what a field is made of; nothing for an effect with a name."""
-    if finding.choice is None:
-        return {}
-    found: Bumps = diagnosis.after.choices[finding.choice].candidate.effect.member.get("bumps", {})
+    effect = _effect(diagnosis, finding)
+    found: Bumps = {} if effect is None else effect.member.get("bumps", {})
     return found
+
+
+def _effect(diagnosis: Diagnosis, finding: Finding) -> Effect | None:
+    """Return the effect that a finding is of, None without a place in the joint fit."""
+    if finding.choice is None:
+        return None
+    return diagnosis.after.choices[finding.choice].candidate.effect
 
 
 def _driver(diagnosis: Diagnosis, finding: Finding) -> str:
     """Return the column that a finding is to be seen against by its physics; "" where none is."""
     if finding.effect.startswith("scan"):
         return "hour_angle"
-    if finding.choice is None:
+    effect = _effect(diagnosis, finding)
+    if effect is None:
         return ""
-    effect = diagnosis.after.choices[finding.choice].candidate.effect
     return "time" if effect.changes_with or effect.driver == THE_HOUR else effect.driver or ""
 
 

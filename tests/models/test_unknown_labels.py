@@ -42,6 +42,18 @@ def applied(*arguments: object) -> Result:
     return CliRunner().invoke(program, words, catch_exceptions=False, standalone_mode=False)
 
 
+def night(rows, seed, receivers):
+    """Return a table of noise that some receivers recorded in turn."""
+    rng = np.random.default_rng(seed)
+    return {
+        "az_deg": rng.uniform(0, 360, rows),
+        "el_deg": rng.uniform(20, 80, rows),
+        "d_xel_arcsec": rng.normal(0, 3, rows),
+        "d_el_arcsec": rng.normal(0, 3, rows),
+        "receiver": np.array(receivers)[np.arange(rows) % len(receivers)],
+    }
+
+
 def test_in_python(model):
     """Alone, among others, in numbers, and as a table; a blank one says nothing."""
     known = pyport.load_model(model)
@@ -95,15 +107,7 @@ def test_apply_names_the_line(model, tmp_path, rows, line):
     """Of the first row whose label the model does not know, of an effect's own and of a fit's."""
     targets, each = tmp_path / "targets.csv", tmp_path / "each.toml"
     targets.write_text(f"az_deg,el_deg,receiver\n{rows}")
-    rng, n = np.random.default_rng(2), 80
-    night = {
-        "az_deg": rng.uniform(0, 360, n),
-        "el_deg": rng.uniform(20, 80, n),
-        "d_xel_arcsec": rng.normal(0, 3, n),
-        "d_el_arcsec": rng.normal(0, 3, n),
-        "receiver": np.array(["K", "X"])[np.arange(n) % 2],
-    }
-    pyport.fit(night, per=["receiver"]).model.save(each)
+    pyport.fit(night(80, 2, ["K", "X"]), per=["receiver"]).model.save(each)
     for one in (model, each):
         with pytest.raises(
             BadInput, match=rf"targets.csv:{line}: the model's term .*receiver '[QZ]"
@@ -115,16 +119,8 @@ def test_table_and_fit(model):
     """Wherever the model's values are used."""
     with pytest.raises(BadInput, match=REFUSED):
         tabulate(str(model), beside=Conditions(columns={"receiver": np.array("Z")}))
-    rng, n = np.random.default_rng(1), 60
-    table = {
-        "az_deg": rng.uniform(0, 360, n),
-        "el_deg": rng.uniform(20, 80, n),
-        "d_xel_arcsec": rng.normal(0, 3, n),
-        "d_el_arcsec": rng.normal(0, 3, n),
-        "receiver": np.array(["K", "X", "Z"])[np.arange(n) % 3],
-    }
     with pytest.raises(BadInput, match=REFUSED):
-        pyport.fit(table, load(str(model)))
+        pyport.fit(night(60, 1, ["K", "X", "Z"]), load(str(model)))
 
 
 def test_a_frequency_below_all_bands(tmp_path):
