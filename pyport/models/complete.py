@@ -182,6 +182,7 @@ ENTER, IN_FILE, CHANGE = (
     "change against the file",
 )
 GRID = "pyport convert writes it for another program as waves, or with --rest-as grid.csv as a grid"
+TIMED = "it follows time: pyport apply takes it off where times are recorded"
 PAST = "its phase wanders, and what it will do is not known: there is nothing to enter"
 #: Endings of names of what a coefficient is counted from.
 COUNTED = frozenset({"c", "s", "centre", "rad", "h"})
@@ -200,13 +201,17 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
     if completed.undetermined:
         return []
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
+    timed = {one.finding for one in terms if "time_utc" in one.effect.needs} & fields
     past = {one.finding for one in terms if one.effect.changes_with == "stretch"} - {None}
     values = [one for one in completed.values if one.effect != UNKNOWN and one.finding not in past]
     open_ = [label(one) for one in values if not one.determined]
     values = [one for one in values if one.determined]
     names = ", ".join(open_) if len(open_) <= MOST_LINES else f"{len(open_)} coefficients"
     lines = [f"nothing to enter, not determined by these recordings: {names}"] * bool(open_)
-    lines += [f"finding {n}: a field without a name; {GRID}" for n in sorted(fields, key=str)]
+    lines += [
+        f"finding {n}: a field without a name; {TIMED if n in timed else GRID}"
+        for n in sorted(fields, key=str)
+    ]
     lines += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
     counted = [term for term in terms if _counted(term) and term.finding not in past]
     lines += [f"{term.effect.id}: {_counted(term)}" for term in counted]

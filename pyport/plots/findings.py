@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, DEG, Array, handy
+from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
 from pyport.effects.base import THE_HOUR
@@ -99,9 +99,10 @@ def _follows(
 ) -> tuple[str, Array]:
     """Return the column that drives the effect, or that it follows best: label and values (m,)."""
     at, row = diagnosis.problem.recordings.at, diagnosis.problem.stack.row
-    if (bumps := _bumps(diagnosis, finding)).get("kind") == "cycle":
+    bumps = _bumps(diagnosis, finding)
+    if (within := fields.within_period(bumps, at)) is not None:
         where = finding.variant.partition(": ")[2]
-        return f"{where}: how far into it [deg]", fields.within_cycle(bumps, at)[row] / DEG
+        return f"{where}: how far into it [{within[1]}]", within[0][row]
     driver = _driver(diagnosis, finding)
     choices = {"el": at.el, "az": at.az}
     more = [name for name in ("hour_angle", "time", driver) if name in at]

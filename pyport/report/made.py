@@ -11,7 +11,8 @@ from pyport.diagnosis.arrays.report import ArrayReport
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.disagreements import Disagreement
 from pyport.diagnosis.joint import Joint, rms
-from pyport.diagnosis.naming import remarks, words
+from pyport.diagnosis.naming import words
+from pyport.diagnosis.naming.noise_remarks import NoiseRemarks, noise_remarks, sentences
 from pyport.diagnosis.naming.remarks import nothing, warnings
 from pyport.errors import BadInput
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, rms_of
@@ -50,7 +51,7 @@ from pyport.report.typed import (
 def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
     """Return what a diagnosis says; of several antennas with what they share."""
     problem, mount = diagnosis.problem, diagnosis.problem.recordings.at.mount
-    whole, noise = completed(diagnosis), remarks.noise_remarks(diagnosis)
+    whole, noise = completed(diagnosis), noise_remarks(diagnosis)
     open_ = whole.completed is not None and whole.completed.undetermined
     return Report(
         schema=SCHEMA,
@@ -79,7 +80,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
         not_testable={one.effect: one.reason for one in diagnosis.untestable},
         correlation=correlation(diagnosis),
         condition_number=diagnosis.after.solution.condition,
-        warnings=(*problem.recordings.notes, *warnings(diagnosis)),
+        warnings=(*problem.recordings.notes, *warnings(diagnosis, noise)),
         completed_model=_completed(whole),
         array=None if array is None else array_json(array),
         misread=diagnosis.misread,
@@ -135,7 +136,7 @@ def _input(recordings: Recordings, diagnosis: Diagnosis) -> Input:
     return Input(**values, set_aside=aside, outliers=int((~diagnosis.weighed.used).sum()))
 
 
-def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
+def _noise(diagnosis: Diagnosis, does: NoiseRemarks) -> Noise:
     """Return the noise per axis: the median over the antennas, and the longest drift time."""
     parts = list(zip(diagnosis.problem.parts, diagnosis.weighed.covariance.shown, strict=True))
     across, along = ([noise for part, noise in parts if part.is_y == is_y] for is_y in (0, 1))
@@ -148,7 +149,7 @@ def _noise(diagnosis: Diagnosis, does: remarks.NoiseRemarks) -> Noise:
         tuple(Departure(**one) for one in does.departing),
         tuple(Drift(**one) for one in does.drifting),
         tuple(Growth(**one) for one in does.growing),
-        tuple(remarks.sentences(does, diagnosis.problem.recordings.meta)),
+        tuple(sentences(does, diagnosis.problem.recordings.meta)),
     )
 
 

@@ -12,7 +12,7 @@ from diagnosis.made import LATITUDE, recordings
 from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming.remarks import NoiseRemarks, by_elevation, drifts, sentences
+from pyport.diagnosis.naming.noise_remarks import NoiseRemarks, by_elevation, drifts, sentences
 from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import rms_of
@@ -197,7 +197,7 @@ def test_sessions_of_fewer_than_two_rows_are_none(rows, labels, kept):
     session = np.char.add("scan ", (np.arange(rows) * labels // rows).astype(str))
     made = recordings(rows, 3, time=time, session=session)
     found = with_sessions(made)
-    said = sentences(NoiseRemarks((), (), (), ()), found.meta)
+    said = sentences(NoiseRemarks((), (), (), (), ()), found.meta)
     short = [one for one in said if "too short" in one]
 
     assert np.array_equal(found.at.columns.get("session"), session) == kept

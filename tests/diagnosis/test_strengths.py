@@ -10,7 +10,7 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import scene
-from pyport.diagnosis.naming.remarks import uneven
+from pyport.diagnosis.naming.noise_remarks import uneven
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.weighing import weigh
 from pyport.formats.models import load

@@ -1,240 +1,29 @@
-"""What is said beside findings: of the noise, of the fits, and where there is nothing."""
+"""What is said beside findings: of the fits, and where there is nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
+from pyport.diagnosis.naming.noise_remarks import DIFFER, GROWS, NoiseRemarks
 from pyport.effects.empirical.conditions import MOST_DRIVERS, untried
 from pyport.fitting.soundness import doubts
-from pyport.least_squares import robust
 from pyport.models.conditions import undetermined
-from pyport.noise import outliers
-from pyport.recordings.raw import BLANK
-from pyport.recordings.sky import CELLS, ORDER, SESSIONS, SHORT, TIMES
-from pyport.thresholds import FAMILY_ERROR, FEWEST, MOST_FINDINGS, REFUTES
+from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
 
 if TYPE_CHECKING:
     from pyport.diagnosis.diagnose import Diagnosis
 
-#: Of what departs: its scatter, several of it where they are counted, and where they differ.
-_WORDS = {
-    "session": ("Night-to-night", "sessions", "nights"),
-    "stretch": ("Stretch-to-stretch", "stretches", "stretches of rows"),
-    "source": ("Source-to-source", "sources", "sources"),
-}
-#: Scatter that differs by less than a quarter between low and high is not worth a word.
-GROWS = 1.25
-#: A drift that widens the scatter by less is not worth one.
-DRIFTS = 1.1
-#: The lowest and the highest share of the readings that are compared.
-END = 0.2
 
-
-@dataclass(frozen=True)
-class NoiseRemarks:
-    """What the noise does beyond scattering evenly: see the functions that return each."""
-
-    departing: Sequence[dict[str, Any]]  #: `departures`
-    drifting: Sequence[dict[str, Any]]  #: `drifts`
-    growing: Sequence[dict[str, Any]]  #: `by_elevation`
-    uneven: Sequence[str]  #: `uneven`
-
-
-def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
-    """Return what the noise of a diagnosis does beyond scattering evenly."""
-    left = diagnosis.left(diagnosis.after)
-    return NoiseRemarks(
-        departures(diagnosis, left),
-        drifts(diagnosis, left),
-        by_elevation(diagnosis),
-        uneven(diagnosis, left),
-    )
-
-
-def departures(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
-    """Return the random departures of sessions and sources, and which departs most, for reports.
-
-    By its number where a term has one, else by its length. `left` are the residuals (m,) of the
-    fit with everything found.
-    """
-    covariance = diagnosis.weighed.covariance
-    found = []
-    for one, values in zip(covariance.departures, covariance.departed_by(left), strict=True):
-        labels = list(dict.fromkeys(one.labels))
-        size = np.linalg.norm(values, axis=0)
-        most = int(np.argmax(size))
-        found.append(
-            {
-                "term": one.term,
-                "of": one.of,
-                "antenna": one.antenna,
-                "sigma_arcsec": one.sigma / ARCSEC,
-                "labels": labels,
-                "most_label": labels[most],
-                "most_arcsec": float(values[0, most] if len(values) == 1 else size[most]) / ARCSEC,
-            }
-        )
-    return found
-
-
-def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Return how many times the scatter at the lowest elevations is that at the highest, by axis.
-
-    Of the fifth of the readings at either end; only where it differs by a quarter and more.
-    """
-    problem, floor = diagnosis.problem, diagnosis.weighed.covariance.floor
-    el = problem.recordings.at.el[problem.stack.row]
-    found = []
-    for is_y, name in zip((False, True), problem.recordings.at.mount.names, strict=True):
-        rows = np.flatnonzero((problem.stack.is_y == is_y) & diagnosis.weighed.used)
-        end = int(END * len(rows))
-        if end == 0:
-            continue
-        order = rows[np.argsort(el[rows], kind="stable")]
-        low, high = (float(np.median(floor[part])) for part in (order[:end], order[-end:]))
-        ratio = low / max(high, 1e-300)
-        if max(ratio, 1 / ratio) >= GROWS:
-            found.append(
-                {
-                    "axis": name,
-                    "low_el_deg": float(np.median(el[order[:end]])) / DEG,
-                    "high_el_deg": float(np.median(el[order[-end:]])) / DEG,
-                    "low_arcsec": low / ARCSEC,
-                    "high_arcsec": high / ARCSEC,
-                }
-            )
-    return found
-
-
-def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
-    """Return what a single antenna drifts by in each axis, and the sessions furthest from usual.
-
-    Rms of what a drift has moved the readings by, its memory, and the mean of the residuals
-    `left` (m,) of the lowest and the highest session, departures predicted; only where that widens
-    the scatter by a tenth and more, for means of sessions it may widen several times.
-    """
-    problem = diagnosis.problem
-    if problem.blocks.antennas > 1:
-        return []
-    of_order = ORDER in problem.recordings.meta
-    covariance = diagnosis.weighed.covariance
-    moved = left - covariance.departed(left)
-    session = problem.session_names
-    found = []
-    for part, noise in zip(problem.parts, covariance.shown, strict=True):
-        rows = part.rows[covariance.used[part.rows]]
-        white = np.hypot(noise.within, noise.between) / np.sqrt(covariance.precision[rows])
-        excess = float((moved[rows] ** 2 - white**2).mean())
-        if noise.time_s is None or excess < (DRIFTS**2 - 1) * float((white**2).mean()):
-            continue
-        names = set(session[rows].tolist())
-        means = {one: float(left[rows][session[rows] == one].mean()) for one in names}
-        low, high = (end(means, key=lambda one: (means[one], one)) for end in (min, max))
-        found.append(
-            {
-                "axis": problem.recordings.at.mount.names[part.is_y],
-                "rms_arcsec": float(np.sqrt(excess)) / ARCSEC,
-                "memory_s": None if of_order else noise.time_s,
-                "memory_rows": noise.time_s if of_order else None,
-                "lowest_session": low,
-                "lowest_arcsec": means[low] / ARCSEC,
-                "highest_session": high,
-                "highest_arcsec": means[high] / ARCSEC,
-            }
-        )
-    return found
-
-
-def uneven(diagnosis: Diagnosis, left: Array) -> list[str]:
-    """Return a sentence for each axis of a single antenna in which one session scatters more.
-
-    Of the residuals `left` (m,) by everything found; only where its scatter is larger by a quarter,
-    and by more than chance.
-    """
-    problem = diagnosis.problem
-    session, axis = problem.session, problem.stack.is_y.astype(int)
-    if problem.blocks.antennas > 1 or len(np.unique(session)) < 2:
-        return []
-    names = problem.session_names
-    found = []
-    for is_y, name in enumerate(problem.recordings.at.mount.names):
-        own = (axis == is_y) & diagnosis.weighed.used
-        there, counts = np.unique(session[own], return_counts=True)
-        counted = dict(zip(there[counts >= FEWEST], counts[counts >= FEWEST], strict=True))
-        each = {one: left[own & (session == one)] for one in counted}
-        sizes = {one: robust.scale(some - np.median(some)) for one, some in each.items()}
-        if len(sizes) < 2:
-            continue
-        most = max(sizes, key=lambda one: sizes[one])
-        usual = float(np.median([size for one, size in sizes.items() if one != most]))
-        more = np.log(sizes[most] / max(usual, 1e-300))
-        if more > max(np.log(GROWS), REFUTES / np.sqrt(2 * counted[most])):
-            said = f"{sizes[most] / ARCSEC:.2g} arcsec in {names[session == most][0]}"
-            found.append(f"Scatter in {name} is {usual / ARCSEC:.2g} arcsec, but {said}")
-    return found
-
-
-def _of_drift(one: dict[str, Any]) -> str:
-    several = one["lowest_session"] != one["highest_session"]
-    if one["memory_s"] is None:
-        along, memory = "along the rows", f"{one['memory_rows']:.0f} rows"
-    else:
-        along, hours = "with date" if several else "with time", one["memory_s"] / 3600
-        memory = f"{hours:.2g} h" if hours < 48 else f"{hours / 24:.2g} days"
-    said = (
-        f"{one['axis'].capitalize()} drifts {along}: {one['rms_arcsec']:.2g} arcsec rms with a "
-        f"memory of {memory}"
-    )
-    if not several:
-        return said
-    low, high = (
-        f"{one[f'{end}_arcsec']:.2g} ({one[f'{end}_session']})" for end in ("lowest", "highest")
-    )
-    return f"{said}; means of sessions run from {low} to {high} arcsec"
-
-
-def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
-    """Return a sentence for all that the noise does, and for what the recordings' header tells."""
-    said = [
-        f"{_WORDS[one['of']][0]} scatter of the {one['term']}: {one['sigma_arcsec']:.2g} arcsec "
-        f"({len(one['labels'])} {_WORDS[one['of']][1]}; "
-        f"{one['most_arcsec']:.2g} in {one['most_label']})"
-        for one in noise.departing
-    ]
-    said += map(_of_drift, noise.drifting)
-    said += [
-        f"Scatter in {one['axis']} is {one['low_arcsec']:.2g} arcsec near "
-        f"{one['low_el_deg']:.0f} deg of elevation and {one['high_arcsec']:.2g} near "
-        f"{one['high_el_deg']:.0f} deg"
-        for one in noise.growing
-    ]
-    said += noise.uneven
-    if SHORT in meta:
-        said.append(f"Sessions are too short to be distinguished and are not used: {meta[SHORT]}")
-    if SESSIONS in meta:
-        said.append(f"Sessions are taken from {meta[SESSIONS]}")
-    if ORDER in meta:
-        said.append(f"Time is taken from {meta[ORDER]}")
-    if BLANK in meta:
-        said.append(f"Taken for blank: {meta[BLANK]}")
-    if CELLS in meta:
-        said.append(f"Blank cells are taken from the rows before and after: {meta[CELLS]}")
-    if TIMES in meta:
-        said.append(f"Times that are not recorded are taken from {meta[TIMES]}")
-    return said
-
-
-def warnings(diagnosis: Diagnosis) -> list[str]:
+def warnings(diagnosis: Diagnosis, noise: NoiseRemarks) -> list[str]:
     """Return a sentence for everything that a user should know before trusting the numbers."""
-    found = list(_outliers(diagnosis))
+    found = [*noise.outlying]
     alone = list(_of(diagnosis, diagnosis.before))
     found += [f"fit of the model: {one}" for one in alone]
     if diagnosis.findings:
@@ -251,11 +40,6 @@ def warnings(diagnosis: Diagnosis) -> list[str]:
             f"{', '.join(left)}"
         )
     return found
-
-
-def _outliers(diagnosis: Diagnosis) -> Iterator[str]:
-    problem = diagnosis.problem
-    return outliers.shared(problem.recordings, problem.stack, diagnosis.weighed.used)
 
 
 def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
@@ -292,9 +76,9 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     if diagnosis.too_few is not None:
         return f"{diagnosis.too_few.sentence}{more}"
     if diagnosis.p_value > FAMILY_ERROR:
-        return (
-            f"Nothing is missing that these recordings could show{more}{_hides(diagnosis, noise)}"
-        )
+        beside = " beside the outliers, which are no gross errors" if noise.outlying else ""
+        hides = _hides(diagnosis, noise)
+        return f"Nothing is missing that these recordings could show{beside}{more}{hides}"
     return (
         "What is left does not look like the noise that was assumed, but no effect that was tried "
         "has odds of twenty to one and predicts unseen data better"
@@ -309,15 +93,13 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"])):
         of, sigma = one["of"], one["sigma_arcsec"]
         if np.hypot(usual, sigma) > GROWS * usual:
-            largest[of] = f"{_WORDS[of][2]} differ in the {one['term']} by {sigma:.2g}"
+            largest[of] = f"{DIFFER[of]} differ in the {one['term']} by {sigma:.2g}"
     said = [text for of, text in largest.items() if of != "source"]
     said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
     remarks = []
     if said:
         sizes = " and ".join(f"{one} arcsec" for one in said)
         remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
-    if any(_outliers(diagnosis)):
-        remarks.append("the outliers are no gross errors, see the warning")
     if "source" in largest:
         remarks.append(f"{largest['source']} arcsec, which counts as noise")
     alone = "which is worth a diagnosis of its own"

@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 
 
 UNKNOWN = "something is left that no effect of the catalogue explains"
-WATCH = "look at the region and at what it follows, and record what changes there"
-TURNS = "find what turns once in that angle: a tooth, a worm, a line of the encoder"
+#: What to do about a misfit without a name, where its form says more than where it is.
+WATCH = {
+    "cycle": "find what turns once in that angle: a tooth, a worm, a line of the encoder",
+    "repeat": "find what is switched or comes back so often: a heater, a cooler, a pump, a fan",
+}
 #: Longer lists are cut short in a sentence; the report has them whole.
 _SHOWN = 6
 
@@ -37,7 +40,10 @@ def since(effect: Effect) -> str | None:
 
 def watch(effect: Effect) -> str:
     """Return what to look at where a misfit has no name."""
-    return TURNS if effect.member.get("bumps", {}).get("kind") == "cycle" else WATCH
+    return WATCH.get(
+        effect.member.get("bumps", {}).get("kind"),
+        "look at the region and at what it follows, and record what changes there",
+    )
 
 
 def number(parameter: Parameter) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Problem
-from pyport.diagnosis.shapes.forms import Field
+from pyport.diagnosis.shapes.forms import HARMONICS, Field
 from pyport.diagnosis.weighing import View, WhitenedData, plain_view
 from pyport.effects.base import Circumstances
 from pyport.effects.empirical import fields
@@ -22,9 +22,7 @@ from pyport.mounts import ALTAZ
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST, PERIODS_ALONE
 
-#: Harmonics of a cycle: the shortest of the shortest is half a degree long.
-HARMONICS = 8
-#: Shortest cycle. [rad]
+#: Shortest cycle, whose shortest harmonic is half a degree long. [rad]
 SHORTEST = 4 * DEG
 #: Bins that a period is folded into while the best one is looked for. Of numbers of periods that
 #: are tried neighbours differ by as much at the ends of the angle.

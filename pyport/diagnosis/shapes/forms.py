@@ -28,6 +28,8 @@ ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 ALONG_COLUMN = 10
 #: And over two columns: so many over the ranks of each.
 OVER_TWO = 4
+#: Harmonics of what comes back, along an angle or in time, in any form.
+HARMONICS = 8
 #: Lengths of bumps in time. [s]
 IN_TIME = (6 * 3600.0, 86400.0)
 #: More bumps in time than this say that the campaign is too long for them.

@@ -19,13 +19,15 @@ from pyport.diagnosis.shapes.periods import peaks_of
 from pyport.diagnosis.shapes.scans import Peak, Scan, scan_of, view_of
 from pyport.diagnosis.shapes.wave_fits import (
     effect_of,
+    is_wave,
     likeliest_direction,
     likeliest_period,
+    likeliest_repeat,
+    repeats,
     scan_again,
     wanders,
 )
 from pyport.effects.base import Effect
-from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.runs.stages import stage
 from pyport.thresholds import CONVINCING
@@ -46,26 +48,26 @@ def proposed(
     scans = [
         scan for one in _ways(problem) if (scan := scan_of(problem, reversing=one)) is not None
     ]
-    if not scans or any(one.candidate.effect.id == OSCILLATION for one in chosen):
+    if not scans or any(is_wave(one.candidate.effect) for one in chosen):
         return None
     noises = [_with_drift(present, share, scans[0].longest) for share in SHARES_OF_DRIFT]
     each = [[view_of(problem, scan, noise, chosen) for noise in noises] for scan in scans]
     least = min(view.lack for view in each[0])
-    # A phase that wanders must be convincingly better than one that holds: slowly it nearly does.
+    # What is more than a sine whose phase holds must be convincingly better: it nearly is one.
     found = [
-        (peak.worth - view.lack + least - CONVINCING * peak.wanders, peak, scan, noise)
+        (peak.worth - view.lack + least - CONVINCING * (not peak.plain), peak, scan, noise)
         for scan, views in zip(scans, each, strict=True)
         for noise, view, peaks in zip(noises, views, peaks_of(scan, views), strict=True)
         for peak in peaks
     ]
     worth, best, scan, _ = max(found, key=lambda one: one[0])
     # Beside none it need not: it is confirmed.
-    worth += CONVINCING * best.wanders - 2 * float(np.log(len(scans)))
+    worth += CONVINCING * (not best.plain) - 2 * float(np.log(len(scans)))
     if worth <= max(CONVINCING, above) or not scan.shows(best):
         return None
     refined = []
-    for free in {peak.wanders for _, peak, *_ in found}:
-        own = [one for one in found if one[1].wanders == free]
+    for kind in {peak.kind for _, peak, *_ in found}:
+        own = [one for one in found if one[1].kind == kind]
         was, peak, scan, noise = max(own, key=lambda one: one[0])
         if scan.shows(peak):
             one, evidence = _refined(problem, scan, noise, chosen, peak, len(scans))
@@ -85,7 +87,7 @@ def again(
     """Return an oscillation of the same kind with the period that readings of weight prefer."""
     scan = scan_again(problem, one)
     view = view_of(problem, scan, covariance, others)
-    peak = next(each for each in peaks_of(scan, [view])[0] if each.wanders == wanders(one))
+    peak = next(each for each in peaks_of(scan, [view])[0] if each.kind == (wanders(one), 1))
     first = effect_of(problem, scan, peak.period, peak.direction_deg)
     if peak.wanders:
         return first
@@ -117,9 +119,12 @@ def _refined(
 
     And its evidence.
     """
-    first = effect_of(problem, scan, peak.period, peak.direction_deg)
-    period, _, evidence = likeliest_period(problem, noise, chosen, first)
-    effect = effect_of(problem, scan, period, peak.direction_deg)
+    first = effect_of(problem, scan, peak.period, peak.direction_deg, harmonics=peak.harmonics)
+    if repeats(first):
+        effect, evidence = likeliest_repeat(problem, noise, chosen, first)
+    else:
+        period, _, evidence = likeliest_period(problem, noise, chosen, first)
+        effect = effect_of(problem, scan, period, peak.direction_deg)
     if peak.wanders:
         direction, _, evidence = likeliest_direction(problem, noise, chosen, effect)
         effect = effect_of(problem, scan, period, direction)

@@ -9,10 +9,12 @@ frequency.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from pyport.angles import DEG, Array, Codes
+from pyport.diagnosis.shapes.forms import HARMONICS
 from pyport.diagnosis.shapes.scans import Peak, Scan, View, stretches_of
 from pyport.thresholds import (
     ANOTHER_PERIOD,
@@ -31,28 +33,60 @@ LONGEST_PIECE_S = 86400.0
 MOST_PHASES = 50_000_000
 #: Periods of a wave whose phase holds that are looked at closely.
 MOST_PERIODS = 6
-#: Sizes of a wandering wave that are tried, over what a stretch determines it to.
+#: Periods of a profile that are tried for one of a sine: its shortest waves turn faster.
+FINER = 2
+#: Size at which all profiles are looked at, and how many of them at every size.
+USUAL_SIZE, MOST_PROFILES = 30.0, 50
+#: Sizes of what wanders, or of a profile, that are tried, over what it is determined to.
 _SIZES = np.geomspace(0.02, 1e3, 16)[:, None, None]
 
 
 def peaks_of(scan: Scan, views: Sequence[View]) -> list[list[Peak]]:
     """Return the best period of each kind beside each noise."""
     held = [_held(scan, view) for view in views]
-    return [
-        [one] if other is None else [one, other]
-        for one, other in zip(_wandering(scan, views), held, strict=True)
-    ]
+    return [[one, *others] for one, others in zip(_wandering(scan, views), held, strict=True)]
 
 
-def _held(scan: Scan, view: View) -> Peak | None:
-    """Return the best period of a wave whose phase holds; None where a campaign is too long.
+def _held(scan: Scan, view: View) -> list[Peak]:
+    """Return the best period of a sine whose phase holds, and of what repeats in any form.
 
-    Periods beyond the longest take part, so that what they do is not given to a shorter one.
+    None where a campaign is too long. Sines beyond the longest period take part, so that what they
+    do is not given to a shorter one.
     """
-    found = _gains(scan, view)
+    found = _spectrum(scan, view)
     if found is None:
-        return None
-    return highest(scan, *found)
+        return []
+    return [highest(scan, found.frequency, found.gain, found.waves), *_repeating(scan, found)]
+
+
+@dataclass(frozen=True)
+class _Spectrum:
+    """What readings say of waves whose phase holds.
+
+    Attributes
+    ----------
+    frequency
+        Evenly spaced, rising, the first half a step above zero [1/s], shape (F,).
+    squares, information
+        Of the sums of the readings times a wave in each axis, and what is known of either of its
+        amplitudes, zero where there is nothing; shape (F, 2).
+    """
+
+    frequency: Array
+    squares: Array
+    information: Array
+
+    @property
+    def gain(self) -> Array:
+        """Return what a wave of each frequency gains, shape (F,)."""
+        known = self.information > 0
+        each = np.where(known, self.squares / np.where(known, self.information, 1.0), 0.0)
+        return np.asarray(each.sum(axis=1))
+
+    @property
+    def waves(self) -> int:
+        """Return the number of amplitudes that a wave has."""
+        return 2 * int(self.information.any(axis=0).sum())
 
 
 def highest(scan: Scan, frequency: Array, gain: Array, waves: int) -> Peak:
@@ -67,8 +101,41 @@ def highest(scan: Scan, frequency: Array, gain: Array, waves: int) -> Peak:
     return Peak(1 / float(frequency[best]), evidence, choices)
 
 
-def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
-    """Return frequencies [1/s], what a wave of each gains, and the number of its amplitudes.
+def _repeating(scan: Scan, found: _Spectrum) -> list[Peak]:
+    """Return the best period of a profile of any form: sums over harmonics, as for pulsars.
+
+    The m-th is expected to be smaller by m, so that a profile is as rough as a random walk. One
+    beyond the longest period would take all of a drift.
+    """
+    step = float(found.frequency[1] - found.frequency[0])
+    turns: Array = np.arange(1 / (scan.longest * step), len(found.frequency) / 2, 1 / FINER)
+    if len(turns) == 0:
+        return []
+    some = turns[np.argsort(-_profiles(found, turns, USUAL_SIZE))[:MOST_PROFILES]]
+    evidence = np.max([_profiles(found, some, float(size)) for size in _SIZES.flat], axis=0)
+    period = 1 / (float(some[np.argmax(evidence)]) * step)
+    choices = scan.coherent * HARMONICS
+    return [Peak(period, float(evidence.max()), choices, harmonics=HARMONICS)]
+
+
+def _profiles(found: _Spectrum, turns: Array, size: float) -> Array:
+    """Return the evidence of profiles that come back so often (P,), each wave of some size.
+
+    Frequencies are in steps of the spectrum, the size is over what a wave is determined to.
+    """
+    evidence = np.zeros(len(turns))
+    variance = size / max(float(found.information.max()), 1e-300)
+    for order in range(1, HARMONICS + 1):
+        place = np.round(order * turns - 0.5).astype(np.intp)
+        there = place < len(found.frequency)
+        power = variance / order**2 * found.information[place[there]]
+        gained = variance / order**2 * found.squares[place[there]] / (1 + power)
+        evidence[there] += (gained - 2 * np.log1p(power)).sum(axis=1)
+    return evidence
+
+
+def _spectrum(scan: Scan, view: View) -> _Spectrum | None:
+    """Return what readings say of waves of every frequency; None where there are too many.
 
     Within a day or a session neighbouring frequencies differ by less than a quarter of a turn: the
     sums of each at a coarse frequency, turned, are those at the fine ones between.
@@ -93,9 +160,11 @@ def _gains(scan: Scan, view: View) -> tuple[Array, Array, int] | None:
     squares = np.abs(np.tensordot(turned, sums, axes=([1], [1]))) ** 2
     information = view.at(1 / coarse).reshape(-1, 2, len(coarse)).sum(axis=0).T
     known = information > 1e-9 * information.max()
-    gain = np.where(known, squares / np.where(known, information, 1.0), 0.0).sum(axis=2)
-    waves = 2 * int(known.any(axis=0).sum())
-    return (fine[:, None] + coarse).ravel(), gain.ravel(), waves
+    return _Spectrum(
+        (coarse[:, None] + fine).ravel(),
+        squares.swapaxes(0, 1).reshape(-1, 2),
+        np.repeat(np.where(known, information, 0.0), len(fine), axis=0),
+    )
 
 
 def _sums(pull: Array, group: Codes, time: Array, frequency: Array, groups: int) -> Array:
@@ -149,12 +218,10 @@ def _wandering(scan: Scan, views: Sequence[View]) -> list[Peak]:
 
 def near_best(scan: Scan, view: View) -> list[float]:
     """Return periods of a wave whose phase holds that gain nearly as much as the best."""
-    found = _gains(scan, view)
+    found = _spectrum(scan, view)
     if found is None:
         return []
-    frequency, gain, _ = found
-    order = np.argsort(frequency)
-    frequency, gain = frequency[order], gain[order]
+    frequency, gain = found.frequency, found.gain
     high = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:])) + 1
     high = high[(frequency[high] >= 1 / scan.longest) & (gain[high] > gain.max() - 2 * CONVINCING)]
     best = high[np.argsort(-gain[high])][:MOST_PERIODS]

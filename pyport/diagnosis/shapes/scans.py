@@ -34,13 +34,25 @@ class Peak:
     """The best period of a kind, in the unit of its scan.
 
     `evidence` is twice the log of how much likelier the data are with it, its choice among
-    `choices` periods not yet paid. `direction_deg` is the line of one whose phase wanders.
+    `choices` periods not yet paid. `direction_deg` is the line of one whose phase wanders,
+    `harmonics` how many one has: one of more repeats in any form.
     """
 
     period: float
     evidence: float
     choices: float
     direction_deg: float | None = None
+    harmonics: int = 1
+
+    @property
+    def kind(self) -> tuple[bool, int]:
+        """Return whether its phase wanders, and how many harmonics it has."""
+        return self.wanders, self.harmonics
+
+    @property
+    def plain(self) -> bool:
+        """Tell whether it is a sine whose phase holds."""
+        return self.kind == (False, 1)
 
     @property
     def wanders(self) -> bool:

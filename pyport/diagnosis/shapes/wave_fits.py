@@ -10,11 +10,12 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.searching.confirming import beside_model
-from pyport.diagnosis.shapes.periods import OVERSAMPLED, near_best
+from pyport.diagnosis.shapes.periods import FINER, OVERSAMPLED, near_best
 from pyport.diagnosis.shapes.scans import Scan, scan_of, stretches_of, view_of
 from pyport.diagnosis.trial import of_equal_prior
 from pyport.effects.base import Effect
-from pyport.effects.empirical.oscillations import Stretch, oscillation
+from pyport.effects.empirical.fields import field
+from pyport.effects.empirical.oscillations import OSCILLATION, Stretch, oscillation
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.thresholds import FEWEST, MOSTLY, PERIODS_FREE
@@ -32,13 +33,18 @@ def effect_of(
     period_s: float,
     direction_deg: float | None = None,
     periods: float | None = None,
+    harmonics: int = 1,
 ) -> Effect:
     """Return the oscillation of a period, its sine counted from the middle of the recordings.
 
-    Its phase wanders where it has a line: it is free in so many periods, or `PERIODS_FREE`.
+    Its phase wanders where it has a line: it is free in so many periods, or `PERIODS_FREE`. One of
+    several harmonics is no oscillation but a field that repeats.
     """
     time = clock(problem.recordings.at)[problem.stack.row]
     since = float(np.round((time.min() + time.max()) / 2))
+    if harmonics > 1:
+        measured = np.unique(problem.stack.is_y).astype(int)
+        return _repeating(period_s, since, harmonics, measured.tolist())
     reversing = bool((scan.sign < 0).any())
     if direction_deg is None:
         return oscillation(period_s, since, reversing=reversing)
@@ -53,6 +59,56 @@ def effect_of(
     return oscillation(period_s, since, found, direction_deg=direction_deg, reversing=reversing)
 
 
+def _repeating(
+    period_s: float, since_s: float, harmonics: int, axes: Sequence[int], spread: float = 1.0
+) -> Effect:
+    """Return what repeats in time in any form in some axes, its heights' spread [rad]."""
+    count = 2 * harmonics
+    where = "both axes" if len(axes) > 1 else ("xel", "el")[axes[0]]
+    return field(
+        {"kind": "repeat", "period_s": period_s, "since_s": since_s, "count": harmonics},
+        np.repeat(axes, count).tolist(),
+        np.tile(range(count), len(axes)).tolist(),
+        np.eye(count * len(axes)).tolist(),
+        "an error that repeats",
+        f"{where}: every {period_s / 60:.4g} min",
+        [spread] * (count * len(axes)),
+    )
+
+
+def repeats(effect: Effect) -> bool:
+    """Tell whether an effect is what comes back in time in any form."""
+    return bool(effect.member.get("bumps", {}).get("kind") == "repeat")
+
+
+def is_wave(effect: Effect) -> bool:
+    """Tell whether an effect is an oscillation, or repeats in any form."""
+    return effect.id == OSCILLATION or repeats(effect)
+
+
+def period_of(effect: Effect) -> float:
+    """Return the period of an oscillation, or of what repeats [s]."""
+    return float(effect.member.get("bumps", effect.member)["period_s"])
+
+
+def _with_period(effect: Effect, period_s: float, spread: float = 1.0) -> Effect:
+    """Return an oscillation, or what repeats, of another period."""
+    if not repeats(effect):
+        return oscillation(**{**effect.member, "period_s": period_s})
+    bumps, axes = effect.member["bumps"], np.unique(effect.member["axes"]).tolist()
+    return _repeating(period_s, bumps["since_s"], bumps["count"], axes, spread)
+
+
+def likeliest_repeat(
+    problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
+) -> tuple[Effect, float]:
+    """Return what repeats with its likeliest period near one, its spread, and its evidence."""
+    period, _, evidence = likeliest_period(problem, noise, chosen, effect)
+    waves = _waves(problem, noise, chosen, effect)
+    spread = float(np.sqrt(waves.fit(period)[2])) / waves.columns(period)[2]
+    return _with_period(effect, period, spread), evidence
+
+
 def likeliest_period(
     problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
 ) -> tuple[float, float, float]:
@@ -62,9 +118,12 @@ def likeliest_period(
     them: other periods that are as likely are part of the sigma.
     """
     waves = _waves(problem, noise, chosen, effect)
-    width, periods = WIDE, [effect.member["period_s"]]
+    width, periods = WIDE, [period_of(effect)]
     if not wanders(effect):
         width = periods[0] / (OVERSAMPLED * max(float(np.ptp(waves.scan.time)), 1.0))
+    if repeats(effect):
+        width /= FINER
+    elif not wanders(effect):
         periods += near_best(waves.scan, view_of(problem, waves.scan, noise, chosen))
     grid = np.exp(width * np.linspace(-1, 1, NEAR))
     found = [top(lambda period: waves.fit(period)[0], one * grid) for one in periods]
@@ -111,7 +170,7 @@ def predicted(
     waves = _waves(problem, noise, others, effect)
     period = effect.member["period_s"]
     _, covariance, variance = waves.fit(period)
-    columns, rest = waves.columns(period)
+    columns, rest, _ = waves.columns(period)
     prior = variance * covariance
     # With V = rest prior rest' + 1 the prediction is prior rest' V^-1 of the data.
     inner = np.eye(len(prior)) + rest.T @ rest @ prior
@@ -152,14 +211,17 @@ class _Waves:
             self, free=oscillation(**{**self.free.member, "direction_deg": direction_deg})
         )
 
-    def columns(self, period_s: float) -> tuple[Array, Array]:
-        """Return waves of unit size (m, k), and whitened and without the model (M, k)."""
-        near = oscillation(**{**self.free.member, "period_s": period_s})
+    def columns(self, period_s: float) -> tuple[Array, Array, float]:
+        """Return waves of unit size (m, k), whitened and without the model (M, k), and their size.
+
+        As one has it whose amplitude is 1 rad.
+        """
+        near = _with_period(self.free, period_s)
         columns = self.problem.stack.columns(near, self.problem.recordings.at)
         white = self.noise.whiten(columns)
         size = float(np.sqrt(np.sum(white**2) / np.count_nonzero(white.any(axis=0))))
         white = white - self.basis @ (self.basis.T @ white)
-        return columns / size, white / size
+        return columns / size, white / size, size
 
     def fit(self, period_s: float) -> tuple[float, Array, float]:
         """Return the evidence of a period, the covariance of its amplitudes, and its variance."""
@@ -175,7 +237,8 @@ def _waves(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect
     model = noise.whiten(problem.expanded((*problem.base, *chosen)))
     white = noise.whiten(problem.residual[:, None])[:, 0]
     _, basis, left = beside_model(noise, model, white)
-    free, mixes = _wandered(problem, scan, effect) if wanders(effect) else (effect, [np.eye(4)])
+    free, mixes = _wandered(problem, scan, effect) if wanders(effect) else (effect, [])
+    mixes = mixes or [np.eye(len(effect.coefficients))]
     return _Waves(problem, scan, noise, basis, left, free, mixes)
 
 

@@ -182,18 +182,18 @@ def _epoch_offsets(at: Circumstances) -> tuple[Effect, ...]:
     """Return a constant per session, where there are some, and steps between recordings."""
     if "time" not in at and "order" not in at:
         return (_by_session(_OFFSET, at),)
-    members = _members(_OFFSET, at, _moments(_when(at)))
-    if not members:
-        raise MissingColumn("a second moment")
-    return members
+    return _some(_members(_OFFSET, at, _moments(_when(at))))
 
 
 def _set_anew(at: Circumstances) -> tuple[Effect, ...]:
     """Return steps of the azimuth zero: set anew it stays, and nights differ in other zeros."""
-    steps = _steps(_ZERO, at, _moments(at.numbers("time")))
-    if not steps:
+    return _some(_steps(_ZERO, at, _moments(at.numbers("time"))))
+
+
+def _some(members: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    if not members:
         raise MissingColumn("a second moment")
-    return steps
+    return members
 
 
 def _from_session_on(effect: Effect, at: Circumstances) -> tuple[Effect, ...]:

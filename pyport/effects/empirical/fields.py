@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array, cosine_between, separation
+from pyport.angles import DEG, Array, cosine_between, separation
 from pyport.effects.base import Circumstances, Coefficient, Effect
+from pyport.effects.empirical.oscillations import SHORTEST_S
 from pyport.effects.sky.frame import sun_seen
 
 #: The id of what no effect of the catalogue explains.
@@ -70,23 +71,38 @@ def cycle(
     is counted around a circle from `from_rad`, or as it is recorded, beyond a turn. With `falls`
     they fall as the cosine of the second angle, as what the first drive errs by does on the sky.
     """
-    angle = _counted(_along(at, name), from_rad)
+    found = _harmonics(_counted(_along(at, name), from_rad) / period_rad, count)
+    sky = at if at.sky is None else at.sky
+    return found * sky.onto_sky[:, None] if falls else found
+
+
+def repeat(at: Circumstances, period_s: float, since_s: float, count: int) -> Array:
+    """Return harmonics, as those of `cycle`, of what comes back in time, shape (n, 2 count)."""
+    return _harmonics((at.numbers("time") - since_s) / period_s, count)
+
+
+def _harmonics(turns: Array, count: int) -> Array:
     order = np.arange(1, count + 1)
-    phase = 2 * np.pi / period_rad * angle[:, None] * order
-    lever = (at.sky or at).onto_sky[:, None] if falls else 1.0
-    waves = np.concatenate([np.cos(phase), np.sin(phase)], axis=1)
-    return np.asarray(waves / np.tile(order, 2) * lever)
+    phase = 2 * np.pi * turns[:, None] * order
+    return np.concatenate([np.cos(phase), np.sin(phase)], axis=1) / np.tile(order, 2)
 
 
 def _counted(angle: Array, from_rad: float | None) -> Array:
     return angle if from_rad is None else (angle - from_rad) % (2 * np.pi)
 
 
-def within_cycle(bumps: Bumps, at: Circumstances) -> Array:
-    """Return how far into the period of a cycle each place is [rad], shape (n,)."""
+def within_period(bumps: Bumps, at: Circumstances) -> tuple[Array, str] | None:
+    """Return how far into the period of what comes back each place is, shape (n,), and the unit.
+
+    None for what has no period.
+    """
+    if bumps.get("kind") == "repeat":
+        return (at.numbers("time") - bumps["since_s"]) % bumps["period_s"] / 60, "min"
+    if bumps.get("kind") != "cycle":
+        return None
     here = at.axes if bumps.get("in_axes") else at
     angle = _counted(_along(here, bumps["name"]), bumps.get("from_rad"))
-    return np.asarray(angle % bumps["period_rad"])
+    return angle % bumps["period_rad"] / DEG, "deg"
 
 
 def column(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
@@ -199,11 +215,11 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
     return np.asarray(np.exp(-0.5 * ((values[:, None] - centres) / width) ** 2))
 
 
-_OVER_SKY = (sky, wave, waves, azimuth, elevation, cycle, box, stretch)
-_ALONG_NUMBERS = (column, pair, curve, slew, sun, time)
-KINDS: dict[str, Callable[..., Array]] = {
-    one.__name__: one for one in (*_OVER_SKY, *_ALONG_NUMBERS)
-}
+_FORMS = (
+    *(sky, wave, waves, azimuth, elevation, cycle, box, stretch),
+    *(column, pair, curve, slew, sun, time, repeat),
+)
+KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _FORMS}
 
 
 def values(bumps: Bumps, at: Circumstances) -> Array:
@@ -241,7 +257,8 @@ def field(
     each = bumps.get("each", ())
     count = max(*counts, len(each), *(one for pair in each for one in pair))
     narrowest = min(bumps.get("width_rad", 1.0), bumps.get("period_rad", 1.0))
-    if narrowest < NARROWEST_RAD or count > MOST_BUMPS:
+    shortest = bumps.get("period_s", SHORTEST_S)
+    if narrowest < NARROWEST_RAD or shortest < SHORTEST_S or count > MOST_BUMPS:
         raise ValueError("a field of more bumps than any recordings determine")
     along = np.asarray(axes)[:, None] == (0, 1)
     mix = np.asarray(directions, float)
@@ -281,7 +298,7 @@ def field(
 def _needs(bumps: Bumps) -> tuple[str, ...]:
     if bumps["kind"] == "sun":
         return ("sun_az_deg and sun_el_deg, or time_utc with latitude_deg and longitude_deg",)
-    if bumps["kind"] in {"time", "slew"} or bumps.get("name") == "time":
+    if bumps["kind"] in {"time", "slew", "repeat"} or bumps.get("name") == "time":
         return ("time_utc",)
     names = bumps.get("names", (bumps["name"],) if bumps["kind"] in {"column", "curve"} else ())
     return tuple(one for one in names if one not in {"az_deg", "el_deg"})

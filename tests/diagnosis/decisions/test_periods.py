@@ -161,11 +161,10 @@ def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_
 
 
 @pytest.mark.parametrize("gain", [8.0, 40.0, 200.0])
-def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(monkeypatch, gain):
+def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(gain):
     """Of four amplitudes; a high peak is met more often than among independent periods."""
     scan = scanned(8)
-    monkeypatch.setattr(periods, "_gains", lambda *_: (np.array([1 / HOUR]), np.array([gain]), 4))
-    found = periods._held(scan, None)
+    found = periods.highest(scan, np.array([1 / HOUR]), np.array([gain]), 4)
 
     assert found.evidence == pytest.approx(gain - 4 - 4 * np.log(gain / 4))
     assert found.choices == pytest.approx(scan.coherent * (gain / 2) ** 0.5)

@@ -147,7 +147,7 @@ def test_silence_is_no_all_clear_where_something_is_left(monkeypatch, p_value, c
     """Up to a p-value of one in a hundred what is left does not look like the noise."""
     monkeypatch.setattr(remarks, "_hides", lambda *_: "")
     done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
-    quiet = remarks.NoiseRemarks([], [], [], [])
+    quiet = remarks.NoiseRemarks([], [], [], [], [])
 
     assert remarks.nothing(done, quiet).startswith("Nothing is missing") == clear
 
