@@ -150,7 +150,7 @@ def _single(
         partial=_partial(problem, curve),
         variant=effect.variant,
         heldout=heldout,
-        looks_like=None if named else words.looks_like(effect, called, refuting),
+        looks_like=None if named else words.looks_like(effect, called, refuting, step.winner.gain),
         decide_by=_decided(called, like) if named else words.watch(effect),
         checks=tuple(one.words for one in checks),
         curve=seen,

@@ -14,7 +14,7 @@ from pyport.effects.base import Effect
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
-from pyport.thresholds import SEEN, SIGNIFICANT
+from pyport.thresholds import MOSTLY, SEEN, SIGNIFICANT
 
 if TYPE_CHECKING:
     from pyport.diagnosis.naming.classes import Name
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 UNKNOWN = "something is left that no effect of the catalogue explains"
 #: What to do about a misfit without a name, where its form says more than where it is.
 WATCH = {
+    "levels": "observe one source by turns with one value and another",
     "cycle": "find what turns once in that angle: a tooth, a worm, a line of the encoder",
     "repeat": "find what is switched or comes back so often: a heater, a cooler, a pump, a fan",
 }
@@ -119,12 +120,16 @@ def _inside(parameter: Parameter) -> str:
     return parameter.name.rpartition("[")[2].rstrip("]")
 
 
-def looks_like(effect: Effect, called: Name, refuting: Sequence[str]) -> str:
-    """Describe a shape that has no name, with what refutes its own and the nearest effect."""
+def looks_like(effect: Effect, called: Name, refuting: Sequence[str], gain: float) -> str:
+    """Describe a shape that has no name, with what refutes its own and the nearest effect.
+
+    Of some `gain`: an effect that gains less than most of it is not near.
+    """
     shape = effect.variant or effect.id
     what = effect.sentence if shape in effect.sentence else f"{effect.sentence} ({shape})"
     runner = called.runner_up
-    nearest = "" if runner is None else f"; the nearest effect is {runner.candidate.effect.id}"
+    near = runner is not None and runner.gain > MOSTLY * gain
+    nearest = f"; the nearest effect is {runner.candidate.effect.id}" if runner and near else ""
     but = f", but {' and '.join(refuting)}" if refuting else ""
     return f"{what}{but}{nearest}"
 

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.candidates import numbers
+from pyport.columns import COLUMNS
+from pyport.diagnosis.candidates import CURVE_ORDER, conditions, numbers
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.effects.base import Circumstances, MissingColumn
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
 from pyport.mounts import ALTAZ
+from pyport.thresholds import FEWEST
 
 #: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
 #: sectors of an encoder's disc. [rad]
@@ -26,6 +28,8 @@ ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
 ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 #: Bumps along a column: so many over the ranks of its values.
 ALONG_COLUMN = 10
+#: A column of more labels than this is none of few.
+MOST_LEVELS = 12
 #: And over two columns: so many over the ranks of each.
 OVER_TWO = 4
 #: Harmonics of what comes back, along an angle or in time, in any form.
@@ -116,7 +120,7 @@ def families(problem: Problem) -> Iterator[tuple[int, Field]]:
         *_after_slews(problem),
         *_in_time(problem),
     ]
-    for kind in (sky, waves, curves, [*_surfaces(problem, ordered)]):
+    for kind in (sky, waves, curves, [*_levels(problem)], [*_surfaces(problem, ordered)]):
         for one in kind:
             yield len(kind), one
 
@@ -201,6 +205,25 @@ def _surfaces(problem: Problem, ordered: Mapping[str, list[float]]) -> Iterator[
             count=OVER_TWO,
             values=values,
         )
+
+
+def _levels(problem: Problem) -> Iterator[Field]:
+    """Yield an offset for each value of every column that has few, and that no effect asks for.
+
+    Labels, and numbers that are no curve's: a valve that is open or shut, who observed, which way
+    the telescope came.
+    """
+    known = {one.name for one in COLUMNS}
+    for name, cells in conditions(problem.recordings).columns.items():
+        if name in known or name == "order":
+            continue
+        text = cells.dtype.kind == "U"
+        values, counts = np.unique(cells[cells != ""] if text else cells, return_counts=True)
+        most = MOST_LEVELS if text else CURVE_ORDER + 1
+        often = np.count_nonzero(counts >= FEWEST)
+        if len(values) <= most and often > 1 and (text or np.isfinite(values).all()):
+            bumps = {"name": name, "values": values.tolist()}
+            yield _field(problem, "an offset for each value", f"by {name}", "levels", **bumps)
 
 
 def _after_slews(problem: Problem) -> Iterator[Field]:

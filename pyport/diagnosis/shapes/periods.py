@@ -114,7 +114,8 @@ def _repeating(scan: Scan, found: _Spectrum) -> list[Peak]:
     some = turns[np.argsort(-_profiles(found, turns, USUAL_SIZE))[:MOST_PROFILES]]
     evidence = np.max([_profiles(found, some, float(size)) for size in _SIZES.flat], axis=0)
     period = 1 / (float(some[np.argmax(evidence)]) * step)
-    choices = scan.coherent * HARMONICS
+    # Of as many periods as the harmonics are apart, in either axis or in both.
+    choices = scan.coherent * HARMONICS * (2 ** len(np.unique(scan.is_y)) - 1)
     return [Peak(period, float(evidence.max()), choices, harmonics=HARMONICS)]
 
 

@@ -102,11 +102,20 @@ def _with_period(effect: Effect, period_s: float, spread: float = 1.0) -> Effect
 def likeliest_repeat(
     problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect: Effect
 ) -> tuple[Effect, float]:
-    """Return what repeats with its likeliest period near one, its spread, and its evidence."""
-    period, _, evidence = likeliest_period(problem, noise, chosen, effect)
-    waves = _waves(problem, noise, chosen, effect)
-    spread = float(np.sqrt(waves.fit(period)[2])) / waves.columns(period)[2]
-    return _with_period(effect, period, spread), evidence
+    """Return what repeats with its likeliest period near one, its spread, and its evidence.
+
+    In one axis or in both: the likeliest.
+    """
+    period = likeliest_period(problem, noise, chosen, effect)[0]
+    bumps, measured = effect.member["bumps"], np.unique(effect.member["axes"]).tolist()
+    found = []
+    for axes in [measured, *([one] for one in measured if len(measured) > 1)]:
+        one = _repeating(period, bumps["since_s"], bumps["count"], axes)
+        waves = _waves(problem, noise, chosen, one)
+        evidence, _, variance = waves.fit(period)
+        spread = float(np.sqrt(variance)) / waves.columns(period)[2]
+        found.append((_with_period(one, period, spread), evidence))
+    return max(found, key=lambda one: one[1])
 
 
 def likeliest_period(

@@ -110,6 +110,11 @@ def column(at: Circumstances, name: str, count: int, values: Sequence[float]) ->
     return _ranked(_along(at, name), count, values)
 
 
+def levels(at: Circumstances, name: str, values: Sequence[str | float]) -> Array:
+    """Return 1 where a column has each of some values, shape (n, K): labels, or few numbers."""
+    return (at.column(name)[:, None] == np.asarray(values)).astype(float)
+
+
 def pair(
     at: Circumstances, names: Sequence[str], count: int, values: Sequence[Sequence[float]]
 ) -> Array:
@@ -217,7 +222,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
 
 _FORMS = (
     *(sky, wave, waves, azimuth, elevation, cycle, box, stretch),
-    *(column, pair, curve, slew, sun, time, repeat),
+    *(column, levels, pair, curve, slew, sun, time, repeat),
 )
 KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _FORMS}
 
@@ -300,5 +305,6 @@ def _needs(bumps: Bumps) -> tuple[str, ...]:
         return ("sun_az_deg and sun_el_deg, or time_utc with latitude_deg and longitude_deg",)
     if bumps["kind"] in {"time", "slew", "repeat"} or bumps.get("name") == "time":
         return ("time_utc",)
-    names = bumps.get("names", (bumps["name"],) if bumps["kind"] in {"column", "curve"} else ())
+    one = bumps["kind"] in {"column", "curve", "levels"}
+    names = bumps.get("names", (bumps["name"],) if one else ())
     return tuple(one for one in names if one not in {"az_deg", "el_deg"})

@@ -7,7 +7,7 @@ coefficient comes out as the constant of nature, or as one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,15 +97,54 @@ _APPARENT = "apparent sidereal time"
 NUTATIONS = (_nutation("mean sidereal time"), _nutation(_APPARENT))
 
 
-def precession(at: Circumstances) -> tuple[Array, Array]:
-    """Return the shift of a source whose coordinates of J2000 were taken for those of date."""
-    import erfa
+def _precession(variant: str) -> Effect:
+    """Return precession left out, or taken from, toward or by another equinox."""
 
-    utc = days(at)
-    date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
-    since_j2000 = erfa.bp06(*date)[1]
-    turn = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
-    return stack(at, turned(at, _spin(turn) @ since_j2000 @ _spin(-turn)))
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        import erfa
+
+        utc = days(at)
+        date = UNIX_EPOCH_JD, utc + TT_MINUS_UTC_DAYS
+        since_j2000 = erfa.bp06(*date)[1]
+        turn = erfa.gmst06(UNIX_EPOCH_JD, utc, *date)
+        lacking = PRECESSIONS_LACK[variant](since_j2000, erfa.bp06(*B1950)[1].T)
+        return stack(at, turned(at, _spin(turn) @ lacking @ _spin(-turn)))
+
+    return Effect(
+        "precession",
+        f"precession is wrong: {variant}",
+        _SUPPLEMENT,
+        (Coefficient("precession", "", 1.0, expected=1.0),),
+        basis,
+        common="array",
+        variant=variant,
+        profile=lambda _: PRECESSIONS,
+        acts_in=SKY,
+        pattern="as precession turns the sky",
+        needs=_WHERE_AND_WHEN,
+        formula=(
+            "the sky turned from J2000 to date by ERFA (IAU 2006), across",
+            "the same, along elevation",
+        ),
+        member={"variant": variant},
+        make=_precession,
+    )
+
+
+#: The equinox of old catalogues, a Julian date in two parts.
+B1950 = 2433282.0, 0.42345905
+#: What turns the place that was computed into the true one, of the precession since J2000 (n, 3, 3)
+#: and that from B1950 to J2000, by what was taken for what.
+PRECESSIONS_LACK: dict[str, Callable[[Array, Array], Array]] = {
+    "coordinates of J2000 were taken for those of date": lambda since, _: since,
+    "coordinates of date were taken for those of J2000": lambda since, _: since.mT,
+    "coordinates of B1950 were taken for those of date": lambda since, older: since @ older,
+    # On which a quarter of a century later the precession since J2000 is, twice.
+    "coordinates of B1950 were taken for those of J2000, or those of J2000 turned back, not on": (
+        lambda since, older: since @ older @ since.mT
+    ),
+}
+PRECESSIONS = tuple(map(_precession, PRECESSIONS_LACK))
 
 
 def _spin(angle: Array) -> Array:
@@ -287,18 +326,7 @@ EFFECTS = (
         "toward the east point",
     ),
     NUTATIONS[0],
-    _fixed(
-        "precession",
-        "precession was left out: coordinates of J2000 were taken for those of date",
-        precession,
-        Coefficient("precession", "", 1.0, expected=1.0),
-        _WHERE_AND_WHEN,
-        (
-            "the sky turned from J2000 to date by ERFA (IAU 2006), across",
-            "the same, along elevation",
-        ),
-        "as precession turns the sky since J2000",
-    ),
+    PRECESSIONS[0],
     _source_position(_every_source),
     Effect(
         "parallax",
