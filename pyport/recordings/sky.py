@@ -121,16 +121,20 @@ def with_nights(recordings: Recordings) -> Recordings:
     """Return recordings with sessions and an order, where they have times or rows to tell them by.
 
     Without a session the nights between gaps in time are sessions. A row without a time has that
-    of the nearest row of the file. Where most have none, the order of the rows, in the column
-    `order`, stands for it. Blank cells of a column that is smooth in time are taken from the rows
-    before and after. What was derived stands in `meta`.
+    of the nearest row of the file. Where most have none, or all that an antenna recorded have one,
+    the order of the rows, in the column `order`, stands for it. Blank cells of a column that is
+    smooth in time are taken from the rows before and after. What was derived stands in `meta`.
     """
     at = recordings.at
     columns, meta = dict(at.columns), dict(recordings.meta)
     why = "no time being recorded"
     if "time" in at:
         time = np.asarray(at.column("time"), float)
-        if mostly_known(time):
+        one = len(time) > 1 and len(np.unique(time[np.isfinite(time)])) == 1
+        if one and len(np.unique(recordings.label("antenna"))) == 1:
+            del columns["time"]
+            why = "all having one time"
+        elif mostly_known(time):
             columns["time"] = _nearest(time, recordings.line)
             if blank := int(np.isnan(time).sum()):
                 meta[TIMES] = f"the nearest rows of the file for {blank} of them"

@@ -235,6 +235,47 @@ def on_the_cable(seed, y=None):
     return replace(made, at=replace(made.at, az=made.at.az + 2 * np.pi * turn))
 
 
+OPEN = np.random.default_rng(5).random(240) < 0.4
+COLUMNS = {
+    "labels": {"dome_vent": np.where(OPEN, "open", "shut")},
+    "numbers": {"last_slew": np.where(OPEN, 1.0, -1.0)},
+    "blank cells": {"dome_vent": np.where(OPEN, "open", np.resize(["shut", "shut", ""], 240))},
+    "three": {"observer": np.where(OPEN, "AB", np.resize(["CD", "EF"], 240))},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("columns", COLUMNS.values(), ids=COLUMNS)
+def test_a_column_of_few_values_is_found_by_an_offset_for_each(columns):
+    """No curve goes through two numbers, and none through labels."""
+    (name,) = columns
+    made = recordings(240, 8, y=lambda _: 6.0 * OPEN, **columns)
+    (one,) = diagnose(made, load("altaz")).findings
+
+    assert (one.verdict, one.variant) == ("unknown", f"el: by {name}")
+    assert "by turns" in one.decide_by
+
+
+FEW = {
+    "a label for every source": ({"chart": np.array([f"c{n // 8}" for n in range(240)])}, False),
+    "twelve labels": ({"chart": np.array([f"c{n % 12}" for n in range(240)])}, True),
+    "thirteen": ({"chart": np.array([f"c{n % 13}" for n in range(240)])}, False),
+    "five numbers": ({"step": np.arange(240.0) % 5}, True),
+    "a curve's": ({"step": np.arange(240.0) % 6}, False),
+    "one value": ({"chart": np.full(240, "c")}, False),
+    "one that is seen often": ({"chart": np.where(np.arange(240) < 7, "a", "b")}, False),
+    "what effects ask for": ({"scan_direction": np.where(OPEN, 1.0, -1.0)}, False),
+}
+
+
+@pytest.mark.parametrize(("columns", "there"), FEW.values(), ids=FEW)
+def test_which_columns_have_few_values(columns, there):
+    """Two of them must be seen often enough to compare, and no effect may know the column."""
+    problem = prepare(recordings(240, 8, **columns), load("altaz"), seed=1)
+
+    assert bool([*forms._levels(problem)]) == there
+
+
 def test_what_goes_with_the_cable_is_a_curve_of_azimuth_beyond_a_turn():
     """Cubed in azimuth as the axis counts it: on the circle two curves lie over each other."""
     found = diagnose(on_the_cable(1, lambda az: (az / np.pi) ** 3), load("altaz"))

@@ -106,6 +106,17 @@ def test_times_count_where_half_of_the_rows_have_one(blank: int, *, counts: bool
     assert ("order_from" in found.meta) != counts
 
 
+def test_one_time_for_all_rows_is_none() -> None:
+    """It says nothing of before and after; of several antennas it is the moment of a scan."""
+    alone = timed(np.full(40, 1e9))
+    antennas = {**alone.at.columns, "antenna": np.resize(["C00", "C01"], 40)}
+    array = replace(alone, at=replace(alone.at, columns=antennas))
+
+    assert "time" not in with_nights(alone).at
+    assert with_nights(alone).meta["order_from"] == "the order of the rows, all having one time"
+    assert "time" in with_nights(array).at
+
+
 SMOOTH = 10.0 + 5.0 * np.sin(np.arange(60.0) / 12.0)
 ROUGH = np.random.default_rng(3).normal(size=60)
 
