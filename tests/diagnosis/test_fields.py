@@ -235,6 +235,25 @@ def on_the_cable(seed, y=None):
     return replace(made, at=replace(made.at, az=made.at.az + 2 * np.pi * turn))
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["altaz", "equatorial"])
+def test_an_angle_that_is_off_from_somewhere_on_is_one_finding(kind):
+    """On the sky it falls as the cosine of the second angle: no patch, and no turn of anything."""
+    mount = KINDS[kind]
+    made = recordings(400, 8)
+    made = replace(made, at=replace(made.at, mount=mount))
+    first = made.at.axes.az % (2 * np.pi)
+    off = 10 * ARCSEC * made.at.onto_sky * ((first > np.radians(215)) | (first < np.radians(10)))
+    found = diagnose(replace(made, x=made.x + off), load(mount.model))
+    (one,) = found.findings
+    low, high = (one.where.region[0].low, one.where.region[0].high)
+
+    assert one.verdict == "unknown"
+    assert one.variant.startswith(f"xel: {mount.first.column}_deg off from")
+    assert (low, high) == (pytest.approx(215, abs=2), pytest.approx(10, abs=2))
+    assert "slipped" in one.decide_by
+
+
 OPEN = np.random.default_rng(5).random(240) < 0.4
 COLUMNS = {
     "labels": {"dome_vent": np.where(OPEN, "open", "shut")},

@@ -26,6 +26,7 @@ UNKNOWN = "something is left that no effect of the catalogue explains"
 WATCH = {
     "levels": "observe one source by turns with one value and another",
     "cycle": "find what turns once in that angle: a tooth, a worm, a line of the encoder",
+    "sector": "look for what parts the circle there: a limit, a cable, an encoder that slipped",
     "repeat": "find what is switched or comes back so often: a heater, a cooler, a pump, a fan",
 }
 #: Longer lists are cut short in a sentence; the report has them whole.

@@ -11,7 +11,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import predicts, trials_of
-from pyport.diagnosis.shapes.boxes import boxes
+from pyport.diagnosis.shapes.boxes import boxes, sector
 from pyport.diagnosis.shapes.cycles import cycles
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.shapes.forms import Field
@@ -67,6 +67,7 @@ def _best_in_place(
     worths = list(ground.worths(of_time))
     if False in of_time:
         worths += map(ground.worth_of, boxes(problem, weighed, chosen))
+        worths += map(ground.worth_of, sector(problem, weighed, chosen))
         worths += map(ground.worth_of, cycles(problem, weighed, chosen))
     strongest = max((step.winner.gain for step in kept), default=0.0)
     if names:

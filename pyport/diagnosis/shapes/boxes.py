@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.weighing import WhitenedData, plain_view
+from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import inside
 from pyport.thresholds import FEWEST
 
@@ -64,6 +65,40 @@ def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -
             )
         )
     return found
+
+
+def sector(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> Iterator[Field]:
+    """Yield the stretch of the first axis in which its angle is off, at any height.
+
+    An encoder that slipped, a cable or a limit switch part a circle in two. On the sky that falls
+    as the cosine of the second angle.
+    """
+    seen = plain_view(problem, weighed.covariance, chosen)
+    at = problem.recordings.at
+    across = ~problem.stack.is_y[seen.rows]
+    if across.sum() < 4 * FEWEST:
+        return
+    row = problem.stack.row[seen.rows[across]]
+    az, level, lever = at.axes.az[row] % (2 * np.pi), np.zeros(len(row)), at.onto_sky[row]
+    root = seen.root[across] * lever
+    weight, pull = root**2, root * seen.left[across]
+    pull -= weight * (pull.sum() / weight.sum())
+    start, tried = _scanned(az, level, weight, pull)
+    left, right, *_ = _climbed(_gain_of(az, level, weight, pull), start)
+    name = f"{at.mount.first.column}_deg"
+    low, high = (edge / DEG % 360 for edge in (left, right))
+    bumps = {"kind": "sector", "az_rad": [left, right], "in_axes": True}
+    yield Field(
+        "an offset of an angle",
+        f"xel: {name} off from {low:.1f} to {high:.1f}",
+        fields.values(bumps, at)[problem.stack.row],
+        problem.stack.is_y,
+        tried,
+        region=(Interval(name, low, high),),
+        bumps=bumps,
+        axes=(0,),
+        which=(0,),
+    )
 
 
 def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, int]:

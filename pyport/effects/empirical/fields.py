@@ -72,8 +72,13 @@ def cycle(
     they fall as the cosine of the second angle, as what the first drive errs by does on the sky.
     """
     found = _harmonics(_counted(_along(at, name), from_rad) / period_rad, count)
+    return found * _lever(at) if falls else found
+
+
+def _lever(at: Circumstances) -> Array:
+    """Return what an error of the first axis moves the beam by, shape (n, 1)."""
     sky = at if at.sky is None else at.sky
-    return found * sky.onto_sky[:, None] if falls else found
+    return sky.onto_sky[:, None]
 
 
 def repeat(at: Circumstances, period_s: float, since_s: float, count: int) -> Array:
@@ -186,6 +191,12 @@ def box(at: Circumstances, az_rad: Sequence[float], el_rad: Sequence[float]) -> 
     return inside(at.az % (2 * np.pi), at.el, (*az_rad, *el_rad))[:, None].astype(float)
 
 
+def sector(at: Circumstances, az_rad: Sequence[float]) -> Array:
+    """Return what an error of the first angle in a stretch of it does on the sky, shape (n, 1)."""
+    left, right = az_rad
+    return ((at.az - left) % (2 * np.pi) <= right - left)[:, None] * _lever(at)
+
+
 def inside(az: Array, el: Array, edges: Sequence[float]) -> NDArray[np.bool_]:
     """Tell which places are between two azimuths and two elevations [rad], shape (n,)."""
     left, right, low, high = edges
@@ -221,7 +232,7 @@ def _normal(values: Array, centres: Array, width: float) -> Array:
 
 
 _FORMS = (
-    *(sky, wave, waves, azimuth, elevation, cycle, box, stretch),
+    *(sky, wave, waves, azimuth, elevation, cycle, box, sector, stretch),
     *(column, levels, pair, curve, slew, sun, time, repeat),
 )
 KINDS: dict[str, Callable[..., Array]] = {one.__name__: one for one in _FORMS}
