@@ -8,8 +8,8 @@ from typing import Any
 from pyport.parity.compare import EXACT_BELOW, UNLIKE, Comparison, one_text
 from pyport.parity.described.description import PROMISE_TEXT, Description, Port
 from pyport.parity.described.functions import resolve
-from pyport.parity.promise import bound, deviations, tolerance
-from pyport.parity.report import markdown_table, oracle_text, ulp, verdict
+from pyport.parity.promise import deviations
+from pyport.parity.report import markdown_table, oracle_text, table, ulp, verdict
 from pyport.parity.run import Parity
 
 MATRIX = """\
@@ -79,15 +79,12 @@ def _long(parity: Parity, port: Port, what: str) -> dict[tuple[str, str], dict[s
 
 def _bits(parity: Parity, port: Port) -> str:
     long = _long(parity, port, "answers")
-    rows = []
-    for one in parity.comparisons(port):
-        row = [one.routine, one.output, f"{one.points:,}", f"{one.differing:,}", ulp(one.most)]
-        if long:
-            kept = long[one.routine, one.output]
+    heads, rows = table(parity, port)
+    if long:
+        heads += ["points of the long run", "differing"]
+        for row in rows:
+            kept = long[row[0], row[1]]
             row += [f"{kept['points']:,}", f"{kept['differing']:,}"]
-        rows.append(row)
-    heads = ["routine", "output", "points", "differing", "worst ulp"]
-    heads += ["points of the long run", "differing"] if long else []
     text = markdown_table(heads, rows) + f"\n{verdict(parity, port)}"
     if long:
         run = recorded(parity.description, "run") or {}
@@ -106,24 +103,11 @@ def _minimal(parity: Parity, port: Port) -> str:
 
 def _others(parity: Parity, port: Port) -> str:
     long = _long(parity, port, "beyond_promise")
-    outputs = {(r.name, o.label): o for r in parity.description.routines for o in r.outputs}
-    lists = [parity.comparisons(port, what) for what in ("plain", "outside", "beyond")]
     rows = []
-    for plain, outside, beyond in zip(*lists, strict=True):
-        key = plain.routine, plain.output
-        one = outputs[key]
-        rows.append(
-            [
-                *key,
-                ulp(plain.quantile(0.5)),
-                ulp(plain.quantile(0.99)),
-                ulp(plain.most),
-                f"{outside.physical:.2g} {outside.unit}".rstrip(),
-                ulp(beyond.most),
-                *([ulp(long[key]["max_ulp"])] if long else []),
-                f"{tolerance(port, one):g}" if port.promise == "within" else str(bound(port, one)),
-            ]
-        )
+    for routine, output, _, _, *figures, promised in table(parity, port)[1]:
+        kept = [ulp(long[routine, output]["max_ulp"])] if long else []
+        rows.append([routine, output, *figures, *kept, promised])
+    plain, beyond = (parity.comparisons(port, what) for what in ("plain", "beyond"))
     heads = ["routine", "output", "median ulp", "p99 ulp", "max ulp", "max distance*"]
     heads += ["max beyond the spread*, ulp", *(["in the long run"] if long else []), "N"]
     return "\n".join(
@@ -133,11 +117,11 @@ def _others(parity: Parity, port: Port) -> str:
             "",
             *([f"Where N comes from:\n\n{derived}"] if (derived := _derivation(parity)) else []),
             "Distances [ulp] over all points, counted:\n",
-            _histogram(lists[0]),
+            _histogram(plain),
             "The worst inputs (`float.fromhex`):\n",
-            *[_reproducer(one) for one in lists[0]],
+            *[_reproducer(one) for one in plain],
             "\nThe worst beyond the spread:\n",
-            *[_reproducer(one) for one in lists[2]],
+            *[_reproducer(one) for one in beyond],
             "",
             *([_minimal(parity, port)] if parity.minimal else []),
         ]

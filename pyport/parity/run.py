@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -70,11 +71,10 @@ class Parity:
 
     def explained(self, port: Port) -> dict[str, int]:
         """Return how many of a port's answers each entry of the ledger explains, if any."""
-        total: dict[str, int] = {}
+        total: Counter[str] = Counter()
         for (name, _), held in self.results.items():
             if name == port.name:
-                for entry, n in held.explained.items():
-                    total[entry] = total.get(entry, 0) + n
+                total.update(held.explained)
         return {entry: n for entry, n in total.items() if n}
 
 
