@@ -5,12 +5,11 @@ import pytest
 import rt32
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rt32_inputs import edges, points, random, table
+from rt32_inputs import edges, points, random
 from strategies import any_real4, directions, parameters
 
 from pyport.parity import promise
 from pyport.parity.compare import Pair
-from pyport.parity.compiled import stored
 from pyport.parity.described.functions import ask_port
 
 
@@ -49,19 +48,6 @@ def test_port_is_the_program_with_any_c_library(name):
         held = promise.hold(rt32.DESCRIPTION, rt32.VECTORISED, pair, known.spread)
 
         assert promise.kept(rt32.VECTORISED, pair.routine, held)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("routine", rt32.ROUTINES, ids=lambda routine: routine.name)
-@pytest.mark.usefixtures("same_library")
-def test_port_equals_the_whole_stored_table(routine):
-    """At each of the table's 541 azimuths the port's answers have the stored digest."""
-    group = rt32.GROUPS["table"]
-    expected = stored.load(rt32.DESCRIPTION, group, routine).digests
-    answers = ask_port(rt32.DESCRIPTION, rt32.LEGACY, routine, table())
-
-    assert len(expected) == 541
-    assert expected == stored.digests(routine, group, answers)
 
 
 @pytest.mark.oracle

@@ -24,19 +24,3 @@ def page():
 def test_page_is_not_stale(page):
     """The page in the tree is what `make parity-report` writes."""
     assert PAGE.read_text(encoding="utf-8") == page, "docs/parity.md is stale: make parity-report"
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "| Model | azimuth |",
-        "sha256 of `model.f`",
-        "-freal-4-real-8",
-        "`wrap-in-single`",
-        "modela.f:22",
-        "max beyond the spread",
-    ],
-)
-def test_page_tells(page, text):
-    """The page names routines, sources, builds, deviations, branches and bounds."""
-    assert text in page
