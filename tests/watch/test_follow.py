@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from drawn_nights import text, world
 
-from pyport.errors import BadInput
 from pyport.recordings import read, write
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.watch import follow
@@ -135,14 +134,6 @@ def test_columns_by_other_names(tmp_path, lines):
     append(log.path, renamed + rows[:5])
 
     assert log.read() == 5
-
-
-def test_a_log_of_another_kind_is_refused(tmp_path):
-    """Bytes without lines are no log."""
-    (tmp_path / "log.csv").write_bytes(b"x" * (follow.BLOCK + 1))
-
-    with pytest.raises(BadInput, match="a line of more than 1 MB"):
-        list(follow.new(tmp_path / "log.csv", NOTHING, Cursor()))
 
 
 def test_a_blank_line_above_the_names_is_passed_over(tmp_path, lines):

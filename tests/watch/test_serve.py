@@ -4,7 +4,6 @@ import json
 import os
 import urllib.error
 import urllib.request
-from types import SimpleNamespace
 
 import pytest
 from drawn_nights import text, world, write
@@ -13,7 +12,7 @@ from pyport.recordings.from_table import from_table
 from pyport.watch import Watch
 from pyport.watch.live import live
 from pyport.watch.run import Options, Process
-from pyport.watch.serve import Live, refused, serve
+from pyport.watch.serve import Live, serve
 
 pytest.importorskip("uvicorn", reason="the extra `serve` is not installed")
 
@@ -108,41 +107,6 @@ def test_nothing_can_be_written(method):
     request = urllib.request.Request(f"http://127.0.0.1:{PORT}/state.json", b"{}", method=method)
     with pytest.raises(urllib.error.HTTPError, match="405"):
         urllib.request.urlopen(request, timeout=5)  # noqa: S310 - likewise
-
-
-def test_beyond_this_machine_a_token_is_needed():
-    """Every request for data must carry it, whatever the machine is called there."""
-    token, other = "secret", "wrong"
-
-    def asked(**query):
-        return SimpleNamespace(
-            headers={"host": "scope.example:8765"},
-            query_params=query,
-            url=SimpleNamespace(path="/state.json"),
-        )
-
-    assert refused(asked(), (), token) == "no token"
-    assert refused(asked(token=other), (), token) == "no token"
-    assert refused(asked(token=token), (), token) is None
-
-
-def test_news_reach_every_viewer(page):
-    """Two connections get what is shown, and what is shown then."""
-    _, shown = page
-    streams = [
-        urllib.request.urlopen(f"http://127.0.0.1:{PORT}/events", timeout=10) for _ in range(2)
-    ]
-
-    def one(stream):
-        while not (line := stream.readline().decode()).startswith("data: "):
-            pass
-        return json.loads(line[6:])
-
-    assert [one(stream)["rows"] for stream in streams] == [45, 45]
-    shown.show(json.loads(shown.now()[1]) | {"rows": 46})
-    assert [one(stream)["rows"] for stream in streams] == [46, 46]
-    for stream in streams:
-        stream.close()
 
 
 @pytest.mark.browser

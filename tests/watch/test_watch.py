@@ -160,22 +160,6 @@ def test_more_scatter_is_an_alarm_of_scatter():
     assert 2 < alarm.parameters[0]["value"] < 4.5
 
 
-@pytest.mark.slow
-def test_the_state_is_kept_and_taken_up(drawn, seen, tmp_path):
-    """Stopped anywhere, a watch goes on as if it had not been."""
-    recordings = from_table(drawn.watched, drawn.header)
-    for stop in (18, 30):
-        watch = pyport.Watch(drawn.past, header=drawn.header)
-        list(watch.replay(recordings.take(slice(0, stop))))
-        state.save(watch, tmp_path / "state.npz", {"at": stop})
-        again = pyport.Watch(drawn.past, header=drawn.header)
-        assert state.load(again, tmp_path / "state.npz") == {"at": stop}
-        rest = list(again.replay(recordings.take(slice(stop, None))))
-        assert [one.evidence for one in rest] == [one.evidence for one in seen[1][stop:]]
-        assert [vars(one) for one in again.events] == [vars(one) for one in seen[0].events]
-        assert again.status() == seen[0].status()
-
-
 def test_another_past_s_state_is_refused(drawn, seen, tmp_path):
     """A state belongs to the past and the model it was made with."""
     state.save(seen[0], tmp_path / "state.npz")
