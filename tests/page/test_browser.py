@@ -123,14 +123,6 @@ def test_a_box_chooses_points_in_every_panel_and_escape_lets_them_go(written, lo
     assert points(tab) == before
 
 
-def test_it_prints(written, look):
-    """The PDF has several pages and is no picture: its text and lines are vectors."""
-    pdf = look(written).pdf(format="A4")
-
-    assert pdf.startswith(b"%PDF")
-    assert pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ") >= 2
-
-
 @pytest.mark.parametrize("width", [360, 768, 1600])
 def test_it_fits_the_screen(written, look, width):
     """Nothing is wider than the screen, and no text of the page is smaller than 10 px."""

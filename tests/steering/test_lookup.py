@@ -51,15 +51,6 @@ def test_outside_is_said(az_deg, zd_deg, said):
         offsets_at(PLANE, az_deg, zd_deg)
 
 
-def test_cable_turns_are_different_rows():
-    """In a table with the cable's azimuth in the jump, -100 and 260 deg differ."""
-    table = tabulate(
-        "rt32-3model", grid=Grid(np.array([-100.0, 260]), np.array([20.0, 21])), reading="routine"
-    )
-
-    assert abs(table.d_zd_deg[0, 0] - table.d_zd_deg[1, 0]) > 0.02
-
-
 def test_batch_answers_line_by_line():
     """Each line is answered before the next is asked for; a bad one is told by its number."""
     asked = []
