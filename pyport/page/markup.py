@@ -181,18 +181,13 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: int = 0) 
     """Return a table that scrolls by itself; the last `numeric` columns are numbers."""
     first = len(head) - numeric
 
-    def cells(kind: str, row: Sequence[str]) -> Markup:
-        return join(
-            tag(kind, cell, class_="n" if n >= first else None) for n, cell in enumerate(row)
-        )
+    def cells(kind: str, row: Sequence[str]) -> list[Markup]:
+        return [tag(kind, cell, class_="n" if n >= first else None) for n, cell in enumerate(row)]
 
-    return tag(
-        "div",
-        tag(
-            "table",
-            tag("thead", tag("tr", cells("th", head))),
-            tag("tbody", *(tag("tr", cells("td", row)) for row in rows)),
-        ),
-        class_="scroll",
-        tabindex="0",
-    )
+    return scrolled(cells("th", head), [tag("tr", *cells("td", row)) for row in rows])
+
+
+def scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None = None) -> Markup:
+    """Return a table that scrolls by itself, of the cells of its head and its other rows."""
+    whole = tag("table", tag("thead", tag("tr", *heads)), tag("tbody", *body), class_=kind)
+    return tag("div", whole, class_="scroll", tabindex="0")

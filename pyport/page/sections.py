@@ -20,8 +20,7 @@ def head(story: Story) -> Markup:
     verdict = "the model suffices" if story.good else "the model falls short"
     pill = tag("span", verdict, class_=f"pill {'good' if story.good else 'bad'}")
     facts = [
-        tag("div", tag("dt", name), tag("dd", value, tag("small", beside)))
-        for name, value, beside in story.facts
+        tag("div", *_pair(name, value, tag("small", beside))) for name, value, beside in story.facts
     ]
     words = tag(
         "div",
@@ -101,20 +100,16 @@ def _card(n: int, card: Card) -> Markup:
             class_="head",
         ),
         tag("p", f"{card.sentence[:1].upper()}{card.sentence[1:]}.", class_="sentence"),
-        tag("dl", *_pairs(card.facts), class_="numbers"),
-        tag("dl", *(join(pair) for pair in _terms(card.notes)), class_="notes")
+        tag("dl", *(tag("div", *_pair(*pair)) for pair in card.facts), class_="numbers"),
+        tag("dl", *(part for pair in card.notes for part in _pair(*pair)), class_="notes")
         if card.notes
         else None,
         class_="card",
     )
 
 
-def _pairs(pairs: Sequence[tuple[str, str]]) -> list[Markup]:
-    return [tag("div", tag("dt", name), tag("dd", value)) for name, value in pairs]
-
-
-def _terms(pairs: Sequence[tuple[str, str]]) -> list[tuple[Markup, Markup]]:
-    return [(tag("dt", name), tag("dd", value)) for name, value in pairs]
+def _pair(name: str, *value: str) -> tuple[Markup, Markup]:
+    return tag("dt", name), tag("dd", *value)
 
 
 def unseen(story: Story) -> Markup | None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pyport.models.complete import CHANGE, ENTER, IN_FILE
-from pyport.page.markup import Markup, chance, table, tag
+from pyport.page.markup import Markup, chance, scrolled, table, tag
 from pyport.page.picture import Picture, Side
 from pyport.page.sections import CUT, section
 from pyport.page.story import Row, Story, Turn
@@ -43,11 +43,6 @@ def _plain(title: str, inside: Markup) -> Markup:
     return tag("div", tag("h3", title), inside, class_="plain")
 
 
-def _scrolled(heads: Sequence[Markup], body: Sequence[Markup], kind: str | None = None) -> Markup:
-    whole = tag("table", tag("thead", tag("tr", *heads)), tag("tbody", *body), class_=kind)
-    return tag("div", whole, class_="scroll", tabindex="0")
-
-
 def _listed(rows: Sequence[Row]) -> Markup:
     grouped = any(row.group for row in rows)
     has_before = any(row.before is not None for row in rows)
@@ -75,7 +70,7 @@ def _listed(rows: Sequence[Row]) -> Markup:
         return tag("tr", *inside, class_="found" if row.found else None)
 
     heads = [tag("th", name, class_="n" if name in numeric else None) for name in names]
-    return _scrolled(heads, [line(row) for row in rows[:CUT]])
+    return scrolled(heads, [line(row) for row in rows[:CUT]])
 
 
 def _by_group(rows: Sequence[Row]) -> Markup:
@@ -90,7 +85,7 @@ def _by_group(rows: Sequence[Row]) -> Markup:
         tag("tr", tag("td", group), *(_value(found.get(name)) for name in names))
         for group, found in list(of_group.items())[:CUT]
     ]
-    return _scrolled(heads, body)
+    return scrolled(heads, body)
 
 
 def _value(row: Row | None) -> Markup:
@@ -133,7 +128,7 @@ def _heat(story: Story) -> Markup | None:
         "div",
         tag("h3", "Correlations"),
         tag("p", said + "In hundredths: orange together, blue against each other.", class_="how"),
-        _scrolled(heads, body, "heat" if len(names) <= FINE else "heat fine"),
+        scrolled(heads, body, "heat" if len(names) <= FINE else "heat fine"),
         class_="plain",
     )
 
@@ -191,7 +186,7 @@ def _turn(n: int, turn: Turn) -> Markup:
         "div",
         tag("h3", f"Turn {n}: {turn.winner.replace('_', ' ')}"),
         tag("p", f"chance that noise alone looks like this: {chance(turn.p_value)}", class_="how"),
-        _scrolled(heads, body),
+        scrolled(heads, body),
         class_="plain",
     )
 
