@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC
+from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.searching.turns import Step
 from pyport.effects.empirical.fields import UNKNOWN
@@ -112,7 +113,12 @@ def _story(
         turns=tuple(_turn(diagnosis, step) for step in diagnosis.steps),
         limits=tuple(sorted(report.detection_limit_arcsec.items(), key=lambda one: one[1])),
         untestable=tuple((one.effect, one.reason) for one in diagnosis.untestable),
-        outliers=_outliers(diagnosis),
+        outliers=off_by(
+            diagnosis.problem.recordings,
+            diagnosis.problem.stack,
+            diagnosis.left(diagnosis.after),
+            diagnosis.weighed.used,
+        ),
         noise=tuple(f"{one}." for one in report.noise.sentences),
         dropped=tuple(
             (one.effect.replace("_", " ") + (f", {one.variant}" if one.variant else ""), one.reason)
@@ -226,6 +232,14 @@ def _warnings(report: Report) -> tuple[str, ...]:
     return tuple(said)
 
 
+def bars_of(picture: Picture) -> tuple[Bar, ...]:
+    """Return the rms of the residuals on each axis, before and after."""
+    return tuple(
+        Bar(name, side.rms(side.before) / ARCSEC, side.rms(side.after) / ARCSEC)
+        for name, side in picture.sides()
+    )
+
+
 def _bars(report: Report) -> tuple[Bar, ...]:
     held = report.fit.heldout
     return (
@@ -260,15 +274,18 @@ def _turn(diagnosis: Diagnosis, step: Step) -> Turn:
     return Turn(winner.id, step.p_value, tuple(list(best.values())[:MOST_RIVALS]))
 
 
-def off_by(recordings: Recordings, stack: Stack, n: np.intp, residual: float) -> tuple[int, str]:
-    """Return the line of an outlier among the readings and what is the matter with it."""
-    axis = recordings.at.mount.names[int(stack.is_y[n])]
-    line = int(recordings.line[stack.row[n]])
-    return line, f"{axis} off by {residual / ARCSEC:.1f} arcsec"
+def off_by(
+    recordings: Recordings, stack: Stack, left: Array, used: NDArray[np.bool_]
+) -> tuple[tuple[int, str], ...]:
+    """Return the line of each outlier among m readings and what is the matter with it.
 
-
-def _outliers(diagnosis: Diagnosis) -> tuple[tuple[int, str], ...]:
-    problem = diagnosis.problem
-    left = diagnosis.left(diagnosis.after)
-    rows = np.flatnonzero(~diagnosis.weighed.used)
-    return tuple(off_by(problem.recordings, problem.stack, n, left[n]) for n in rows)
+    `left` (m,) is what is left of the readings [rad], `used` (m,) is false for an outlier.
+    """
+    names = recordings.at.mount.names
+    return tuple(
+        (
+            int(recordings.line[stack.row[n]]),
+            f"{names[int(stack.is_y[n])]} off by {left[n] / ARCSEC:.1f} arcsec",
+        )
+        for n in np.flatnonzero(~used)
+    )

@@ -6,16 +6,16 @@ import math
 
 import numpy as np
 
-from pyport.angles import ARCSEC, Array
+from pyport.angles import Array
 from pyport.fitting import soundness
 from pyport.fitting.combinations import of_fit as combined
 from pyport.fitting.fit import Fit, completed
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
 from pyport.page.markup import as_file, linear
-from pyport.page.of_diagnosis import off_by, picture_of, source_of
+from pyport.page.of_diagnosis import bars_of, off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
-from pyport.page.story import Bar, Story, rows_of, sky_rms
+from pyport.page.story import Story, rows_of, sky_rms
 
 #: A heat map of more coefficients than this cannot be read.
 MOST_NAMES = 40
@@ -59,16 +59,9 @@ def _story(fit: Fit, picture: Picture, whole: Model) -> Story:
     together = combined(fit)[:MOST_COMBINATIONS]
     warnings = tuple(f"{one}." for one in soundness.warnings(fit))
     warnings += tuple(f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in together)
-    sizes = {name: side.rms(side.after) / ARCSEC for name, side in picture.sides()}
-    said = " and ".join(f"{size:.3g} arcsec in {name}" for name, size in sizes.items())
-    facts = [
-        (
-            name,
-            f"{side.rms(side.before) / ARCSEC:.3g} → {side.rms(side.after) / ARCSEC:.3g}",
-            "arcsec rms",
-        )
-        for name, side in picture.sides()
-    ]
+    bars = bars_of(picture)
+    said = " and ".join(f"{one.after:.3g} arcsec in {one.name}" for one in bars)
+    facts = [(one.name, f"{one.before:.3g} → {one.after:.3g}", "arcsec rms") for one in bars]
     condition = "not bounded" if not math.isfinite(fit.condition) else f"{fit.condition:.3g}"
     aside = len(recordings.set_aside)
     facts += [
@@ -80,21 +73,18 @@ def _story(fit: Fit, picture: Picture, whole: Model) -> Story:
         kind="fit",
         source=source_of(recordings),
         model=fit.model.name,
-        headline=f"{fit.model.name} fits to {' and '.join(f'{s:.3g}' for s in sizes.values())} "
+        headline=f"{fit.model.name} fits to {' and '.join(f'{one.after:.3g}' for one in bars)} "
         "arcsec.",
         lead=f"Rms of what is left: {said}. "
         "Whether physics is left out, a diagnosis tells: pyport diagnose.",
         good=not warnings,
         facts=tuple(facts),
         warnings=warnings,
-        bars=tuple(
-            Bar(name, side.rms(side.before) / ARCSEC, side.rms(side.after) / ARCSEC)
-            for name, side in picture.sides()
-        ),
+        bars=bars,
         rows=rows_of(whole),
         correlation=(tuple(names), tuple(tuple(row) for row in matrix)),
         condition=fit.condition,
-        outliers=_outliers(fit),
+        outliers=off_by(recordings, fit.stack, fit.residual, fit.noise.used),
         model_file=as_file(whole),
     )
 
@@ -111,10 +101,3 @@ def _correlation(fit: Fit) -> tuple[list[str], list[list[float]]]:
     ][:MOST_NAMES]
     places = [place for place, _ in kept]
     return [name for _, name in kept], soundness.correlation(fit)[np.ix_(places, places)].tolist()
-
-
-def _outliers(fit: Fit) -> tuple[tuple[int, str], ...]:
-    return tuple(
-        off_by(fit.recordings, fit.stack, n, fit.residual[n])
-        for n in np.flatnonzero(~fit.noise.used)
-    )

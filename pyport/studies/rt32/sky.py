@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array, separation
 from pyport.files import write_whole
-from pyport.page.of_diagnosis import off_by, picture_of, source_of
+from pyport.page.of_diagnosis import bars_of, off_by, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
-from pyport.page.story import Bar, Row, Story
+from pyport.page.story import Row, Story
 from pyport.plots.findings import BLUE, GREY, ORANGE
 from pyport.pointing import PARAMETERS, jump_altitude
 from pyport.report.typed import as_json
@@ -254,9 +254,6 @@ def _story(fit: Rt32Fit, honest: Array, picture: Picture) -> Story:
         Row(_name(k), "", as_json(value / ARCSEC), as_json(honest[k] / ARCSEC), "arcsec")
         for k, value in enumerate(fit.values)
     )
-    outliers = tuple(
-        off_by(fit.recordings, fit.stack, n, fit.residual[n]) for n in np.flatnonzero(~fit.inside)
-    )
     return Story(
         kind="fit",
         source=source_of(fit.recordings),
@@ -271,12 +268,9 @@ def _story(fit: Rt32Fit, honest: Array, picture: Picture) -> Story:
             ("condition number", f"{fit.condition:.3g}", "columns of unit length"),
             ("recordings", f"{len(fit.recordings):,}", f"{fit.rounds} rounds of votes"),
         ),
-        bars=tuple(
-            Bar(name, side.rms(side.before) / ARCSEC, side.rms(side.after) / ARCSEC)
-            for name, side in picture.sides()
-        ),
+        bars=bars_of(picture),
         rows=rows,
         correlation=(names, tuple(tuple(row) for row in correlation.tolist())),
         condition=fit.condition,
-        outliers=outliers,
+        outliers=off_by(fit.recordings, fit.stack, fit.residual, fit.inside),
     )
