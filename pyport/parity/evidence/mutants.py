@@ -8,7 +8,6 @@ the unchanged port must leave it. Survivors must be explained in the description
 from __future__ import annotations
 
 import contextlib
-import importlib.abc
 import importlib.machinery
 import importlib.util
 import math
@@ -48,7 +47,7 @@ Reference = dict[str, tuple[Batch, Batch]]
 
 
 class _Mutated(importlib.machinery.SourceFileLoader):
-    """Loads a module from another text than its file's."""
+    """Finds one module, the mutant, and loads it from another text than its file's."""
 
     def __init__(self, name: str, path: str, source: str):
         super().__init__(name, path)
@@ -63,20 +62,11 @@ class _Mutated(importlib.machinery.SourceFileLoader):
         vars(module).update(INJECTED)
         super().exec_module(module)
 
-
-class _Finder(importlib.abc.MetaPathFinder):
-    """Finds one module, the mutant."""
-
-    def __init__(self, name: str, loader: _Mutated):
-        self.name, self.loader = name, loader
-
     def find_spec(self, fullname: str, *_: object) -> importlib.machinery.ModuleSpec | None:
         """Return the mutant's specification."""
         if fullname != self.name:
             return None
-        return importlib.util.spec_from_file_location(
-            fullname, self.loader.path, loader=self.loader
-        )
+        return importlib.util.spec_from_file_location(fullname, self.path, loader=self)
 
 
 def modules_of(description: Description, port: Port) -> dict[str, Path]:
@@ -105,7 +95,7 @@ def mutated(
         if port.name in one.ports:
             names.add(one.ports[port.name].partition(":")[0])
     before = {name: sys.modules.pop(name) for name in names if name in sys.modules}
-    finder = _Finder(changed, _Mutated(changed, str(modules[changed]), source))
+    finder = _Mutated(changed, str(modules[changed]), source)
     sys.meta_path.insert(0, finder)
     try:
         yield {
