@@ -1,11 +1,6 @@
 """A headless Chromium for the tests of the page, and the pages that they look at."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from pages import HOSTILE, recordings
 
 from pyport import page

@@ -1,17 +1,13 @@
 """A look before fitting: coverage is counted, classes are right, what it suggests is worth it."""
 
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent.parent / "page"))
 from pages import recordings
 
 from pyport.angles import ARCSEC, DEG, separation
