@@ -105,16 +105,24 @@ def test_a_bad_file_is_one_line_that_names_file_and_line(called, tmp_path, conte
         ("nonsense",),
         ("table",),
         ("table", "--check", "--model", "altaz"),
+        ("table", "--model", "nothing", "-o", "x"),
+        ("table", "--refraction", "nothing", "-o", "x"),
+        ("table", "--picture", "x.png", "--check"),
+        ("table", "--az", "0:1", "-o", "x"),
+        ("lookup", "nowhere.bin", "--az", "1", "--zd", "2"),
+        ("lookup", __file__, "--az", "1", "--zd", "2"),
+        ("lookup", __file__, "--az", "1"),
     ],
 )
 def test_bad_arguments_are_one_line(called, tmp_path, monkeypatch, words):
-    """Whatever is wrong with the call is said in one line, with status 2."""
+    """Whatever is wrong with the call is said in one line, with status 2; nothing is written."""
     monkeypatch.chdir(tmp_path)
     status, said = called(*words)
 
     assert status == 2
     assert said.count("\n") == 1
     assert said.startswith("pyport: error: ")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow

@@ -102,35 +102,6 @@ def test_errors_of_interpolation_are_stated(tmp_path):
     assert len(output.splitlines()) == 11
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["table"],
-        ["table", "--model", "nothing", "-o", "x"],
-        ["table", "--refraction", "nothing", "-o", "x"],
-        ["table", "--picture", "x.png", "--check"],
-        ["table", "--az", "0:1", "-o", "x"],
-        ["lookup", "nowhere.bin", "--az", "1", "--zd", "2"],
-        ["lookup", __file__, "--az", "1", "--zd", "2"],
-        ["lookup", __file__, "--az", "1"],
-    ],
-)
-def test_bad_call_is_one_line_with_status_2(words, tmp_path):
-    """Whatever is wrong is said in one line, and nothing is written."""
-    done = subprocess.run(
-        [sys.executable, "-m", "pyport", *words],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert done.stderr.startswith("pyport: error: ")
-    assert not list(tmp_path.iterdir())
-
-
 def test_killed_while_writing_the_old_table_stays(tmp_path):
     """A kill while the new table is being written leaves the old file whole."""
     path = tmp_path / "table.txt"
