@@ -18,11 +18,6 @@ def checks():
     return {one.block.name: one for one in check()}
 
 
-def test_published_blocks_are_read_whole():
-    """Four blocks of 11 x 13 cells and six full rows with two offsets each."""
-    assert [len(block.printed) for block in published()] == [143, 143, 143, 143, 6, 6]
-
-
 def test_joined_columns_are_read_apart():
     """The row at 0.1 deg is printed without blanks between its numbers."""
     block = published()[0]
