@@ -32,18 +32,13 @@ MOST = 8
 NEW = 1e-3
 
 
-def listed(at: Circumstances) -> Array:
-    """Return all shapes on the list at n pointings, shape (n, K)."""
+def listed_columns(at: Circumstances, row: NDArray[np.intp], is_y: NDArray[np.bool_]) -> Array:
+    """Return the terms in azimuth, in cross-elevation and in elevation, shape (m, 3 K)."""
     turns = np.arange(1, MOST + 1)
     around = np.concatenate([np.sin(turns * at.az[:, None]), np.cos(turns * at.az[:, None])], 1)
     up = np.concatenate([np.sin(turns * at.el[:, None]), np.cos(turns * at.el[:, None])], 1)
     both = (around[:, :, None] * up[:, None, :]).reshape(len(at), -1)
-    return np.concatenate([around, up, both], axis=1)
-
-
-def listed_columns(at: Circumstances, row: NDArray[np.intp], is_y: NDArray[np.bool_]) -> Array:
-    """Return the terms in azimuth, in cross-elevation and in elevation, shape (m, 3 K)."""
-    shapes = listed(at)[row]
+    shapes = np.concatenate([around, up, both], axis=1)[row]
     results = at.onto_sky[row] * ~is_y, ~is_y * 1.0, is_y * 1.0
     return np.concatenate([shapes * one[:, None] for one in results], axis=1)
 
