@@ -7,70 +7,30 @@ MJD0 = 2400000.5
 #: The spheroid and astronomical unit that SLALIB has [m].
 IAU1976_M, FLATTENING, AU_M = 6378140.0, 1 / 298.257, 1.49597870e11
 
-
-def dcs2c(a, b):
-    return erfa.s2c(a, b)
-
-
-def dcc2s(v):
-    return erfa.c2s(v)
-
-
-def dranrm(angle):
-    return erfa.anp(angle)
-
-
-def drange(angle):
-    return erfa.anpm(angle)
-
-
-def dsep(a1, b1, a2, b2):
-    return erfa.seps(a1, b1, a2, b2)
-
-
-def dbear(a1, b1, a2, b2):
-    return erfa.pas(a1, b1, a2, b2)
-
-
-def dmxv(dm, va):
-    return erfa.rxp(dm, va)
-
-
-def dimxv(dm, va):
-    return erfa.trxp(dm, va)
-
-
-def dmxm(a, b):
-    return erfa.rxr(a, b)
-
-
-def dvdv(va, vb):
-    return erfa.pdp(va, vb)
-
-
-def dvxv(va, vb):
-    return erfa.pxp(va, vb)
+dcs2c = erfa.s2c
+dcc2s = erfa.c2s
+dranrm = erfa.anp
+drange = erfa.anpm
+dsep = erfa.seps
+dbear = erfa.pas
+dmxv = erfa.rxp
+dimxv = erfa.trxp
+dmxm = erfa.rxr
+dvdv = erfa.pdp
+dvxv = erfa.pxp
+dav2m = erfa.rv2m
+de2h = erfa.hd2ae
+dh2e = erfa.ae2hd
+pa = erfa.hd2pa
+eqgal = erfa.icrs2g
+galeq = erfa.g2icrs
+dtp2s = erfa.tpsts
+ds2tp = erfa.ufunc.tpxes
 
 
 def dvn(v):
     modulus, unit = erfa.pn(v)
     return unit, modulus
-
-
-def dav2m(axvec):
-    return erfa.rv2m(axvec)
-
-
-def de2h(ha, dec, phi):
-    return erfa.hd2ae(ha, dec, phi)
-
-
-def dh2e(az, el, phi):
-    return erfa.ae2hd(az, el, phi)
-
-
-def pa(ha, dec, phi):
-    return erfa.hd2pa(ha, dec, phi)
 
 
 def epj(date):
@@ -116,14 +76,6 @@ def ecmat(date):
     return erfa.rx(erfa.obl80(MJD0, date), np.broadcast_to(np.eye(3), (len(date), 3, 3)).copy())
 
 
-def eqgal(dr, dd):
-    return erfa.icrs2g(dr, dd)
-
-
-def galeq(dl, db):
-    return erfa.g2icrs(dl, db)
-
-
 def fk5hz(r5, d5, epoch):
     return erfa.fk5hz(r5, d5, *erfa.epj2jd(epoch))
 
@@ -145,14 +97,6 @@ def epv(date):
 
 def rcc(tdb, ut1, wl, u, v):
     return erfa.dtdb(MJD0, tdb, ut1, -wl, u, v)  # SLALIB counts longitude westward
-
-
-def dtp2s(xi, eta, raz, decz):
-    return erfa.tpsts(xi, eta, raz, decz)
-
-
-def ds2tp(ra, dec, raz, decz):
-    return erfa.ufunc.tpxes(ra, dec, raz, decz)
 
 
 def cldj(iy, im, id_):
