@@ -72,12 +72,10 @@ def apply(
         return
     if out is None:
         click.echo(_csv(done), nl=False)
-        for line in _words(done):
-            click.echo(line, err=True)
-        return
-    click.echo(f"{out}: {done.rows} rows with {', '.join(done.added)}")
+    else:
+        click.echo(f"{out}: {done.rows} rows with {', '.join(done.added)}")
     for line in _words(done):
-        click.echo(line)
+        click.echo(line, err=out is None)
 
 
 def _csv(done: Applied) -> str:
