@@ -94,11 +94,9 @@ def _dimensions(shape: tuple[int, ...]) -> str:
 
 
 def _array(one: Variable, name: str) -> str:
-    kind = one.type
-    if kind.base == "character":
-        return f"integer(1) :: {name}({kind.size}, n)"
-    base = "integer(4)" if kind.base == "logical" else f"{kind.base}({kind.size})"
-    return f"{base} :: {name}({', '.join([*map(str, one.shape), 'n'])})"
+    kinds = {"character": "integer(1)", "logical": "integer(4)"}
+    kind = kinds.get(one.type.base, f"{one.type.base}({one.type.size})")
+    return f"{kind} :: {name}({_extent(one)})"
 
 
 def _at(one: Variable, name: str, first: str) -> str:
