@@ -14,6 +14,7 @@ import contextlib
 import functools
 import itertools
 import multiprocessing
+import operator
 import os
 import sys
 from collections import deque
@@ -147,7 +148,7 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
             threads = max(1, sum(client.nthreads().values()))
 
             def submit(_: Callable[[Item], Result], item: Item) -> Any:  # noqa: ANN401
-                return client.submit(_call, shared, item, pure=False, retries=TRIES)
+                return client.submit(operator.call, shared, item, pure=False, retries=TRIES)
 
             return _in_order(submit, call, items, AHEAD * threads)
 
@@ -156,7 +157,3 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
 
 def _same(function: Callable[[Item], Result]) -> Callable[[Item], Result]:
     return function
-
-
-def _call(function: Callable[[Item], Result], item: Item) -> Result:
-    return function(item)
