@@ -21,7 +21,7 @@ from pyport.models.model import Term
 from pyport.mounts import KINDS
 from pyport.prediction import compare, contenders, grid, rehearsal, shrunk, unseen, words
 from pyport.prediction.contenders import Night, OwnChoice, Picked, Refitted
-from pyport.recordings import read
+from pyport.recordings import read, write
 from pyport.recordings.schema import Recordings
 from pyport.runs.workers import one_thread
 
@@ -192,11 +192,7 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
     """The table, the verdict and the grid; the grid reads as recordings."""
     at = _night(44, 10, 20.0)
     file, model = tmp_path / "night.csv", tmp_path / "many.toml"
-    rows = zip(at.at.az / DEG, at.at.el / DEG, at.x / ARCSEC, at.y / ARCSEC, strict=True)
-    file.write_text(
-        "# latitude_deg: 50\naz_deg,el_deg,d_xel_arcsec,d_el_arcsec\n"
-        + "".join(",".join(f"{one:.5f}" for one in row) + "\n" for row in rows)
-    )
+    write(at, file)
     terms = "azimuth_zero elevation_zero collimation skew tilt sag_cosine sag_sine azimuth_track"
     model.write_text("".join(f'[[term]]\neffect = "{one}"\n' for one in terms.split()))
     arguments = [str(file), "--against", str(model), "--grid", str(tmp_path / "grid.csv")]
@@ -230,11 +226,7 @@ def test_models_of_one_name_are_called_by_their_files(tmp_path):
     """In the table, in the verdict and in JSON; those of one file name by their paths."""
     at = _night(30, 12)
     file = tmp_path / "night.csv"
-    rows = zip(at.at.az / DEG, at.at.el / DEG, at.x / ARCSEC, at.y / ARCSEC, strict=True)
-    file.write_text(
-        "az_deg,el_deg,d_xel_arcsec,d_el_arcsec\n"
-        + "".join(",".join(f"{one:.5f}" for one in row) + "\n" for row in rows)
-    )
+    write(at, file)
     models = [tmp_path / name for name in ("march.toml", "april.toml")]
     for one in models:
         write_model(completed(fit(at, ALTAZ)), one)
@@ -270,25 +262,7 @@ def test_terms_that_leave_as_much_unseen_as_in_the_fit_are_no_overfit(worse, ove
 def test_repeats_of_a_pointing_are_left_out_together():
     """Ten readings of one direction are one pointing, and foretell each other in no fold."""
     once = _night(25, 3, time=1e9 + 300.0 * np.arange(25))
-    rows = np.repeat(np.arange(25), 10)
-    at = replace(
-        once.at,
-        az=once.at.az[rows],
-        el=once.at.el[rows],
-        columns={"time": once.at.columns["time"][rows]},
-    )
-    nothing = np.full(250, np.nan)
-    often = Night.of(
-        replace(
-            once,
-            at=at,
-            x=once.x[rows],
-            y=once.y[rows],
-            sigma_x=nothing,
-            sigma_y=nothing,
-            line=np.arange(250),
-        )
-    )
+    often = Night.of(once.take(np.repeat(np.arange(25), 10)))
 
     assert len(often.pointings[0]) == 25
     for way in unseen.schemes(often, 0):
