@@ -28,7 +28,6 @@ def night(tmp_path_factory):
     """Return a folder with a night, and the page of its fit with all readings alike."""
     folder = tmp_path_factory.mktemp("night")
     write(recordings(), folder / "night.csv")
-    pyport.fit(folder / "night.csv", "altaz", weights="equal")
     done = pyport.fit(folder / "night.csv", "altaz", weights="equal")
     page.write(*done.drawn, folder / "report.html")
     return folder

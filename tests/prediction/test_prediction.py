@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from samples import sample
 
 from pyport.angles import ARCSEC, DEG
 from pyport.cli.explain import predict
@@ -26,7 +27,6 @@ from pyport.recordings.schema import Recordings
 from pyport.runs.workers import one_thread
 
 ALTAZ = load("altaz")
-DATA = Path(__file__).parents[3] / "shared" / "data" / "auxtel"
 
 
 def _night(n, seed, bent_arcsec=0.0, noise_arcsec=3.0, **columns):
@@ -210,11 +210,10 @@ def test_the_command_tells_what_picking_costs_and_writes_a_grid(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings of others are not there")
 def test_an_automatic_choice_of_many_terms_on_few_points_is_told_an_overfit():
     """The Auxiliary Telescope's 44 points: as many terms picked anew do far worse than held."""
-    few = read(DATA / "AT_point_file_20200315T022713.dat")
-    done = compare.compare(few, ALTAZ, [load(str(DATA / "at_20200314_fauto.mod"))])
+    few = read(sample("auxtel/AT_point_file_20200315T022713.dat"))
+    done = compare.compare(few, ALTAZ, [load(str(sample("auxtel/at_20200314_fauto.mod")))])
     held, anew = done.picked
 
     assert anew.unseen["pointings"] > 1.5 * held.unseen["pointings"]

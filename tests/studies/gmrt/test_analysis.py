@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import csv
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from samples import sample
 
 from pyport.angles import ARCMIN, DEG, HOUR
 from pyport.cli.study import gmrt
@@ -174,10 +173,7 @@ def test_printed_sigmas_are_too_small():
 
 def test_displacements_against_the_survey(june):
     """The displacements in hour angle that curves give follow the surveyed longitudes."""
-    folder = Path(os.environ.get("PYPORT_SHARED_DATA", "../shared/data"))
-    if not (survey := folder / "gmrt" / "antennas_enu.csv").is_file():
-        pytest.skip(f"the survey of the antennas is not at {survey}")
-    with survey.open(newline="") as file:
+    with sample("gmrt/antennas_enu.csv").open(newline="") as file:
         longitude = {row["name"]: float(row["dlon_deg"]) for row in csv.DictReader(file)}
     found = [one for one in curves(june, times_cos_el=True) if one.track.session == "2003-06-02"]
 
