@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pyport.errors import BadInput
-from pyport.steering import RT32_GRID, Grid, Table, read_ascii, tabulate, write_ascii
+from pyport.steering import Grid, Table, read_ascii, tabulate, write_ascii
 from pyport.steering.ascii import rows
 from pyport.steering.published import FOLDER
 
@@ -17,11 +17,6 @@ SMALL = Grid(np.array([-1.0, 0, 1]), np.array([10.0, 11]))
 def table():
     """Return the 3model table on its whole grid."""
     return tabulate("rt32-3model")
-
-
-def test_grid_is_the_published_one():
-    """541 x 95 points, 51395 rows."""
-    assert len(RT32_GRID) == 51395
 
 
 def test_layout_is_the_printed_one(table):
