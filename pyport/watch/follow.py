@@ -140,13 +140,16 @@ def _lines(
             there = None
         if there is None or there.st_ino != cursor.inode:
             former = _renamed(path, cursor.inode)
-            if former is not None:
-                for batch in _beyond(former, path, given, cursor, size, ended=True):
-                    cursor = batch.cursor
-                    yield batch
-            if there is None:
-                return
-            cursor = Cursor(path.name)
+            if there is not None and _goes_on(path, former, cursor):
+                cursor = replace(cursor, inode=there.st_ino)
+            else:
+                if former is not None:
+                    for batch in _beyond(former, path, given, cursor, size, ended=True):
+                        cursor = batch.cursor
+                        yield batch
+                if there is None:
+                    return
+                cursor = Cursor(path.name)
         elif not _same(path, cursor):
             cursor = Cursor(path.name)
     if path.is_file():
@@ -159,6 +162,20 @@ def _renamed(path: Path, inode: int) -> Path | None:
         if one != path and one.is_file() and one.stat().st_ino == inode:
             return one
     return None
+
+
+def _goes_on(path: Path, former: Path | None, cursor: Cursor) -> bool:
+    """Tell whether a file that took a log's place is a longer copy of it, as rsync leaves one.
+
+    `former` is the log under another name, None where it is gone.
+    """
+    if not _same(path, cursor):
+        return False
+    if former is None:
+        return True
+    size = former.stat().st_size
+    with path.open("rb") as copy, former.open("rb") as file:
+        return _fingerprint(copy, size) == _fingerprint(file, size)
 
 
 def _same(path: Path, cursor: Cursor) -> bool:

@@ -76,6 +76,23 @@ def test_a_log_that_is_rotated_goes_on_in_the_new_one(tmp_path, lines):
     assert len(set(log.times)) == 20
 
 
+@pytest.mark.parametrize("backup", [False, True])
+def test_a_longer_copy_in_the_place_of_a_log_is_not_read_again(tmp_path, lines, backup):
+    """As rsync leaves it, the file before kept under another name or not."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    append(log.path, above + rows[:10])
+    log.read()
+    for last in (15, 16, 40):
+        if backup:
+            log.path.rename(tmp_path / "log.csv~")
+        copy = tmp_path / ".log.csv.part"
+        copy.write_text("".join(above + rows[:last]))
+        copy.rename(log.path)
+        log.read()
+    assert log.lines == [len(above) + n for n in range(1, 41)]
+
+
 def test_a_log_that_is_truncated_begins_anew(tmp_path, lines):
     """Shorter or as long as before, another beginning is another log."""
     above, rows = lines
