@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
+from pyport.effects.circumstances import NIGHT_GAP_S
 from pyport.errors import BadInput
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
@@ -17,6 +18,7 @@ from pyport.recordings.notes import FEWEST_ROWS, KEY
 from pyport.recordings.raw import NOTHING, FileOptions
 from pyport.recordings.schema import Recordings
 from pyport.watch import follow, state
+from pyport.watch.alarms import moment
 from pyport.watch.detection.composite import FEWEST_IN_NIGHT, FEWEST_NIGHTS
 from pyport.watch.follow import Batch, Cursor
 from pyport.watch.state import Outputs
@@ -26,6 +28,9 @@ STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: So often the state is kept while nothing happens [s]: what came since is read from the log again
 #: after a kill. It waits for the disk longer than all else takes; an event waits for it, always.
 KEPT_EVERY_S = 30.0
+#: Times further ahead of this machine's clock are said to be in the future [s]: a day, so that no
+#: time zone is taken for it.
+DAY_S = 86400.0
 
 
 @dataclass(frozen=True)
@@ -141,6 +146,7 @@ class Process:
         self._complain(batch)
         if batch.recordings is None:
             return []
+        self._complain_of_times(watch, batch.recordings)
         try:
             return list(watch.replay(batch.recordings))
         except BadInput:
@@ -163,6 +169,25 @@ class Process:
                 self.complain(f"warning: {self.options.log}: {text}")
         for one in batch.skipped:
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
+
+    def _complain_of_times(self, watch: Watch, recordings: Recordings) -> None:
+        """Say which rows come from the future or begin to be of another night before.
+
+        They are taken as they stand: whether the clock or the order is wrong the log cannot tell.
+        """
+        if not watch.timed or "time" not in recordings.at.columns:
+            return
+        last, now = watch.last, time.time()
+        for one, line in zip(recordings.at.column("time"), recordings.line, strict=True):
+            wrong = ""
+            if one > now + DAY_S:
+                wrong = f"{moment(one, timed=True)} is in the future"
+            elif one < last - NIGHT_GAP_S:
+                was = moment(last, timed=True)
+                wrong = f"{moment(one, timed=True)} comes after {was}"
+            if wrong:
+                self.complain(f"{self.options.log}:{line}: {wrong}: taken as it stands")
+            last = one if abs(one - last) > NIGHT_GAP_S else max(last, one)
 
     def _keep(self, *, at_once: bool) -> None:
         """Keep the state, at the latest before anything is reported."""

@@ -257,11 +257,14 @@ class Watch:
         return replace(recordings, at=replace(at, columns=columns), line=numbers)
 
     def _nights(self, time: Array) -> NDArray[np.str_]:
-        """Return the night of each row: another one begins after a long gap."""
+        """Return the night of each row: another one begins after a long gap.
+
+        So it does where the clock goes back as far: after a row of a wrong year nights go on.
+        """
         found = []
         for one in time.tolist():
-            if one - self.last > NIGHT_GAP_S:
-                self.session = night_of(one)
+            if abs(one - self.last) > NIGHT_GAP_S:
+                self.session, self.last = night_of(one), one
             self.last = max(self.last, one)
             found.append(self.session)
         return np.array(found, np.str_)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -79,6 +80,30 @@ def test_what_past_and_log_say_against_themselves(tmp_path, at_once):
     assert [one.rpartition(":")[0] for one in told] == [
         f"warning: {file}: {wrong.format(line)}" for file in (past, log)
     ]
+
+
+def test_times_that_cannot_be_are_said(tmp_path):
+    """A row of the future, and the first one of a night before what was read; both are counted."""
+    drawn = world()
+    past = write(tmp_path / "past.csv", drawn.past, drawn.header)
+    above, rows = text(drawn.watched, drawn.header)
+    night = str(drawn.watched["time_utc"][2])[:10]
+    rows = rows[:6]
+    rows[1] = re.sub(r"\b20\d\d-", "2099-", rows[1])
+    log, said = tmp_path / "night.csv", []
+    log.write_text("".join(above + rows))
+    process = Process(
+        Options(log, "altaz", tmp_path / "out", history=str(past)), lambda _: None, said.append
+    )
+    seen = list(process.step())
+
+    line = len(above) + 2
+    times = [one for one in said if "taken as it stands" in one]
+    assert len(seen) == 6
+    assert len(times) == 2
+    assert times[0].startswith(f"{log}:{line}: 2099-")
+    assert "is in the future" in times[0]
+    assert times[1].startswith(f"{log}:{line + 1}: {night}")
 
 
 @pytest.mark.slow

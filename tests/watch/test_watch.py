@@ -61,6 +61,20 @@ def test_rows_one_by_one_are_the_same_as_together(drawn, seen):
         assert [e.event for e in one.events] == [e.event for e in seen[1][n].events]
 
 
+def test_nights_go_on_after_a_row_of_a_wrong_year(drawn):
+    """A clock that was wrong once does not make one night of all that follow."""
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    row = {name: cells[0] for name, cells in drawn.watched.items() if name != "session"}
+    first = np.datetime64(drawn.watched["time_utc"][0], "s")
+    nights = []
+    for days in (0, 1, 2000, 1, 2, 3):
+        watch.update({**row, "time_utc": str(first + np.timedelta64(24 * days, "h"))})
+        nights.append(watch.session)
+
+    assert nights[1] == nights[3]
+    assert len(set(nights)) == 5
+
+
 def test_a_session_for_each_row_is_none(drawn):
     """The rows of a night belong together, whatever is written beside each; as in the past."""
     labelled = [
