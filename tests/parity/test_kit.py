@@ -283,6 +283,44 @@ def test_port_that_is_missing_is_one_line(tmp_path):
         run(description, 10, jobs=1)
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("unfinished", "def f(x:\n    return x\n", "SyntaxError: .*unfinished.py, line 1"),
+        ("divides", "a = 1\nb = 1 / 0\n", r"ZeroDivisionError: .*\(divides.py, line 2\)"),
+        ("ends", "import sys\nsys.exit(0)\n", r"SystemExit: 0 \(ends.py, line 2\)"),
+    ],
+)
+def test_port_that_cannot_be_imported_is_one_line(tmp_path, name, text, message):
+    """It is the user's module that is at fault: its file and line are named."""
+    (tmp_path / f"{name}.py").write_text(text)
+    description = described(tmp_path, GOOD.replace("argument", f'port = "{name}:f"\nargument'))
+
+    with pytest.raises(BadInput, match=rf"parity\.toml.*{name}:f: {message}"):
+        run(description, 10, jobs=1)
+
+
+def test_port_that_ends_the_program_is_not_equal(tmp_path):
+    """Neither does it end the comparison with status 0: that it ends is its answer."""
+    (tmp_path / "quits.py").write_text("import sys\ndef f(x):\n    sys.exit(0)\n")
+    description = described(tmp_path, GOOD.replace("argument", 'port = "quits:f"\nargument'))
+    answer = CliRunner().invoke(
+        command, ["--config", str(description.path), "--points", "10", "--jobs", "1"]
+    )
+
+    assert answer.exit_code == 1, answer.output
+    assert "SystemExit: 0" in answer.output
+
+
+def test_vectorised_port_that_raises_is_one_line(tmp_path):
+    """It has no answer at any point."""
+    (tmp_path / "alike.py").write_text("def f(x):\n    return 1 if x > 0 else 0\n")
+    more = '[[port]]\nname = "python"\npromise = "bits"\nvectorised = true\n'
+    routine = GOOD.replace("argument", 'port = "alike:f"\nargument')
+    with pytest.raises(BadInput, match="alike:f raised ValueError: The truth value"):
+        run(described(tmp_path, routine, more), 10, jobs=1)
+
+
 def test_pytest_plugin_holds_a_description(tmp_path):
     """One test a routine, port and group; a slip fails with its minimal input."""
     shutil.copytree(PROGRAM, tmp_path / "program")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import sys
+import traceback
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,6 +138,14 @@ def resolve(description: Description, name: str) -> Function:
             f"{name}: {error}: expected a module beside the description, or an installed one",
             description.path,
         ) from None
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a module does when imported
+        at = traceback.extract_tb(error.__traceback__)[-1]
+        known = isinstance(error, SyntaxError) or "importlib" in at.filename
+        place = "" if known else f" ({Path(at.filename).name}, line {at.lineno})"
+        raise BadInput(
+            f"{name}: {type(error).__name__}: {error}{place}: expected a module to import",
+            description.path,
+        ) from None
     function = getattr(module, function_name, None)
     if not callable(function):
         raise BadInput(f"{name}: no function {function_name!r} in that module", description.path)
@@ -173,8 +183,16 @@ def ask_port(
         _column(description, one, batch, n, scalars=not port.vectorised) for one in variables
     ]
     if port.vectorised:
-        with np.errstate(all="ignore"):
-            returned = _returned(routine, function(*columns), port)
+        try:
+            with np.errstate(all="ignore"):
+                value = function(*columns)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever a port raises
+            raise BadInput(
+                f"{routine.ports[port.name]} raised {type(error).__name__}: {error}, expected "
+                "answers: it is vectorised, and is called once with all points",
+                description.path,
+            ) from None
+        returned = _returned(routine, value, port)
         return Answers(
             {
                 one.key: _stored(one, value, (n, *one.shape), routine, port)
@@ -188,7 +206,8 @@ def ask_port(
             own = [a.copy() if v.shape else a for a, v in zip(arguments, variables, strict=True)]
             try:
                 value = function(*own)
-            except Exception as error:  # noqa: BLE001 - whatever a port raises is its answer
+            # One that ends the program would end the comparison, and with 0 pass for equal.
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises
                 answers.raised[i] = f"{type(error).__name__}: {error}"
                 continue
             if value is None:  # it changed its arrays in place, as the Fortran does
