@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, about_file, flag, in_json, option, plain, say
+from pyport.cli.manners import PATH, about_file, flag, in_json, option, plain, say, warn
 from pyport.cli.table import conditions_of, under_conditions
 from pyport.errors import BadInput
 
@@ -153,7 +155,7 @@ def _of_average(one: Average) -> dict[str, object]:
 @option(
     "--batch",
     "File of azimuth and zenith distance, a pair a line; - for standard input.",
-    type=click.File("r"),
+    type=click.File("r", encoding="utf-8-sig", errors="replace"),
 )
 @flag("--errors", "State the errors of interpolation against the model, all over the sky.")
 @under_conditions
@@ -170,7 +172,7 @@ def lookup(
 ) -> None:
     """Print azimuth, zenith distance and their offsets [deg], interpolated in TABLE."""
     from pyport import steering
-    from pyport.steering.lookup import answers
+    from pyport.steering.lookup import answers, beside_zenith
 
     if (az is None) != (zd is None) or not (errors or batch or az is not None):
         raise click.UsageError("give --az and --zd, or --batch FILE, or --errors")
@@ -178,12 +180,19 @@ def lookup(
     beside = conditions_of(azimuth_zero, conditions, read.model)
     if errors:
         _print_errors(read, table, beside, as_json=as_json)
-    if az is not None:
-        for answer in answers(read, [f"{az!r} {zd!r}"], table):
-            click.echo(_as_json(answer) if as_json else answer)
-    if batch:
-        for answer in answers(read, batch, batch.name):
-            print(_as_json(answer) if as_json else answer, flush=True)  # noqa: T201 - a pipe waits for every line
+    one = [] if az is None else [f"{az!r} {zd!r}"]
+    many: Iterable[str] = batch or ()
+    low, high = beside_zenith(read)
+    for answer in itertools.chain(
+        answers(read, one, table), answers(read, many, getattr(batch, "name", "<stdin>"))
+    ):
+        print(_as_json(answer) if as_json else answer, flush=True)  # noqa: T201 - a pipe waits for every line
+        if low < high and low < float(answer.split()[1]) < high and float(answer.split()[1]):
+            low = high  # said once
+            warn(
+                f"warning: {table}: between the zenith and the row beside it azimuth offsets turn "
+                f"over and cannot be interpolated, as at zenith distance {answer.split()[1]} deg"
+            )
 
 
 def _as_json(answer: str) -> str:

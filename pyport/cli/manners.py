@@ -98,6 +98,12 @@ def say(
     click.echo(whole if as_json else text if isinstance(text, str) else text())
 
 
+def warn(text: str) -> None:
+    """Print a line on standard error, beside an answer; nothing with `--quiet`."""
+    if _HUSHED not in click.get_current_context().meta:
+        click.echo(text, err=True)
+
+
 def plain(value: object) -> Any:  # noqa: ANN401 - whatever JSON holds
     """Return a value as JSON can spell it: dataclasses as dictionaries, no NaN, no infinity."""
     if hasattr(value, "tolist"):

@@ -80,6 +80,18 @@ def offsets_at(table: Table, az_deg: ArrayLike, zd_deg: ArrayLike) -> tuple[Arra
     return d_az_deg[()], d_zd_deg[()]
 
 
+def beside_zenith(table: Table) -> tuple[float, float]:
+    """Return between which zenith distances [deg] cells touch the zenith; 0 and 0 where none does.
+
+    Azimuth offsets grow as 1 / sin z and turn over there: linearly interpolated they are off by
+    tens of degrees.
+    """
+    nodes = table.grid.zd_deg
+    if nodes[0] > 0 or nodes[-1] < 0:
+        return 0.0, 0.0
+    return float(max(nodes[nodes < 0], default=0)), float(min(nodes[nodes > 0], default=0))
+
+
 def _within(what: str, wanted: Array, nodes: Array) -> None:
     """Refuse places beyond the table, and those that are no numbers."""
     if wanted.size == 0 or (wanted.min() >= nodes[0] and wanted.max() <= nodes[-1]):

@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from pyport.cli import pyport as program
 from pyport.cli.files import lookup
 from pyport.cli.table import command as table
+from pyport.errors import BadInput
 from pyport.pointing import kernel
 from pyport.recordings.files import read
 from pyport.steering import read_table
@@ -91,6 +93,32 @@ def test_lookup_answers_one_and_many(tmp_path):
 
     assert many.splitlines()[0] + "\n" == one
     assert len(many.splitlines()) == 2
+
+
+def test_lookup_reads_what_editors_write(tmp_path):
+    """A byte-order mark and CRLF are no part of a number; what is no UTF-8 is bad input."""
+    path, asked = tmp_path / "table.bin", tmp_path / "asked.txt"
+    run(table, *SMALL, "--format", "binary", "-o", str(path))
+    asked.write_bytes(b"\xef\xbb\xbf-7.5 22\r\n0 20\r\n")
+    many = run(lookup, str(path), "--batch", str(asked)).output
+    asked.write_bytes(b"-7.5 22\n0 20 \xfcber\n")
+
+    assert many == run(lookup, str(path), "--batch", "-", input="-7.5 22\n0 20\n").output
+    with pytest.raises(BadInput, match=rf"{asked}:2: expected azimuth"):
+        run(lookup, str(path), "--batch", str(asked))
+
+
+def test_lookup_warns_beside_the_zenith(tmp_path):
+    """Once, on standard error: azimuth offsets turn over there. Not on the table's own rows."""
+    path = tmp_path / "table.bin"
+    run(table, "--az", "-20:20:1", "--zd", "-3:10:1", "--format", "binary", "-o", str(path))
+    near = run(lookup, str(path), "--batch", "-", input="3 5.5\n3 0.5\n3 -0.25\n3 0.75\n")
+    far = run(lookup, str(path), "--batch", "-", input="3 1\n3 0\n3 -1\n3 1.5\n3 10\n3 -3\n")
+    quiet = run(program, "lookup", str(path), "--az", "3", "--zd", "0.5", "--quiet")
+
+    assert len(near.stdout.splitlines()) == 4
+    assert near.stderr.count("cannot be interpolated, as at zenith distance 0.5000000 deg") == 1
+    assert (far.stderr, quiet.stderr) == ("", "")
 
 
 def test_errors_of_interpolation_are_stated(tmp_path):
