@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -104,6 +105,7 @@ def main() -> None:
     gc.set_threshold(300_000)
     # At the end the system takes all of it at once.
     atexit.register(gc.freeze)
+    _write_whole_to_standard_output()
     try:
         _refuse_what_is_no_text(sys.argv[1:])
         status = pyport.main(
@@ -125,6 +127,26 @@ def main() -> None:
     except Exception as error:  # noqa: BLE001 - whatever it is, a traceback helps no user
         _end_with_fault(error)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _write_whole_to_standard_output() -> None:
+    """Buffer a standard output that has no buffer, as PYTHONUNBUFFERED leaves it in containers.
+
+    Without one Python passes over what the system did not take, such as all but the first 8 kB on
+    a disk that is full then; with one it asks again, and the disk is said to be full.
+    """
+    now = sys.__stdout__
+    if now is None or now is not sys.stdout:
+        return
+    if isinstance(now.buffer, io.RawIOBase):
+        sys.stdout = open(  # noqa: SIM115 - until the program ends
+            now.fileno(),
+            "w",
+            encoding=now.encoding,
+            errors=now.errors,
+            buffering=1,
+            closefd=False,
+        )
 
 
 def _end_with_fault(error: BaseException) -> NoReturn:

@@ -1,6 +1,7 @@
 """The command line: light to start, one clear line for bad input, the contract's exit codes."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -126,6 +127,26 @@ def test_bad_arguments_are_one_line(called, tmp_path, monkeypatch, words):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of size are POSIX's")
+def test_what_the_disk_does_not_take_is_said(tmp_path, unbuffered):
+    """Standard output in a file that may not grow: status 2, never a part of it with 0."""
+    import resource
+
+    with (tmp_path / "effects.json").open("w") as file:
+        done = subprocess.run(
+            [sys.executable, "-m", "pyport", "dev", "effects", "--json"],
+            stdout=file,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192)),
+        )
+
+    assert (done.returncode, done.stderr) == (2, "pyport: error: File too large\n")
+
+
 def test_a_process_of_its_own_ends_with_the_status(tmp_path):
     """As a shell sees it."""
     done = pyport("diagnose", "nowhere.csv", "--out", "out", cwd=tmp_path)
