@@ -102,7 +102,7 @@ def read_catalogue(name_or_path: str | Path, year: float = EPOCH) -> list[Source
     if not (name and ra and "dec_deg" in raw.columns):
         raise raw.error("a catalogue has columns name, ra_deg (or ra_h) and dec_deg")
     right, dec = raw.numbers(ra) * (DEG if ra == "ra_deg" else HOUR), raw.numbers("dec_deg") * DEG
-    raw.refuse(~np.isfinite(right) | ~np.isfinite(dec), "no place, expected ra and dec_deg")
+    raw.refuse(~np.isfinite(right) | ~np.isfinite(dec), f"no place, expected {ra} and dec_deg")
     raw.refuse(np.abs(dec) > np.pi / 2, "dec_deg outside [-90, 90]")
     most = "360" if ra == "ra_deg" else "24"
     raw.refuse((right < 0) | (right > 2 * np.pi), f"{ra} outside [0, {most}]")
@@ -111,8 +111,11 @@ def read_catalogue(name_or_path: str | Path, year: float = EPOCH) -> list[Source
         right = right + moved[0] * ARCSEC / 1000 / np.cos(dec)
         dec = dec + moved[1] * ARCSEC / 1000
     names = raw.words(name).tolist()
-    if len(set(names)) < len(names):
-        raise BadInput("two sources have one name", path)
+    first: dict[str, int] = {}
+    for row, one in enumerate(names):
+        if (before := first.setdefault(one, row)) != row:
+            wrong = f"two sources have one name, {one!r}: line {raw.line[before]} has it too"
+            raise raw.error(wrong, row)
     return [
         Source(str(one), float(a), float(d)) for one, a, d in zip(names, right, dec, strict=True)
     ]

@@ -153,7 +153,11 @@ def test_a_catalogue_is_read_and_refused(tmp_path):
         ("name,ra_deg,dec_deg\na,1,100\n", "dec_deg outside"),
         ("name,ra_deg,dec_deg\na,400,10\n", r"ra_deg outside \[0, 360\]"),
         ("name,ra_h,dec_deg\na,25,10\n", r"ra_h outside \[0, 24\]"),
-        ("name,ra_deg,dec_deg\na,1,1\na,2,2\n", "two sources have one name"),
+        (
+            "name,ra_deg,dec_deg\na,1,1\na,2,2\n",
+            "csv:3: two sources have one name, 'a': line 2 has it",
+        ),
+        ("name,ra_h,dec_deg\na,,10\n", "csv:2: no place, expected ra_h and dec_deg"),
     ):
         path.write_text(text)
         with pytest.raises(BadInput, match=why):
