@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import FILE, about_file, flag, in_json, models, option, say
+from pyport.cli.manners import (
+    FILE,
+    about_file,
+    flag,
+    in_json,
+    models,
+    option,
+    refuse_without_columns,
+    say,
+)
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
@@ -51,6 +60,7 @@ def apply(
     from pyport.recordings.files import read_raw, resolve
     from pyport.recordings.formats import registry as tables
 
+    refuse_without_columns(out)
     raw = read_raw(resolve(targets), given)
     asked = load_model(model)
     raw = with_conditions(raw, given.keys, asked)

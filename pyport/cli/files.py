@@ -10,7 +10,17 @@ from typing import IO, TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import PATH, about_file, flag, in_json, option, plain, say, warn
+from pyport.cli.manners import (
+    PATH,
+    about_file,
+    flag,
+    in_json,
+    option,
+    plain,
+    refuse_without_columns,
+    say,
+    warn,
+)
 from pyport.cli.table import conditions_of, under_conditions
 from pyport.errors import BadInput
 
@@ -114,6 +124,7 @@ def offsets(scans: Path, out: Path | None, *, as_json: bool) -> None:
     from pyport.recordings import resolve, write
     from pyport.recordings.scans import averages, measure, text
 
+    refuse_without_columns(out)
     recordings = measure(resolve(scans))
     found = averages(recordings)
     if out is not None:

@@ -17,6 +17,8 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from pyport.errors import BadInput
+
 #: Where a command's context says that --quiet was given.
 _HUSHED = "pyport.quiet"
 #: Exit statuses, as `pyport --help` tells them.
@@ -102,6 +104,16 @@ def warn(text: str) -> None:
     """Print a line on standard error, beside an answer; nothing with `--quiet`."""
     if _HUSHED not in click.get_current_context().meta:
         click.echo(text, err=True)
+
+
+def refuse_without_columns(out: Path | None) -> None:
+    """Refuse to write to a format of stars, which has no place for further columns.
+
+    Raises `BadInput`: `out` is TPOINT's or the Field System's by its suffix.
+    """
+    if out is not None and out.suffix.lower() in (".dat", ".xtr"):
+        wrong = f"{out.suffix} has no place for these columns, expected .csv, .ecsv or .parquet"
+        raise BadInput(wrong, out)
 
 
 def plain(value: object) -> Any:  # noqa: ANN401 - whatever JSON holds

@@ -182,6 +182,18 @@ def test_apply_prints_offsets_and_where_to_drive(jumping, tmp_path):
     assert [float(r["true_el_deg"]) for r in told] == pytest.approx([45, 80], abs=1e-7)
 
 
+@pytest.mark.parametrize("suffix", ["dat", "xtr"])
+def test_apply_refuses_formats_without_its_columns(jumping, tmp_path, suffix):
+    """A file of stars would hold the measured places where the mount's are expected."""
+    targets, out = tmp_path / "targets.csv", tmp_path / f"commands.{suffix}"
+    targets.write_text("# latitude_deg: 53\naz_deg,el_deg,d_xel_arcsec,d_el_arcsec\n10,45,1,2\n")
+    text, status = run("apply", jumping[0], targets, "-o", out)
+
+    assert status
+    assert f".{suffix} has no place for these columns, expected .csv" in text
+    assert not out.exists()
+
+
 def test_apply_takes_the_rows_that_are_asked_for(jumping, tmp_path):
     """Those for which --where holds; none of them is one line."""
     targets = tmp_path / "targets.csv"

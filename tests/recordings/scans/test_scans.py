@@ -151,6 +151,18 @@ def test_second_round_is_near_zero(tmp_path):
     assert "NOT near zero" in lines[3]
 
 
+def test_a_file_of_stars_holds_no_single_axes(tmp_path):
+    """TPOINT's has both axes of a star: each scan, of one axis, would be written masked."""
+    path = write_scans(
+        tmp_path / "scans.csv", [("W01", "el", 1, 3.0, 0.0)], np.random.default_rng(7)
+    )
+    done = CliRunner().invoke(offsets, [str(path), "-o", str(tmp_path / "offsets.dat")])
+
+    assert isinstance(done.exception, BadInput)
+    assert "expected .csv, .ecsv or .parquet" in str(done.exception)
+    assert not (tmp_path / "offsets.dat").exists()
+
+
 def test_written_recordings(tmp_path):
     """The command writes recordings that can be read and that name every scan without a peak."""
     path = write_scans(
