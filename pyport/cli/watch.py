@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import shlex
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from pyport.cli.manners import about_file, beside_model, flag, in_json, option
+from pyport.errors import BadInput
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -100,6 +103,8 @@ def command(
     def say(event: Event) -> None:
         click.echo(line(event) if as_json else words(event))
 
+    if no_command := _no_command(command_line):
+        click.echo(f"warning: --on-alarm: {no_command}, events are printed only", err=True)
     options = Options(log, model, out, given, history, burn_in, rarity, command_line)
     with alone(out):
         process = Process(options, say, lambda text: click.echo(text, err=True))
@@ -111,6 +116,18 @@ def command(
             click.echo(f"{log}: {_so_far(process)}", err=True)
     if alarmed and exit_on_alarm:
         click.get_current_context().exit(ALARMED)
+
+
+def _no_command(words: str) -> str:
+    """Say that there is no such command, "" where there is: before the night, not in it.
+
+    Raises `BadInput`: a quotation has no end.
+    """
+    try:
+        program = shlex.split(words)[:1]
+    except ValueError as error:
+        raise BadInput(f"--on-alarm {words!r}: {error}, expected a command") from None
+    return "" if not program or shutil.which(program[0]) else f"no command {program[0]!r}"
 
 
 def _so_far(process: Process) -> str:

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from drawn_nights import text, world, write
 
 from pyport.cli import pyport as program
+from pyport.errors import BadInput
 from pyport.watch.run import Options, Process
 from pyport.watch.state import EVENTS
 
@@ -143,6 +144,23 @@ def test_a_quiet_night_is_said_to_be_quiet(night, tmp_path):
 
     assert done.stdout == ""
     assert done.stderr.endswith("night.csv: 5 pointings read, no alarm\n")
+
+
+@pytest.mark.parametrize("words", ["no-such-mailer -s alarm", "true"])
+def test_a_command_that_is_not_there_is_said_before_the_night(night, tmp_path, words):
+    """Not at the first alarm, when nobody is told of it."""
+    folder, drawn, _ = night
+    above, rows = text(drawn.watched, drawn.header)
+    (tmp_path / "past.csv").write_bytes((folder / "past.csv").read_bytes())
+    (tmp_path / "night.csv").write_text("".join([*above, *rows[:2]]))
+    called = arguments(tmp_path, tmp_path / "out", "--on-alarm")
+    done = CliRunner().invoke(program, [*called, words])
+    unended = CliRunner().invoke(program, [*called, "mail 'us"])
+
+    assert done.exit_code == 0
+    assert ("warning: --on-alarm: no command 'no-such-mailer'" in done.stderr) == (words != "true")
+    assert isinstance(unended.exception, BadInput)
+    assert "No closing quotation, expected a command" in str(unended.exception)
 
 
 @pytest.mark.slow
