@@ -21,6 +21,9 @@ STEP_DEG, LOWEST_DEG = 3.0, 5.0
 #: Beyond this distance from every recording a direction was not observed [deg]: terms of a
 #: pointing model change by a few percent over it.
 REACH_DEG = 15.0
+#: A recording gets worse by more than this [arcsec]: other programs' files round coefficients to
+#: some ten thousandths, and a model is no worse than its own copy.
+WORSE_ARCSEC = 1e-3
 #: A change within so many sigmas of nothing has no significance.
 SIGNIFICANT = 2.0
 #: The bands where an unsound term does its harm: the horizon and the zenith [deg].
@@ -75,7 +78,7 @@ class Rows:
         """Return the rows that get worse, the worst first."""
         change = self.after_arcsec - self.before_arcsec
         order = np.argsort(-change, kind="stable")
-        return order[change[order] > 0]
+        return order[change[order] > WORSE_ARCSEC]
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,14 @@ def test_rows_that_get_worse_and_what_was_not_observed():
     assert "further than 15 deg from any recording" in "\n".join(text(found))
 
 
+def test_a_rounded_copy_is_no_worse():
+    """What a file's last digit moves is no change of any recording."""
+    found = compare(of(IE=10), of(IE=10.00004), recordings(100, 4))
+
+    assert len(found.rows.worse) == 0
+    assert "rows that get worse: 0 of 100" in "\n".join(text(found))
+
+
 @pytest.mark.slow
 def test_a_model_that_follows_the_air_is_compared_in_its_usual_state():
     """At the recordings' median temperature, or the one that is given."""
