@@ -214,8 +214,7 @@ def _beyond(
                     raise BadInput(wrong, path, cursor.lines + 1)
                 return
             pieces = whole.splitlines(keepends=True)
-            for first in range(0, len(pieces), size):
-                some = pieces[first : first + size]
+            for some in _together(pieces, size, cursor.header, given):
                 offset = cursor.offset + sum(map(len, some))
                 text = [one.decode("utf-8-sig", errors="replace") for one in some]
                 header, rows = _split(cursor, text, given)
@@ -233,10 +232,49 @@ def _beyond(
                     yield Batch(recordings, skipped, cursor, notes)
 
 
+def _together(
+    pieces: list[bytes], size: int, header: str, given: FileOptions
+) -> Iterator[list[bytes]]:
+    """Yield lines that are read together, at most `size`; with a line of names others begin."""
+    some: list[bytes] = []
+    named = bool(_names(header) or given.columns or given.mapping)
+    for piece in pieces:
+        again = False
+        if not named or piece[:1].isalpha():
+            line = piece.decode("utf-8-sig", errors="replace")
+            again = _named_anew(header, line, given)
+            header = line if again else header if named else header + line
+            named = named or bool(_names(header))
+        if some and (again or len(some) == size):
+            yield some
+            some = []
+        some.append(piece)
+    if some:
+        yield some
+
+
+def _names(header: str) -> set[str]:
+    """Return the names of the columns below a header's comments, none where it has no such line."""
+    lines = [one for one in header.splitlines() if one.strip() and not one.startswith("#")]
+    return {one.strip() for one in lines[-1].split(",")} if lines else set()
+
+
+def _named_anew(header: str, line: str, given: FileOptions) -> bool:
+    """Tell whether a line among the rows names columns, as a program does that was started anew."""
+    if given.columns or given.mapping or _has_number(line):
+        return False
+    names = _names(header)
+    return 2 * len(names & _names(line)) > max(len(names), 1)
+
+
 def _split(cursor: Cursor, text: list[str], given: FileOptions) -> tuple[str, list[str]]:
     """Return the header, completed by lines that belong to it, and the lines of rows."""
     header, rows = cursor.header, list(text)
-    complete = any(one.strip() and not one.startswith("#") for one in header.splitlines())
+    complete = bool(_names(header))
+    if rows and _named_anew(header, rows[0], given):
+        above = header.splitlines(keepends=True)
+        header = "".join(one for one in above if one.startswith("#") or not one.strip())
+        header += rows.pop(0)
     while rows and not complete:
         line = rows[0]
         if line.startswith("#") or not line.strip():

@@ -93,6 +93,25 @@ def test_a_longer_copy_in_the_place_of_a_log_is_not_read_again(tmp_path, lines, 
     assert log.lines == [len(above) + n for n in range(1, 41)]
 
 
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_line_of_names_among_the_rows_names_those_below_it(tmp_path, lines, at_once):
+    """Whoever writes the log was started anew, perhaps with its columns in another order."""
+    above, rows = lines
+    log = Log(tmp_path / "log.csv")
+    turned = [",".join(reversed(one.strip().split(","))) + "\n" for one in [above[-1], *rows[20:]]]
+    parts = above + rows[:10], [above[-1], *rows[10:20]], turned
+    for part in [[*parts[0], *parts[1], *parts[2]]] if at_once else parts:
+        append(log.path, part)
+        log.read()
+    reference = tmp_path / "whole.csv"
+    reference.write_text("".join(above + rows))
+
+    assert log.times == read(reference).at.column("time").tolist()
+    assert log.skipped == []
+    assert log.lines[10] == len(above) + 12
+    assert log.lines[-1] == len(above) + 42
+
+
 def test_a_log_that_is_truncated_begins_anew(tmp_path, lines):
     """Shorter or as long as before, another beginning is another log."""
     above, rows = lines
