@@ -67,7 +67,7 @@ def _best_in_place(
     worths = list(ground.worths(of_time))
     if False in of_time:
         worths += map(ground.worth_of, boxes(problem, weighed, chosen))
-        worths += map(ground.worth_of, sector(problem, weighed, chosen))
+        worths += map(ground.worth_of, sector(ground))
         worths += map(ground.worth_of, cycles(problem, weighed, chosen))
     strongest = max((step.winner.gain for step in kept), default=0.0)
     if names:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import product
 
 import numpy as np
 
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
+from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.weighing import WhitenedData, plain_view
 from pyport.effects.empirical import fields
-from pyport.effects.empirical.fields import inside
+from pyport.effects.empirical.fields import Bumps, inside
 from pyport.thresholds import FEWEST
 
 #: Cells that the sky is cut into: of equal width around, of equal counts upward.
@@ -23,6 +25,7 @@ WIDEST = 16
 _FIRST, _HALVED = 6 * DEG, 6
 
 Edges = tuple[float, float, float, float]
+EVERY_HEIGHT = -np.pi, np.pi
 
 
 def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
@@ -67,35 +70,46 @@ def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -
     return found
 
 
-def sector(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> Iterator[Field]:
+def sector(ground: Ground) -> Iterator[Field]:
     """Yield the stretch of the first axis in which its angle is off, at any height.
 
     An encoder that slipped, a cable or a limit switch part a circle in two. On the sky that falls
-    as the cosine of the second angle.
+    as the cosine of the second angle. Half a circle is much like what a model has, so that edges
+    are looked for beside that.
     """
-    seen = plain_view(problem, weighed.covariance, chosen)
-    at = problem.recordings.at
-    across = ~problem.stack.is_y[seen.rows]
-    if across.sum() < 4 * FEWEST:
+    problem = ground.problem
+    at, is_y, mount = problem.recordings.at, problem.stack.is_y, problem.recordings.at.mount
+    if np.count_nonzero(~is_y) < 4 * FEWEST:
         return
-    row = problem.stack.row[seen.rows[across]]
-    az, level, lever = at.axes.az[row] % (2 * np.pi), np.zeros(len(row)), at.onto_sky[row]
-    root = seen.root[across] * lever
-    weight, pull = root**2, root * seen.left[across]
-    pull -= weight * (pull.sum() / weight.sum())
-    start, tried = _scanned(az, level, weight, pull)
-    left, right, *_ = _climbed(_gain_of(az, level, weight, pull), start)
-    name = f"{at.mount.first.column}_deg"
-    low, high = (edge / DEG % 360 for edge in (left, right))
-    bumps = {"kind": "sector", "az_rad": [left, right], "in_axes": True}
+
+    def bumps_of(edges: Edges) -> Bumps:
+        return {"kind": "sector", "az_rad": [float(one) for one in edges[:2]], "in_axes": True}
+
+    def column(edges: Edges) -> Array:
+        return fields.values(bumps_of(edges), at)[problem.stack.row] * ~is_y[:, None]
+
+    cells = np.arange(AROUND) * 2 * np.pi / AROUND
+    each = [(float(one), float(one) + float(cells[1]), *EVERY_HEIGHT) for one in cells]
+    information, _, moments = ground.products(np.hstack([column(one) for one in each]))
+    best, start, tried = 0.0, each[0], 0
+    for first, width in product(range(AROUND), range(1, WIDEST + 1)):
+        some = np.arange(first, first + width) % AROUND
+        power = information[np.ix_(some, some)].sum()
+        gain = moments[some].sum() ** 2 / power if power > 0 else 0.0
+        tried += 1
+        if gain > best:
+            best, start = gain, (cells[first], cells[first] + width * cells[1], *EVERY_HEIGHT)
+    edges = _climbed(lambda one: ground.gain(column(one)), start, movable=2)
+    name = f"{mount.first.column}_deg"
+    low, high = (float(edge) / DEG % 360 for edge in edges[:2])
     yield Field(
         "an offset of an angle",
         f"xel: {name} off from {low:.1f} to {high:.1f}",
-        fields.values(bumps, at)[problem.stack.row],
-        problem.stack.is_y,
+        column(edges),
+        is_y,
         tried,
         region=(Interval(name, low, high),),
-        bumps=bumps,
+        bumps=bumps_of(edges),
         axes=(0,),
         which=(0,),
     )
@@ -144,14 +158,14 @@ def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edge
     return gain
 
 
-def _climbed(gain: Callable[[Edges], float], start: Edges) -> Edges:
-    """Move the edges, one after the other, by steps that halve, while the gain grows."""
+def _climbed(gain: Callable[[Edges], float], start: Edges, movable: int = 4) -> Edges:
+    """Move the first few edges, one after the other, by steps that halve, while the gain grows."""
     best, most, step = start, gain(start), _FIRST
     for _ in range(_HALVED):
         moved = True
         while moved:
             moved = False
-            for n in range(4):
+            for n in range(movable):
                 for way in (step, -step):
                     tried = tuple(edge + way * (k == n) for k, edge in enumerate(best))
                     score = gain(tried)  # type: ignore[arg-type]
