@@ -16,6 +16,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming.finding import Stability
 from pyport.diagnosis.naming.guards import carriers
+from pyport.diagnosis.naming.noise_remarks import noise_remarks
 from pyport.diagnosis.naming.remarks import warnings
 from pyport.diagnosis.naming.verdict import DRAWS, judged, stability
 from pyport.diagnosis.searching.search import search
@@ -173,7 +174,7 @@ def test_one_elevation_hides_nothing():
 
     assert "azimuth_harmonics" in done.findings[0].members
     assert np.isfinite(done.unseen.after).all()
-    assert any("not determined" in one for one in warnings(done))
+    assert any("not determined" in one for one in warnings(done, noise_remarks(done)))
 
 
 def test_silence_is_no_all_clear_where_noise_does_not_look_like_that():

@@ -11,7 +11,7 @@ from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
-from pyport.diagnosis.naming.noise_remarks import DIFFER, GROWS, NoiseRemarks
+from pyport.diagnosis.naming.noise_remarks import DIFFER, NoiseRemarks
 from pyport.effects.empirical.conditions import MOST_DRIVERS, untried
 from pyport.fitting.soundness import doubts
 from pyport.models.conditions import undetermined
@@ -91,17 +91,19 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     usual = float(np.median(scatter)) / ARCSEC
     largest = {}
     for one in sorted(noise.departing, key=lambda one: float(one["sigma_arcsec"])):
-        of, sigma = one["of"], one["sigma_arcsec"]
-        if np.hypot(usual, sigma) > GROWS * usual:
-            largest[of] = f"{DIFFER[of]} differ in the {one['term']} by {sigma:.2g}"
+        # What departs by less than a pointing scatters is not seen in a picture either.
+        if abs(one["most_arcsec"]) > usual:
+            most = f"{one['most_arcsec']:.2g} in {one['most_label']}"
+            sizes = f"{one['sigma_arcsec']:.2g} arcsec rms ({most})"
+            largest[one["of"]] = f"{DIFFER[one['of']]} differ in the {one['term']} by {sizes}"
     said = [text for of, text in largest.items() if of != "source"]
-    said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g}" for one in noise.drifting]
+    said += [f"{one['axis']} drifts by {one['rms_arcsec']:.2g} arcsec" for one in noise.drifting]
     remarks = []
     if said:
-        sizes = " and ".join(f"{one} arcsec" for one in said)
+        sizes = " and ".join(said)
         remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
     if "source" in largest:
-        remarks.append(f"{largest['source']} arcsec, which counts as noise")
+        remarks.append(f"{largest['source']}, which counts as noise")
     alone = "which is worth a diagnosis of its own"
     remarks += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
     return "".join(f"; {one}" for one in remarks)

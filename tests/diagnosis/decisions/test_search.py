@@ -13,6 +13,7 @@ from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.candidates import Blocks
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import classes, remarks
+from pyport.diagnosis.naming.noise_remarks import NoiseRemarks
 from pyport.diagnosis.searching import (
     changes,
     confirmed_changes,
@@ -96,6 +97,9 @@ def test_a_search_ends_at_eight_findings(monkeypatch):
     assert len(end.steps) == 8
 
 
+QUIET_NOISE = NoiseRemarks([], [], [], [], [])
+
+
 def warned(at, turns=0):
     """Return what is warned of after so many turns, of fits in which nothing is wrong."""
     fit = SimpleNamespace(
@@ -117,7 +121,8 @@ def warned(at, turns=0):
             findings=(),
             steps=(0,) * turns,
             weighed=SimpleNamespace(used=np.ones(100, bool)),
-        )
+        ),
+        QUIET_NOISE,
     )
 
 
@@ -147,9 +152,8 @@ def test_silence_is_no_all_clear_where_something_is_left(monkeypatch, p_value, c
     """Up to a p-value of one in a hundred what is left does not look like the noise."""
     monkeypatch.setattr(remarks, "_hides", lambda *_: "")
     done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
-    quiet = remarks.NoiseRemarks([], [], [], [], [])
 
-    assert remarks.nothing(done, quiet).startswith("Nothing is missing") == clear
+    assert remarks.nothing(done, QUIET_NOISE).startswith("Nothing is missing") == clear
 
 
 @pytest.mark.parametrize(
@@ -839,6 +843,7 @@ def left(monkeypatch, worths, now, turn=0, together=0.0, gain=0.0):
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
     monkeypatch.setattr(instead, "boxes", lambda *_: [])
     monkeypatch.setattr(instead, "cycles", lambda *_: [])
+    monkeypatch.setattr(instead, "sector", lambda _: [])
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
     monkeypatch.setattr(instead, "_evidence", lambda *_: together)
     monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
