@@ -103,6 +103,9 @@ def test_squares_of_harmonics_are_added_as_they_are_expected():
     alone = np.where(np.arange(192) == 16, squares, 2.0)
     (line,) = periods._repeating(SCAN, spectrum(step, alone))
 
+    (noise,) = periods._repeating(SCAN, spectrum(step, np.full(192, 2.0)))
+
+    assert noise.evidence < 0
     assert comb.period == pytest.approx(1 / (16.5 * step), rel=0.02)
     assert comb.evidence > line.evidence + 50
     assert comb.choices == pytest.approx(8 * SCAN.coherent)

@@ -160,6 +160,21 @@ def test_where_a_longer_period_is_best_nothing_is_proposed(monkeypatch, longest_
     assert min(shares) <= 0.3
 
 
+@pytest.mark.parametrize(("more", "harmonics"), [(5.8, 1), (6.2, 8)])
+def test_what_is_no_sine_must_be_convincingly_better(monkeypatch, more, harmonics):
+    """It has seven harmonics more: a sine whose phase holds nearly is one."""
+    scan = scanned(8)
+    peaks = [scans.Peak(HOUR, 100.0, 1.0), scans.Peak(HOUR, 100.0 + more, 1.0, harmonics=8)]
+    monkeypatch.setattr(oscillations, "_ways", lambda _: (False,))
+    monkeypatch.setattr(oscillations, "scan_of", lambda *_, **__: scan)
+    monkeypatch.setattr(oscillations, "_with_drift", lambda *_: None)
+    monkeypatch.setattr(oscillations, "view_of", lambda *_: SimpleNamespace(lack=0.0))
+    monkeypatch.setattr(oscillations, "peaks_of", lambda _, views: [peaks] * len(views))
+    monkeypatch.setattr(oscillations, "_refined", lambda *of: (of[4].harmonics, of[4].evidence))
+
+    assert oscillations.proposed(None, None, ()) == harmonics
+
+
 @pytest.mark.parametrize("gain", [8.0, 40.0, 200.0])
 def test_a_held_phase_has_the_evidence_of_its_likeliest_variance(gain):
     """Of four amplitudes; a high peak is met more often than among independent periods."""
