@@ -261,7 +261,7 @@ def convert(
         click.echo(done.waves)
     if done.left_out:
         where = "left out" if rest_as is None else f"in {rest_as}"
-        size = (
-            "" if done.lost_arcsec is None else f" ({done.lost_arcsec:.3g} arcsec rms of the sky)"
-        )
+        size = f" ({done.lost_size})" if done.lost_size else ""
         click.echo(f"{where}, for {done.format} has no place: {', '.join(done.left_out)}{size}")
+    elif rest_as is not None:
+        click.echo(f"{rest_as}: not written, for {done.format} has a place for every term")

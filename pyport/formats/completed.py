@@ -25,10 +25,10 @@ from pyport.formats.model_file import (
     rounded,
     translated,
 )
-from pyport.formats.rest import Rest, Waves, rest_of, sky, sky_under, sums, waves
+from pyport.formats.rest import Rest, Waves, is_known, rest_of, sky, sky_under, sums, waves
 from pyport.models import toml
 from pyport.models.labels import split_of
-from pyport.models.model import Model
+from pyport.models.model import Model, Term
 from pyport.models.terms.field_system import GRAVITY
 from pyport.models.terms.shapes import shape_of
 from pyport.models.terms.words import SCALES
@@ -77,16 +77,18 @@ def write_model(
     if not values and model.given is None:
         raise BadInput(f"the model {model.name} has no values to write: fit it first", path)
     vocabulary = _vocabulary(chosen, model, path)
-    each = [(one.called, _in_vocabulary(one, vocabulary)) for one in values]
-    found = [entry for _, entries in each for entry in entries]
-    lost = list(dict.fromkeys(name for name, entries in each if not entries))
+    each = [_in_vocabulary(one, vocabulary) for one in values]
+    found = [entry for entries in each for entry in entries]
+    nameless = [one for one, entries in zip(values, each, strict=True) if not entries]
+    instead, nameless = _sums(model, nameless, vocabulary, conditions)
+    whole = rest_as is None and not leave_out
+    about = _waves(model, nameless, vocabulary) if nameless and whole else None
+    if about is not None:
+        instead, nameless = Waves((*instead.values, *about.values), about.missed_arcsec), []
+    found += _entries(instead, vocabulary)
+    lost = list(dict.fromkeys(one.called for one in nameless))
     if model.given is not None:
         lost.insert(0, f"the RT32's exact form ({model.base})")
-    whole = rest_as is None and not leave_out
-    nameless = [one for one, (_, entries) in zip(values, each, strict=True) if not entries]
-    instead = _waves(model, nameless, vocabulary, conditions) if lost and whole else None
-    if instead is not None:
-        found, lost = [*found, *_entries(instead, vocabulary)], []
     if lost and whole:
         ways = "keep a .toml and convert it with --rest-as grid.csv (their corrections on a grid)"
         wrong = f"{vocabulary} has no name for {', '.join(lost)}"
@@ -99,7 +101,7 @@ def write_model(
     file = ModelFile(vocabulary, tuple(_summed(found)), title, phi, details)
     if chosen.vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
-    rest = replace(rest_of(model, file, lost, rest_as, conditions), waves=instead or Waves())
+    rest = replace(rest_of(model, file, lost, rest_as, conditions), waves=instead)
     chosen.write(file, path)
     return chosen.name, len(file.entries), rest
 
@@ -131,11 +133,16 @@ class _Value:
     """A coefficient of a model in internal units: sigma None where it was fixed or is not known."""
 
     name: str
-    effect: Effect
+    term: Term
     column: int
     value: float
     sigma: float | None
     fixed: bool
+
+    @property
+    def effect(self) -> Effect:
+        """Return the effect that it belongs to."""
+        return self.term.effect
 
     @property
     def called(self) -> str:
@@ -204,7 +211,7 @@ def _values(model: Model, path: Path) -> list[_Value]:
             sigma = None if row is None or row.sigma is None else row.sigma * abs(coefficient.scale)
             if term.has_values or term.fixed:
                 held = term.fixed or (row is not None and row.sigma is None)
-                found.append(_Value(coefficient.name, term.effect, n, value, sigma, held))
+                found.append(_Value(coefficient.name, term, n, value, sigma, held))
     return found
 
 
@@ -245,27 +252,47 @@ def _summed(entries: Sequence[Entry]) -> list[Entry]:
     return list(found.values())
 
 
-def _waves(
-    model: Model, lost: Sequence[_Value], vocabulary: str, conditions: Mapping[str, Any]
-) -> Waves | None:
-    """Return waves for what is lost: fields nearly, what has a law of its own exactly.
+def _sums(
+    model: Model, nameless: Sequence[_Value], vocabulary: str, conditions: Mapping[str, Any]
+) -> tuple[Waves, list[_Value]]:
+    """Return the names that hold some coefficients exactly, and the coefficients that none hold.
 
-    None where there are no such waves.
+    All that do not depend on what is open are tried together, then term by term.
     """
+    each: dict[int, list[_Value]] = {}
+    for one in nameless:
+        if one.effect.id != UNKNOWN:
+            each.setdefault(id(one.term), []).append(one)
+    if not each or model.mount is not ALTAZ:
+        return Waves(), list(nameless)
+    at = sky_under(model, conditions)[1]
+    terms = {place: _of_columns(some) for place, some in each.items()}
+    known = {place: term for place, term in terms.items() if is_known(term, at)}
+    exact = sums([*known.values()], vocabulary, at)
+    if exact is None:
+        known = {n: one for n, one in known.items() if sums([one], vocabulary, at) is not None}
+        exact = sums([*known.values()], vocabulary, at)
+    if exact is None:
+        return Waves(), list(nameless)
+    return exact, [one for one in nameless if id(one.term) not in known]
+
+
+def _of_columns(some: Sequence[_Value]) -> Term:
+    """Return the term that some coefficients are of, with those alone."""
+    term, sizes = some[0].term, {one.column: one.value for one in some}
+    values = tuple(sizes.get(n, 0.0) for n in range(len(term.effect.coefficients)))
+    return replace(term, values=values, by={})
+
+
+def _waves(model: Model, lost: Sequence[_Value], vocabulary: str) -> Waves | None:
+    """Return waves that hold nearly what is lost, which are fields; None where there are none."""
     if model.mount is not ALTAZ or model.given is not None:
         return None
-    effects = {id(one.effect) for one in lost}
-    terms = [one for one in model.terms if id(one.effect) in effects]
-    if sum(len(one.effect.coefficients) for one in terms) != len(lost):
+    fields = list({id(one.term): one.term for one in lost}.values())
+    if any(one.effect.id != UNKNOWN for one in fields):
         return None
     made = {} if model.completed is None else model.completed.made
-    fields = [one for one in terms if one.effect.id == UNKNOWN]
-    others = [one for one in terms if one.effect.id != UNKNOWN]
-    about = waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1])
-    exact = sums(others, vocabulary, sky_under(model, conditions)[1])
-    if about is None or exact is None:
-        return None
-    return Waves((*exact.values, *about.values), about.missed_arcsec)
+    return waves(fields, vocabulary, made.get("sky_rms_arcsec", 0.0), sky()[1])
 
 
 def _entries(instead: Waves, vocabulary: str) -> list[Entry]:

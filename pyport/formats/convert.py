@@ -90,7 +90,8 @@ class Done:
     """What was converted: rows or terms, the format written, and what it has no place for.
 
     `lost_arcsec` is the rms on the sky of the terms that it has no place for, None where that
-    is not known; `waves` says which terms stand for fields without a name.
+    is not known, and `lost_size` says either in words; `waves` says which terms stand for what has
+    no name.
     """
 
     kind: str
@@ -99,6 +100,7 @@ class Done:
     left_out: tuple[str, ...]
     lost_arcsec: float | None = None
     waves: str = ""
+    lost_size: str = ""
 
 
 def convert(
@@ -126,7 +128,8 @@ def convert(
         name, number, rest = write_model(
             model_of, target, to=to, rest_as=rest_as, leave_out=leave_out, conditions=given.keys
         )
-        return Done("model", number, name, rest.names, rest.rms_arcsec, rest.waves.words)
+        size = rest.size if rest.names else ""
+        return Done("model", number, name, rest.names, rest.rms_arcsec, rest.waves.words, size)
     if rest_as is not None:
         raise BadInput("--rest-as is for a model of pyport's: fit or diagnose --save one", source)
     if _is_model(source, target, given.format, to):

@@ -17,7 +17,7 @@ from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.formats.model_file import NAMES, WORDS, ModelFile
 from pyport.models.conditions import columns_of
-from pyport.models.model import Model, Term
+from pyport.models.model import INSIDE, Model, Term
 from pyport.models.terms.shapes import Shape, Wave, product
 
 #: What waves may miss of the fields, in rms of what the model left of its recordings. The rms
@@ -28,12 +28,16 @@ MOST_TURNS = 9
 #: Waves of elevation are alike on the quarter of a turn that a mount has: what is smaller than
 #: this beside the strongest of them is not solved for, or two waves cancel each other.
 DISTINCT = 1e-2
-#: What a sum of terms may be: with sines and cosines of elevation in either axis.
-SUMMED = tuple(
-    map(Shape, ("azimuth_zero", "collimation", "skew", "elevation_zero", "sag_cosine", "sag_sine"))
+#: What a sum of terms may be: tilts, and sines and cosines of elevation in either axis.
+SUMMED = (
+    *map(Shape, ("azimuth_zero", "collimation", "skew")),
+    *map(Shape, ("elevation_zero", "sag_cosine", "sag_sine")),
+    *(Shape("tilt", column) for column in (0, 1)),
 )
 #: Of the largest offset: what a sum may miss, by rounding.
 EXACT = 1e-9
+#: What a model file says itself, which is no condition.
+_OF_SITE = frozenset({"latitude_deg", "longitude_deg"})
 #: Kinds of fields that waves of one angle can hold, or products of two.
 KINDS = frozenset({"azimuth", "elevation", "curve", "wave", "waves"})
 
@@ -96,8 +100,17 @@ def waves(
     return Waves(tuple((names[n], float(v)) for n, v in zip(chosen, sizes, strict=True)), missed)
 
 
+def is_known(term: Term, at: Circumstances) -> bool:
+    """Tell whether all is given that a term depends on."""
+    try:
+        term.effect.columns(at)
+    except MissingColumn:
+        return False
+    return True
+
+
 def sums(terms: Sequence[Term], vocabulary: str, at: Circumstances) -> Waves | None:
-    """Return what terms are a sum of, zeros and waves of elevation; None where they are none.
+    """Return what terms are a sum of, zeros, tilts and waves of elevation; None for no such sum.
 
     `at`: directions all over the sky. Nothing is missed.
     """
@@ -173,17 +186,40 @@ class Rest:
     grid: Path | None = None  #: where they were written to, None where they were left out
     #: What stands in the file for fields without a name.
     waves: Waves = field(default_factory=Waves)
+    #: What the rms depends on and was not given, as recordings spell it.
+    needs: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> str:
+        """Return how large it is, in words, or why that is not known."""
+        if self.rms_arcsec is not None:
+            return f"{self.rms_arcsec:.3g} arcsec rms over the sky"
+        if fixed := [one for one in self.needs if not _can_be_set(one)]:
+            return f"arcsec rms not known: it depends on {' and '.join(fixed)}"
+        return f"arcsec rms not known without --set {' and --set '.join(self.needs)}"
 
     @property
     def words(self) -> str:
         """Return it as a sentence, "" for nothing."""
         if not self.names:
             return self.waves.words
-        size = ""
-        if self.rms_arcsec is not None:
-            size = f", {self.rms_arcsec:.3g} arcsec rms over the sky"
         where = "left out" if self.grid is None else f"in {self.grid}"
-        return f"{where}: {', '.join(self.names)}{size}"
+        said = f"{where}: {', '.join(self.names)}, {self.size}"
+        return f"{self.waves.words}; {said}" if self.waves.words else said
+
+
+def _can_be_set(need: str) -> bool:
+    """Tell whether one value of what a term needs can be given for the whole sky."""
+    return all(one.isidentifier() for one in need.split(" or ")) and need not in _OF_SITE
+
+
+def _open(model: Model, at: Circumstances) -> tuple[str, ...]:
+    """Return what a model needs and was not given."""
+    return tuple(
+        need
+        for need in model.needs()
+        if not any(INSIDE.get(one, one) in at.columns for one in need.split(" or "))
+    )
 
 
 def sky() -> tuple[tuple[Array, Array], Circumstances]:
@@ -230,7 +266,7 @@ def rest_of(
         )
     except BadInput as error:
         if path is None:
-            return Rest(tuple(lost), None)
+            return Rest(tuple(lost), None, needs=_open(model, at))
         wanted = "a grid of directions tells none: --set COLUMN=VALUE gives one value for all"
         if "of the hours before" in error.message:
             wanted = "no grid of directions holds what was before: keep the .toml"

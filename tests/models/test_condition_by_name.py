@@ -67,9 +67,13 @@ def test_for_a_grid_a_table_and_a_comparison(model, tmp_path):
     """The grid beside another program's file, a steering table, and two models over the sky."""
     told = "--set", "temp_F=53.5"
 
-    run("convert", model, tmp_path / "model.ctl", "--rest-as", tmp_path / "rest.csv", *told)
+    run("convert", model, tmp_path / "model.ctl", *told)
+    assert pyport.load_model(tmp_path / "model.ctl").offsets(10, 45).d_el.value == pytest.approx(40)
+    bent = tmp_path / "bent.toml"
+    bent.write_text(FOLLOWING.replace('term = "elevation_zero"', 'term = "refraction"'))
+    run("convert", bent, tmp_path / "bent.ctl", "--rest-as", tmp_path / "rest.csv", *told)
     grid = np.loadtxt((tmp_path / "rest.csv").read_text().splitlines()[4:], delimiter=",")
-    np.testing.assert_allclose(grid[:, 3], 20)
+    np.testing.assert_allclose(grid[grid[:, 1] == 44, 3], 20 / np.tan(np.radians(44)), rtol=0.01)
 
     coarse = "--az", "0:10:10", "--zd", "10:20:10"
     assert "temp_F" not in run("table", "--model", model, "-o", tmp_path / "t.txt", *coarse, *told)

@@ -123,7 +123,7 @@ def test_a_finding_is_carried_to_the_mount(cause, tmp_path, monkeypatch):
         assert "tpoint has no name for" in refused
         assert nameless in refused
         told, refused = does("convert", new, target, "--rest-as", grid, *FOR_A_GRID.get(cause, ()))
-        assert "arcsec rms of the sky" in told
+        assert "arcsec rms over the sky" in told
     missed = np.subtract(load(str(target)).offsets(at), after.offsets(at))
     assert not refused
     if found.findings[0].effect == "unknown":
