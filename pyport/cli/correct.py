@@ -257,6 +257,8 @@ def convert(
         return
     what = "recordings" if done.kind == "recordings" else "terms"
     click.echo(f"{target}: {done.number} {what} as {done.format}")
+    if done.masked:
+        click.echo(f"{done.masked} of them masked: an angle or an offset is not there")
     if done.waves:
         click.echo(done.waves)
     if done.left_out:

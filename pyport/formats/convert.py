@@ -91,7 +91,7 @@ class Done:
 
     `lost_arcsec` is the rms on the sky of the terms that it has no place for, None where that
     is not known, and `lost_size` says either in words; `waves` says which terms stand for what has
-    no name.
+    no name; `masked` is how many rows are masked in the target alone, for they lack a number.
     """
 
     kind: str
@@ -101,6 +101,7 @@ class Done:
     lost_arcsec: float | None = None
     waves: str = ""
     lost_size: str = ""
+    masked: int = 0
 
 
 def convert(
@@ -148,9 +149,9 @@ def convert(
     if model:
         err.write(err.fitted(raw, models.read(model)), target)
         return Done("recordings", len(raw.line), "fs-err", ())
-    left_out = tables.write(table_of(raw), target, to)
+    written = tables.write(table_of(raw), target, to)
     name = tables.format_of(target, to).name
-    return Done("recordings", len(raw.line), name, tuple(left_out))
+    return Done("recordings", len(raw.line), name, written.left_out, masked=written.masked)
 
 
 def _lists_effects(source: str) -> bool:

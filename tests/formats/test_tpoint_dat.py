@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from pyport.angles import DEG
+from pyport.cli import pyport as program
 from pyport.errors import BadInput
 from pyport.formats.convert import convert
 from pyport.recordings import read
@@ -91,3 +93,28 @@ def test_a_bad_file_names_its_line(tmp_path, text, line, words):
     with pytest.raises(BadInput, match=words) as caught:
         read(path)
     assert str(caught.value).startswith(f"{path}:{line}: ")
+
+
+ONE_AXIS = "# latitude_deg: 50\naz_deg,el_deg,d_az_deg,d_el_deg\n"
+
+
+def test_stars_measured_in_one_axis_are_counted(tmp_path):
+    """They are written masked, which is said; a star that was masked before is not among them."""
+    table, target = tmp_path / "mine.csv", tmp_path / "out.dat"
+    table.write_text(f"{ONE_AXIS}10,40,0.1,0.1\n20,40,0.1,\n30,40,,0.1\n")
+
+    done = CliRunner().invoke(program, ["convert", str(table), str(target)])
+
+    assert done.exit_code == 0, done.output
+    assert "out.dat: 3 recordings as tpoint-dat\n2 of them masked: an angle or an" in done.output
+    assert convert(target, tmp_path / "again.dat").masked == 0
+
+
+def test_stars_none_of_which_has_both_axes_are_refused(tmp_path):
+    """TPOINT could fit none of them: no file is written."""
+    table, target = tmp_path / "mine.csv", tmp_path / "out.dat"
+    table.write_text(f"{ONE_AXIS}10,40,0.1,\n20,40,0.1,\n30,40,,0.1\n")
+
+    with pytest.raises(BadInput, match="no row has both angles and both offsets, expected at lea"):
+        convert(table, target)
+    assert not target.exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
@@ -28,6 +29,14 @@ _DEGREES = {
 }
 
 Numbers = list[Decimal | None]
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a file does not hold of a table as the table has it."""
+
+    left_out: tuple[str, ...] = ()  #: columns that the format has no place for
+    masked: int = 0  #: rows that are masked there alone, for they lack an angle or an offset
 
 
 def number(text: str) -> Decimal | None:
@@ -152,13 +161,13 @@ def decimals_of(*columns: Sequence[Decimal | None], least: int) -> int:
     return most
 
 
-def left_out(table: Table, held: Sequence[str]) -> list[str]:
+def left_out(table: Table, held: Sequence[str]) -> tuple[str, ...]:
     """Return the columns that a format which holds these quantities or names has no place for."""
-    return [
+    return tuple(
         name
         for name in table.columns
         if name not in held and not ((angle := angle_of(name)) and angle[0] in held)
-    ]
+    )
 
 
 #: What every format of azimuth and elevation offsets holds.

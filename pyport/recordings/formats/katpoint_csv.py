@@ -154,7 +154,7 @@ def _antenna(line: Line) -> dict[str, str]:
     return meta | {"height_m": spelled(line.decimal(fields[3], "the height"))}
 
 
-def write(table: Table, path: Path) -> list[str]:
+def write(table: Table, path: Path) -> exact.Written:
     """Write such a file; nothing is left out, since it keeps any column.
 
     Raises `BadInput`: the table lacks a position or an offset.
@@ -197,7 +197,7 @@ def write(table: Table, path: Path) -> list[str]:
         out.write(", ".join(columns) + "\n")
         for row in zip(*columns.values(), strict=True):
             out.write(", ".join(cell.replace(",", ";") for cell in row) + "\n")
-    return []
+    return exact.Written()
 
 
 def _texts(values: exact.Numbers, blank: str) -> list[str]:

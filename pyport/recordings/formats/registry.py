@@ -27,32 +27,32 @@ from pyport.recordings.schema import Table
 class TableFormat:
     """A format of recordings: its name, suffix, and how it is read and written.
 
-    Writing returns the columns that the format has no place for.
+    Writing returns what the format has no place for.
     """
 
     name: str
     suffix: str
     read: Callable[[Path], Raw]
-    write: Callable[[Table, Path], list[str]] | None
+    write: Callable[[Table, Path], exact.Written] | None
 
 
-def _as_text(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
+def _as_text(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], exact.Written]:
     """Return the writer of a format that holds every cell as it stands."""
 
-    def written(table: Table, path: Path) -> list[str]:
+    def written(table: Table, path: Path) -> exact.Written:
         write(table, path)
-        return []
+        return exact.Written()
 
     return written
 
 
-def _with_types(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], list[str]]:
+def _with_types(write: Callable[[Table, Path], None]) -> Callable[[Table, Path], exact.Written]:
     """Return the writer of a format whose columns have types: numbers become numbers."""
 
-    def written(table: Table, path: Path) -> list[str]:
+    def written(table: Table, path: Path) -> exact.Written:
         columns = {name: typed_column(name, cells) for name, cells in table.columns.items()}
         write(Table(table.meta, columns), path)
-        return []
+        return exact.Written()
 
     return written
 
@@ -133,8 +133,8 @@ def _read(
     return one.read(path)
 
 
-def write(table: Table, path: Path, name: str = "") -> list[str]:
-    """Write a table in a named format or its suffix's; return the columns left out.
+def write(table: Table, path: Path, name: str = "") -> exact.Written:
+    """Write a table in a named format or its suffix's; return what the file does not hold.
 
     Raises `BadInput`: there is no such format, or it cannot hold this.
     """

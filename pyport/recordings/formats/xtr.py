@@ -81,8 +81,8 @@ def read_err(path: Path) -> Raw:
     return _tabulated(path, section(found, "observed", path), _antenna(found, path), 4)
 
 
-def write(table: Table, path: Path) -> list[str]:
-    """Write recordings as an xtr file; return the columns that it has no place for.
+def write(table: Table, path: Path) -> exact.Written:
+    """Write recordings as an xtr file; return what it has no place for.
 
     Raises `BadInput`: an axis or its errors are missing: the Field System weighs by them.
     """
@@ -111,7 +111,7 @@ def write(table: Table, path: Path) -> list[str]:
             words = [f"{value:{5 + count}.{count}f}" for value, count in digits]
             out.write(f" {0 if why else 1} {' '.join(words)}\n")
         out.write("$stats\n")
-    return exact.left_out(table, exact.held(mount, sigmas=True))
+    return exact.Written(exact.left_out(table, exact.held(mount, sigmas=True)))
 
 
 def _antenna(found: dict[str, list[Line]], path: Path) -> dict[str, str]:

@@ -221,10 +221,10 @@ def _offset(line: Line, word: str, true: Decimal | None) -> str:
     return spelled(turned(line.decimal(word, "what was read") - true))
 
 
-def write(table: Table, path: Path) -> list[str]:
-    """Write recordings as TPOINT reads them; return the columns that it has no place for.
+def write(table: Table, path: Path) -> exact.Written:
+    """Write recordings as TPOINT reads them; return what it has no place for.
 
-    Raises `BadInput`: there is no latitude, or no offset of one axis.
+    Raises `BadInput`: there is no latitude, or no offset of one axis, or no row has all it needs.
     """
     mount = exact.mount_of(table)
     if mount.model not in OPTION:
@@ -234,6 +234,13 @@ def write(table: Table, path: Path) -> list[str]:
     read_el = [_read(e, d) for e, d in zip(el, d_el, strict=True)]
     if mount.turns_over:
         read_az, read_el = _turned_over(table, read_az, read_el, path)
+    stars = list(zip(az, el, read_az, read_el, strict=True))
+    asides = exact.asides(table)
+    # A star that was not all measured is none that TPOINT could fit.
+    lacking = sum(None in star and not why for star, why in zip(stars, asides, strict=True))
+    if lacking and lacking == asides.count(""):
+        wrong = "no row has both angles and both offsets"
+        raise BadInput(f"{wrong}, expected at least one: TPOINT fits no other", path)
     decimals = exact.decimals_of(az, el, read_az, read_el, least=7)
     extra = [name for name in table.columns if name == ROTATOR or name.startswith(AUXILIARY)]
     rest = [_further(table, name) for name in extra]
@@ -243,19 +250,17 @@ def write(table: Table, path: Path) -> list[str]:
     head += [f": {one}" for one in table.meta.get(OPTIONS, OPTION[mount.model]).split()]
     with write_whole(path) as out:
         out.writelines(f"{line}\n" for line in [*head, _site_line(table, path)])
-        for n, why in enumerate(exact.asides(table)):
+        for n, (star, why) in enumerate(zip(stars, asides, strict=True)):
             out.writelines(f"{remarks[key]}\n" for key in _before(remarks, n))
-            star = az[n], el[n], read_az[n], read_el[n]
             angles = zip(star, (3, 2, 3, 2), strict=True)
             words = [_padded(value, whole, decimals) for value, whole in angles]
             words += [column[n] for column in rest if column[n]]
             note = f" ; {notes[n]}" if notes[n] else ""
-            # A star that was not all measured is none that TPOINT could fit.
             out.write(f"{';' * (bool(why) or None in star)}{' '.join(words)}{note}\n")
         out.writelines(f"{remarks[key]}\n" for key in _before(remarks, len(az)))
         out.write("END\n")
     sides = (PIER_SIDE,) if mount.turns_over else ()
-    return exact.left_out(table, (*exact.held(mount), *extra, NOTE, *sides))
+    return exact.Written(exact.left_out(table, (*exact.held(mount), *extra, NOTE, *sides)), lacking)
 
 
 def _turned_over(
