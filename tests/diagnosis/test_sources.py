@@ -89,6 +89,23 @@ def test_what_is_the_telescopes_needs_no_label():
     assert guards.refusal(one, CATALOGUE["refraction"], curve) is None
 
 
+@pytest.mark.parametrize(
+    ("since", "said"),
+    [
+        (600.0 * 20, "shows when something moved and by how much, but not what it was"),
+        (0.0, "cannot be tested in a single one"),
+        (None, "cannot be tested in a single one"),
+    ],
+)
+def test_a_step_within_the_only_night_is_seen_but_has_no_name(since, said):
+    """It has recordings before and after it: what is not known is what it was."""
+    one, _, curve = scene((1.0,), per_night=40)
+    why = guards.refusal(one, CATALOGUE["epoch_offset"], curve, since)
+
+    assert said in why.reason
+    assert why.decide_by == "observe in a second session"
+
+
 def test_a_long_session_has_its_nights():
     """Gaps part nights within a session, sessions part them where no time is known."""
     one, *_ = scene((1.0, 1.0, 1.0))

@@ -65,7 +65,7 @@ def jumps(at):
     [
         (follows_temperature, {"temperature", "driven_term", "drift"}, ""),
         (drifts, {"temperature", "driven_term", "drift"}, ""),
-        (jumps, {"epoch_offset"}, "cannot be tested in a single one"),
+        (jumps, {"epoch_offset"}, "when something moved and by how much, but not what"),
     ],
 )
 def test_one_night_carries_no_name_that_needs_more(hidden, names, reason):

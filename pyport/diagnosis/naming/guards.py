@@ -109,14 +109,17 @@ class Refusal:
     decide_by: str
 
 
-def refusal(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
+def refusal(
+    scene: Scene, effect: Effect, seen: Array, since: float | None = None
+) -> Refusal | None:
     """Return why these recordings cannot carry an effect's name; None where they can.
 
-    `seen` is what is visible of it in each reading [rad], shape (m,).
+    `seen` is what is visible of it in each reading [rad], shape (m,); `since` [s] is when it began,
+    of a step at one moment.
     """
     return (
         _too_few(scene, seen)
-        or _one_session(scene, effect)
+        or _one_session(scene, effect, since)
         or _one_night(scene, effect)
         or _once_only(scene, effect, seen)
     )
@@ -152,7 +155,7 @@ def carriers(scene: Scene, seen: Array) -> float:
     return float(weight.sum() ** 2 / max(float(weight @ weight), 1e-300))
 
 
-def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
+def _one_session(scene: Scene, effect: Effect, since: float | None = None) -> Refusal | None:
     if effect.changes_with != "session":
         return None
     at = scene.problem.recordings.at
@@ -162,11 +165,25 @@ def _one_session(scene: Scene, effect: Effect) -> Refusal | None:
     sessions = len(np.unique(scene.problem.session))
     if max(sessions, nights(scene)) > 1:
         return None
+    if _is_within_a_night(scene, since):
+        return Refusal(
+            "a single session shows when something moved and by how much, but not what it was, "
+            "for whatever else changed at that moment looks the same",
+            "observe in a second session",
+        )
     return Refusal(
         "a change from one session to another cannot be tested in a single one: whatever else "
         "changed in that night looks the same",
         "observe in a second session",
     )
+
+
+def _is_within_a_night(scene: Scene, since: float | None) -> bool:
+    """Tell whether a night goes on across a moment [s]."""
+    time = _times(scene)
+    if time is None or since is None or not time.min() < since <= time.max():
+        return False
+    return bool(time[time >= since].min() - time[time < since].max() <= NIGHT_GAP_S)
 
 
 def _one_night(scene: Scene, effect: Effect) -> Refusal | None:

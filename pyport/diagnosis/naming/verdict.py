@@ -254,7 +254,8 @@ def _refusal(scene: Scene, one: Finding, chosen: Effect) -> Refusal | None:
     assert one.curve is not None  # noqa: S101 - what has a name has a curve
     effect = chosen if one.effect == chosen.id else known(one.effect)
     assert effect is not None  # noqa: S101 - a name is one of the catalogue
-    return refusal(scene, effect, one.curve)
+    since = chosen.parameter if chosen.changes_with == "session" else None
+    return refusal(scene, effect, one.curve, since)
 
 
 def _sentence(one: Finding) -> str:
