@@ -16,6 +16,7 @@ from pyport.fitting.two_axes import Difference, from_products
 from pyport.models.complete import Left, Solved, complete
 from pyport.models.conditions import undetermined
 from pyport.models.model import Model, Term
+from pyport.mounts import ALTAZ
 from pyport.noise.coefficients import equal, solve
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate
@@ -213,13 +214,15 @@ def _rms(group: dict[str, object]) -> float:
 
 def leftover_text(fit: Fit) -> Iterator[str]:
     """Yield tables of the residuals by label, for labels with a handful of values."""
+    mount = fit.recordings.at.mount
+    axes = "across and along elevation" if mount is ALTAZ else f"in {' and in '.join(mount.names)}"
     for label in LABELS:
         groups = by_label(fit, label)
         if not groups or len(groups) > MOST_PRINTED:
             continue
         width = max(len(str(group[label])) for group in groups)
         yield ""
-        yield f"residuals by {label}: offsets, mean and rms [arcsec] across and along elevation"
+        yield f"residuals by {label}: offsets, mean and rms [arcsec] {axes}"
         for one in groups:
             cells = [_cell(one, axis) for axis in ("xel", "el")]
             yield f"  {one[label]!s:{max(width, 8)}s} {'   '.join(cells)}"

@@ -10,7 +10,7 @@ from html import escape
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.naming.words import number
+from pyport.diagnosis.naming.words import number, spoken
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.models import toml
@@ -24,8 +24,11 @@ from pyport.toml_text import toml_spelled
 MOST_PARAMETERS = 4
 
 
-def notes(finding: Finding) -> list[tuple[str, str]]:
-    """Return what else there is to say of a finding: where, what else it could be, what next."""
+def notes(finding: Finding, axes: tuple[str, str]) -> list[tuple[str, str]]:
+    """Return what else there is to say of a finding: where, what else it could be, what next.
+
+    `axes` is what the mount calls its axes.
+    """
     where = finding.where
     found = [
         (f"{one.column.replace('_', ' ')}", f"from {one.low:.4g} to {one.high:.4g}")
@@ -39,7 +42,7 @@ def notes(finding: Finding) -> list[tuple[str, str]]:
     if len(finding.class_) > 1:
         found.append(("could as well be", ", ".join(finding.class_[1:]).replace("_", " ")))
     if len(finding.parameters) <= MOST_PARAMETERS:
-        found += [(p.name.replace("_", " "), number(p)) for p in finding.parameters]
+        found += [(spoken(p.name, axes), number(p)) for p in finding.parameters]
     if finding.evidence.runner_up not in (None, finding.effect):
         gain = finding.evidence.runner_up_delta_bic
         text = str(finding.evidence.runner_up).replace("_", " ")

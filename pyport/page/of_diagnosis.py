@@ -100,7 +100,7 @@ def _story(
         good=not report.mismatch,
         facts=_facts(report, picture, whole),
         cards=tuple(
-            _card(finding, layer)
+            _card(finding, layer, diagnosis.problem.recordings.at.mount.names)
             for finding, layer in zip(report.findings, of_finding, strict=True)
         ),
         warnings=_warnings(report),
@@ -194,7 +194,7 @@ def _change(held: HeldOut) -> str:
     return f"{held.rms_before_arcsec:.3g} → {held.rms_after_arcsec:.3g}"
 
 
-def _card(finding: Finding, layer: int | None) -> Card:
+def _card(finding: Finding, layer: int | None, axes: tuple[str, str]) -> Card:
     facts = [("adds to the residuals", f"{finding.visible_rms_arcsec:.3g} arcsec rms")]
     if finding.true_rms_arcsec is not None:
         absorbed = f"{finding.true_rms_arcsec:.3g} arcsec rms"
@@ -214,7 +214,7 @@ def _card(finding: Finding, layer: int | None) -> Card:
         verdict=finding.verdict,
         sentence=finding.sentence,
         facts=tuple(facts),
-        notes=tuple(notes(finding)),
+        notes=tuple(notes(finding, axes)),
         layer=layer,
     )
 

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array, handy
 from pyport.columns import shown
 from pyport.diagnosis.joint import rms
+from pyport.diagnosis.naming.words import spoken
 from pyport.effects.base import THE_HOUR
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
+from pyport.mounts import ALTAZ
 from pyport.plots import pictures
 
 if TYPE_CHECKING:
@@ -54,7 +56,7 @@ def draw(diagnosis: Diagnosis, finding: Finding) -> Figure:
     from matplotlib.figure import Figure
 
     parameters = comparable(finding.parameters)
-    names = distinguishing(parameters)
+    names = distinguishing(parameters, diagnosis.problem.recordings.at.mount.names)
     upright = MOST_LEVEL < len(names) <= MOST_BARS
     figure = Figure(figsize=(10, 6.4))
     bottom = 0.055 + 0.012 * max(map(len, names)) if upright else 0.085
@@ -187,12 +189,17 @@ def comparable(parameters: tuple[Parameter, ...]) -> tuple[Parameter, ...]:
     return tuple(one for one in parameters if one.unit == max(units, key=units.count))
 
 
-def distinguishing(parameters: tuple[Parameter, ...]) -> list[str]:
-    """Return what distinguishes coefficients: their antennas or sessions, or else their names."""
+def distinguishing(
+    parameters: tuple[Parameter, ...], axes: tuple[str, str] = ALTAZ.names
+) -> list[str]:
+    """Return what distinguishes coefficients: their antennas or sessions, or else their names.
+
+    `axes` is what the mount calls its axes.
+    """
     owners = [one.name.partition("[")[2].rstrip("]") for one in parameters]
     if all(owners) and len(set(owners)) == len(owners):
         return owners
-    return [one.name.partition("[")[0].replace("_", " ") for one in parameters]
+    return [spoken(one.name.partition("[")[0], axes) for one in parameters]
 
 
 def _coefficients(

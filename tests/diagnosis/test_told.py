@@ -12,10 +12,13 @@ from diagnosis.test_verdict import finding
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
-from pyport.diagnosis.naming import findings
-from pyport.diagnosis.naming.finding import Parameter, beyond
+from pyport.diagnosis.naming import findings, words
+from pyport.diagnosis.naming.finding import Parameter, Where, beyond
 from pyport.diagnosis.naming.scene import centred
+from pyport.effects import CATALOGUE
+from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.formats.models import load
+from pyport.mounts import KINDS
 from pyport.report.finding import finding_of
 from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
@@ -44,6 +47,16 @@ def test_sizes_are_what_is_added_to_the_residuals(visible, true, said):
     assert one.size == said
     told = finding_of(one).true_rms_arcsec
     assert told is None if true > 962 else told == pytest.approx(true)
+
+
+def test_a_wave_is_said_to_be_along_the_axes_of_its_mount():
+    """The sentence says declination where the coefficient is called `amplitude_el`."""
+    swing = [Parameter("amplitude_el", 8.0, 0.5, "arcsec")]
+    where, names = Where(("el",)), KINDS["equatorial"].names
+
+    said = words.sentence(CATALOGUE[OSCILLATION], swing, where, names=names)
+
+    assert "(seen in declination), amplitude in declination 8.00 +- 0.50 arcsec:" in said
 
 
 def test_a_parameter_beyond_the_data_is_known():

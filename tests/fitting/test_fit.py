@@ -8,12 +8,14 @@ import pytest
 
 from pyport.angles import ARCSEC
 from pyport.effects import CATALOGUE, Circumstances
+from pyport.effects.circumstances import Site
 from pyport.effects.empirical import fields as empirical
 from pyport.errors import BadInput
-from pyport.fitting.fit import fit
+from pyport.fitting.fit import fit, leftover_text
 from pyport.formats import models
 from pyport.least_squares.gram import Solution
 from pyport.models.model import CLASSICAL_TERMS, Term
+from pyport.mounts import KINDS
 from pyport.recordings.schema import Recordings
 
 TRUTH = np.array([30.0, -55, 21, -13, 8, -5, 44]) * ARCSEC
@@ -131,6 +133,24 @@ def test_what_is_left_is_less_than_what_was_there():
     left = data - columns @ np.linalg.lstsq(columns, data)[0]
 
     assert Solution.of(both.T @ both).residual == pytest.approx(left @ left)
+
+
+@pytest.mark.parametrize(
+    ("mount", "said"),
+    [
+        ("altaz", "across and along elevation"),
+        ("equatorial", "in cross-declination and in declination"),
+    ],
+)
+def test_residuals_by_label_are_along_the_axes_of_the_mount(mount, said):
+    """The head of the table says which they are."""
+    given = simulated(60, 3, 4)
+    source = np.array(["3C 84", "W3OH"])[np.arange(60) % 2]
+    at = replace(given.at, columns={"source": source}, site=Site(0.9), mount=KINDS[mount])
+
+    lines = [*leftover_text(fit(replace(given, at=at), models.load(mount)))]
+
+    assert lines[1] == f"residuals by source: offsets, mean and rms [arcsec] {said}"
 
 
 def test_a_field_that_says_how_far_it_may_be_from_its_values_is_fitted_to_few_readings():

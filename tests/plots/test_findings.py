@@ -3,6 +3,8 @@
 import pytest
 
 from pyport.diagnosis.naming.finding import Parameter
+from pyport.diagnosis.naming.words import spoken
+from pyport.mounts import KINDS
 from pyport.plots.findings import comparable, distinguishing
 
 
@@ -31,6 +33,16 @@ def test_a_period_does_not_stand_on_the_axis_of_amplitudes():
 def test_coefficients_are_called_by_what_distinguishes_them(names, expected):
     """Antennas and sessions where they differ, else the names."""
     assert distinguishing(parameters(*((name, "arcsec") for name in names))) == expected
+
+
+def test_other_axes_are_called_by_their_names():
+    """The wave of an equatorial mount swings in declination; its names in files stay."""
+    some = parameters(("amplitude_xel", "arcsec"), ("amplitude_el[a_el]", "arcsec"))
+
+    said = ["amplitude in cross-declination", "amplitude in declination"]
+    assert distinguishing(some, KINDS["equatorial"].names) == said
+    assert spoken("amplitude_el[a_el]", KINDS["xy-ns"].names) == "amplitude in Y[a el]"
+    assert spoken("amplitude_el") == "amplitude el"
 
 
 def test_nothing_is_called_nothing():

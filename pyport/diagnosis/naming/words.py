@@ -58,9 +58,16 @@ def number(parameter: Parameter) -> str:
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 
 
-def spoken(name: str) -> str:
-    """Return the name of a coefficient as it is said: `wind_tilt_at_10_m_s`, at 10 m/s."""
-    return name.replace("_m_s", "_m/s").replace("_", " ")
+def spoken(name: str, names: tuple[str, str] = ALTAZ.names) -> str:
+    """Return the name of a coefficient as it is said: `wind_tilt_at_10_m_s`, at 10 m/s.
+
+    One that ends in `_xel` or `_el` is said to be in the axis, where `names` are those of others.
+    """
+    bare, bracket, label = name.partition("[")
+    for short, axis in zip(("_xel", "_el"), names, strict=True):
+        if names != ALTAZ.names and bare.endswith(short):
+            bare = f"{bare.removesuffix(short)} in {axis}"
+    return (bare + bracket + label).replace("_m_s", "_m/s").replace("_", " ")
 
 
 def sentence(
@@ -83,7 +90,7 @@ def sentence(
     if together is not None:
         return f"{said}: {cause}; {together.sentence}"
     shown = parameters if len(parameters) <= _SHOWN else sorted(parameters, key=_chance)[:_SHOWN]
-    sizes = [f"{spoken(p.name)} {number(p)}" for p in shown]
+    sizes = [f"{spoken(p.name, names)} {number(p)}" for p in shown]
     more = f" and {len(parameters) - _SHOWN} more" if len(parameters) > _SHOWN else ""
     return f"{said}, {', '.join(sizes)}{more}: {cause}"
 
