@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.models.conditions import Columns, Value
 from pyport.recordings.schema import Recordings, as_input
 from pyport.recordings.sky import with_nights
@@ -96,14 +97,14 @@ class Unsound:
 
     def words(self, scatter_arcsec: float) -> str:
         """Return it as a sentence."""
-        one = self.value
+        one, unit = self.value, unit_in_words(self.value.unit)
         most = max(self.horizon_arcsec, self.zenith_arcsec)
         where = "horizon" if self.horizon_arcsec >= self.zenith_arcsec else "zenith"
         moves = f"moves the {where} by {most:.3g} arcsec, more than the scatter of"
         if self.refused:
-            said = f"{one.name} is {one.value:.3g} +- {one.sigma:.3g} {one.unit}, which is not "
+            said = f"{one.name} is {one.value:.3g} +- {one.sigma:.3g} {unit}, which is not "
             return f"{said}significant, and {moves} {scatter_arcsec:.3g}: drop or fix it"
-        said = f"{one.name} changes by {one.change:+.3g} +- {one.sigma:.3g} {one.unit}, within its"
+        said = f"{one.name} changes by {one.change:+.3g} +- {one.sigma:.3g} {unit}, within its"
         advice = f"keep the old value with --fix {one.name}, or observe there"
         return f"note: {said} error, and {moves} {scatter_arcsec:.3g}: {advice}"
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.fitting.fit import Fit
 from pyport.fitting.soundness import largest_offset
 from pyport.noise.coefficients import solve
@@ -87,7 +88,7 @@ class Combination:
             self.names, self.coefficients, one.weights, strict=True
         ):
             of_unit = weight * coefficient.scale / ARCSEC
-            unit = _PER.get(coefficient.unit, f" arcsec/({coefficient.unit})")
+            unit = _PER.get(coefficient.unit, f" arcsec/({unit_in_words(coefficient.unit)})")
             sign = "-" if of_unit < 0 else "+"
             terms.append(f"{sign} {abs(of_unit):.3g}{unit} {name}")
         return " ".join(terms).removeprefix("+ ")

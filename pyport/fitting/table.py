@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.errors import BadInput
 from pyport.fitting import soundness
 from pyport.fitting.combinations import Combination, of_fit
@@ -28,7 +29,7 @@ def text(fit: Fit) -> str:
     fitted = [one for one in values if one.sigma is not None]
     lines = [_line(one, largest if place in shared else None) for place, one in enumerate(fitted)]
     lines += [
-        f"{complete.label(one):34s} {one.value:12.4f} {one.unit}, fixed"
+        f"{complete.label(one):34s} {one.value:12.4f} {unit_in_words(one.unit)}, fixed"
         for one in values
         if one.sigma is None
     ]
@@ -78,7 +79,7 @@ def _line(one: Value, largest: float | None = None) -> str:
     if one.unit == "deg":
         return f"{name:34s} {value:14.7f} +- {sigma:.7f} deg {times}"
     if one.unit != "arcsec":
-        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {one.unit} {times}"
+        return f"{name:34s} {value:12.4f} +- {sigma:.4f} {unit_in_words(one.unit)} {times}"
     return (
         f"{name:34s} {value:10.2f} +- {sigma:6.2f} arcsec "
         f"= {value / 3600:11.6f} +- {sigma / 3600:.6f} deg {times}"

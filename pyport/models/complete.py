@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pyport import __version__
 from pyport.angles import ARCSEC, Array
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import sha256
@@ -258,7 +259,8 @@ def _line(one: Value, wide: int, widths: Sequence[int]) -> str:
     cells = [f"{text:>{width}s}" for text, width in zip(numbers, widths, strict=False)]
     known = "held" if one.sigma is None else f"+- {one.sigma:.{digits}f}"
     found = "" if one.finding is None else f"  finding {one.finding}"
-    return f"{label(one):{wide}s}  {'   '.join(cells)} {known} {one.unit}{found}".rstrip()
+    size = f"{'   '.join(cells)} {known} {unit_in_words(one.unit)}"
+    return f"{label(one):{wide}s}  {size}{found}".rstrip()
 
 
 def decimals(one: Value) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.models.complete import has_before
 from pyport.models.model import Model
@@ -63,7 +64,7 @@ def rows_of(model: Model) -> tuple[Row, ...]:
             " ".join(one.labels.values()),
             one.value if one.determined else None,
             one.sigma,
-            one.unit + (", fixed" if one.sigma is None else ""),
+            unit_in_words(one.unit) + (", fixed" if one.sigma is None else ""),
             one.finding is not None,
             one.before if with_before else None,
         )

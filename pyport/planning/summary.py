@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
 from pyport.recordings.schema import as_input, counted
@@ -84,14 +85,15 @@ def _model(look: Look) -> Iterable[str]:
             yield f"  {one.name:<28} not determined"
             continue
         loose = f", {one.inflation:.0f} times its error alone" if one.inflation > LOOSE else ""
-        yield f"  {one.name:<28} {one.sigma:8.3g} {one.unit}{loose}"
+        yield f"  {one.name:<28} {one.sigma:8.3g} {unit_in_words(one.unit)}{loose}"
     yield f"  condition number {look.condition:.3g}"
 
 
 def _seen(look: Look) -> Iterable[str]:
     for one in look.separation.seen:
         name = one.effect + (f" ({one.variant})" if one.variant else "")
-        yield f"  {name:<60.60} {one.sigma:8.2g} {one.unit:<10} x {one.inflation:.1f}"
+        size = f"{one.sigma:8.2g} {unit_in_words(one.unit):<10}"
+        yield f"  {name:<60.60} {size} x {one.inflation:.1f}"
 
 
 def _hidden(look: Look) -> Iterable[str]:
@@ -140,7 +142,8 @@ def _promises(look: Look) -> Iterable[str]:
     kept = [one for one in look.promises if one.before >= WORTH * one.after]
     kept.sort(key=lambda one: one.after / one.before)
     for one in kept[:MOST_PROMISES]:
-        yield f"  {one.one} beside {one.other}: {one.before:.2g} -> {one.after:.2g} {one.unit}"
+        unit = unit_in_words(one.unit)
+        yield f"  {one.one} beside {one.other}: {one.before:.2g} -> {one.after:.2g} {unit}"
     if len(kept) > MOST_PROMISES:
         yield f"  and {len(kept) - MOST_PROMISES} more pairs"
     if open_pairs:

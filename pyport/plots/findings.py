@@ -14,6 +14,7 @@ from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.words import spoken
 from pyport.effects.base import THE_HOUR
 from pyport.effects.empirical import fields
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.effects.empirical.fields import Bumps
 from pyport.mounts import ALTAZ
 from pyport.plots import pictures
@@ -208,7 +209,7 @@ def _coefficients(
     places = np.arange(len(parameters))
     unit = parameters[0].unit
     size = np.abs([p.value for p in parameters]).max()
-    scale, name = 1.0, unit
+    scale, name = 1.0, unit_in_words(unit)
     if unit == "arcsec":
         radians, name = handy(float(size) * ARCSEC)
         scale = radians / ARCSEC

@@ -1,11 +1,16 @@
 """A condition that recordings have under a name of their own is given back under it."""
 
+import json
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import pyport
 from pyport.cli import pyport as program
+from pyport.diagnosis.naming.finding import Parameter
+from pyport.diagnosis.naming.words import number
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.errors import BadInput
 
 FOLLOWING = """
@@ -78,3 +83,32 @@ def test_for_a_grid_a_table_and_a_comparison(model, tmp_path):
     coarse = "--az", "0:10:10", "--zd", "10:20:10"
     assert "temp_F" not in run("table", "--model", model, "-o", tmp_path / "t.txt", *coarse, *told)
     assert "temp_F 53.5" in run("compare", model, model, *told)
+
+
+def test_the_unit_of_a_column_that_has_none_is_said_in_words(model, tmp_path):
+    """In the text; the file keeps its own spelling."""
+    night = tmp_path / "night.csv"
+    rows = (f"{10 * n},{20 + n},0,{n % 7 + 2 * n % 11},{40 + n % 5}" for n in range(36))
+    night.write_text("az_deg,el_deg,d_xel_arcsec,d_el_arcsec,temp_F\n" + "\n".join(rows) + "\n")
+
+    said = run("fit", night, "--model", model)
+    fitted = json.loads(run("fit", night, "--model", model, "--json"))
+
+    assert "arcsec per unit of temp_F" in said
+    assert "arcsec/temp_F" not in said
+    assert "arcsec/temp_F" in [one["unit"] for one in fitted["parameters"]]
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("arcsec/truss_north_temp", "arcsec per unit of truss_north_temp"),
+        *((one, one) for one in ("arcsec", "arcsec/K", "arcsec/(m/s)", "arcsec/deg", "", "deg")),
+    ],
+)
+def test_units_in_words(unit, said):
+    """A known unit stays as it is."""
+    swing = Parameter("one", 1.0, 0.1, unit)
+
+    assert unit_in_words(unit) == said
+    assert unit == "arcsec" or number(swing) == f"1.00 +- 0.10 {said}"

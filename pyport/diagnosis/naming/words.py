@@ -11,6 +11,7 @@ from pyport.angles import ARCSEC, handy
 from pyport.diagnosis.disagreements import Disagreement, Halves
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
+from pyport.effects.empirical.conditions import unit_in_words
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
@@ -50,7 +51,7 @@ def watch(effect: Effect) -> str:
 
 def number(parameter: Parameter) -> str:
     """Return a value with its error, the digits that the error allows, in a handy unit."""
-    value, sigma, unit = parameter.value, parameter.sigma, parameter.unit
+    value, sigma, unit = parameter.value, parameter.sigma, unit_in_words(parameter.unit)
     if unit == "arcsec":
         radians, unit = handy(abs(value) * ARCSEC)
         value, sigma = value / (radians / ARCSEC), sigma / (radians / ARCSEC)

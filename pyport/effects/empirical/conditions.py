@@ -78,6 +78,16 @@ _UNITS = {
     "arcmin": "arcmin",
     "arcsec": "arcsec",
 }
+#: What else a coefficient may be counted per: in words it is a unit, and no column's name.
+_TIMES = frozenset({"s", "h"})
+
+
+def unit_in_words(unit: str) -> str:
+    """Return a coefficient's unit as it is said: per unit of a column whose own is not known."""
+    of, slash, column = unit.partition("/")
+    if not slash or column in _TIMES or column in _UNITS.values():
+        return unit
+    return f"{of} per unit of {column}"
 
 
 @dataclass(frozen=True)
