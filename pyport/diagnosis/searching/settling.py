@@ -116,7 +116,7 @@ def _of_families(outcome: Outcome) -> Outcome:
     """Choose the members of families anew, each beside the noise that it leaves.
 
     The search holds all members against one noise, which may have grown to hold what the right
-    one explains.
+    one explains. What has not the size that physics gives is not the right one.
     """
     problem = outcome.problem
     for one in outcome.chosen:
@@ -132,6 +132,7 @@ def _of_families(outcome: Outcome) -> Outcome:
             and each.scope == one.scope
             and each.candidate is not one.candidate
             and each.evidence > step.winner.evidence - OUT_OF_REACH
+            and classes.fits_physics(each)
         ]
         same.sort(key=lambda each: -round(each.evidence, TIE))
         others = classes.distinct(step.beside, [step.winner, *same], MOST_NOISES)[1:]

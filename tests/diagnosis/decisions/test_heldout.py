@@ -379,6 +379,19 @@ def test_members_of_a_family_are_tried_beside_noise_of_their_own(monkeypatch, be
     assert (end.chosen[0].candidate is other.candidate) == tried
 
 
+@pytest.mark.parametrize("sound", [True, False])
+def test_a_member_without_the_size_that_physics_gives_is_not_tried(monkeypatch, sound):
+    """Precession from another equinox draws nearly the same curve, of another size."""
+    asked = []
+    some = [trial("precession", 100.0 - n, of=candidate("precession", choices=4)) for n in (0, 1)]
+    monkeypatch.setattr(settling, "likeliest", lambda *given: asked.append(given) or given[-1][0])
+    monkeypatch.setattr(settling.classes, "fits_physics", lambda one: sound or one is some[0])
+    one = step(some[0], trials=some[1:])
+    settling._of_families(Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ()))
+
+    assert bool(asked) == sound
+
+
 @pytest.mark.parametrize(("share", "tried"), [(0.985, True), (0.995, False)])
 def test_a_member_that_draws_the_same_curve_is_not_tried(monkeypatch, share, tried):
     """It leaves the same noise."""
