@@ -140,7 +140,8 @@ def test_what_the_disk_does_not_take_is_said(tmp_path, unbuffered):
             stderr=subprocess.PIPE,
             text=True,
             check=False,
-            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+            # A module that is compiled under the limit would be written half, for all who follow.
+            env=os.environ | {"PYTHONUNBUFFERED": unbuffered, "PYTHONDONTWRITEBYTECODE": "1"},
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192)),
         )
 
