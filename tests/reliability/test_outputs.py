@@ -72,7 +72,7 @@ def test_a_file_that_may_not_grow_is_one_line(tmp_path):
     limited = "import resource, runpy; resource.setrlimit(resource.RLIMIT_FSIZE, (9999, 9999));"
     run = f"{limited} runpy.run_module('pyport', run_name='__main__')"
     done = subprocess.run(
-        [sys.executable, "-c", run, *TABLE[3:], str(path)],
+        [sys.executable, "-B", "-c", run, *TABLE[3:], str(path)],
         capture_output=True,
         text=True,
         check=False,
