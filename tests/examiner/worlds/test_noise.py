@@ -53,7 +53,7 @@ def test_heavy_tails_reach_further(kind, beyond):
     assert np.mean(np.abs(heavy) > 3.5) == pytest.approx(beyond, abs=0.015)
 
 
-@pytest.mark.parametrize(("number", "kind"), enumerate(NOISES))
+@pytest.mark.parametrize(("number", "kind"), [*enumerate(NOISES)])
 def test_every_noise_is_drawn_in_a_sky(number, kind):
     """As many numbers as rows, none of them missing, the same again from the same seed."""
     plan = campaign(np.random.default_rng(5), 120, sky=SKIES[number % len(SKIES)])
