@@ -25,6 +25,7 @@ WIDEST = 16
 _FIRST, _HALVED = 6 * DEG, 6
 
 Edges = tuple[float, float, float, float]
+#: What a sector has for edges of elevation, which it has none of. [rad]
 EVERY_HEIGHT = -np.pi, np.pi
 
 
