@@ -198,11 +198,12 @@ def lookup(
         answers(read, one, table), answers(read, many, getattr(batch, "name", "<stdin>"))
     ):
         print(_as_json(answer) if as_json else answer, flush=True)  # noqa: T201 - a pipe waits for every line
-        if low < high and low < float(answer.split()[1]) < high and float(answer.split()[1]):
+        away = answer.split()[1]
+        if low < float(away) < high and float(away):
             low = high  # said once
             warn(
                 f"warning: {table}: between the zenith and the row beside it azimuth offsets turn "
-                f"over and cannot be interpolated, as at zenith distance {answer.split()[1]} deg"
+                f"over and cannot be interpolated, as at zenith distance {away} deg"
             )
 
 

@@ -26,6 +26,15 @@ _WORDS = {
 }
 #: Several of it where they differ.
 DIFFER = {"session": "nights", "stretch": "stretches of rows", "source": "sources"}
+#: What a header says under some keys was done to the recordings, and how it is said.
+_HEADER = {
+    SHORT: "Sessions are too short to be distinguished and are not used: ",
+    SESSIONS: "Sessions are taken from ",
+    ORDER: "Time is taken from ",
+    BLANK: "Taken for blank: ",
+    CELLS: "Blank cells are taken from the rows before and after: ",
+    TIMES: "Times that are not recorded are taken from ",
+}
 #: Scatter that differs by less than a quarter between low and high is not worth a word.
 GROWS = 1.25
 #: A drift that widens the scatter by less is not worth one.
@@ -215,16 +224,5 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
         for one in noise.growing
     ]
     said += noise.uneven
-    if SHORT in meta:
-        said.append(f"Sessions are too short to be distinguished and are not used: {meta[SHORT]}")
-    if SESSIONS in meta:
-        said.append(f"Sessions are taken from {meta[SESSIONS]}")
-    if ORDER in meta:
-        said.append(f"Time is taken from {meta[ORDER]}")
-    if BLANK in meta:
-        said.append(f"Taken for blank: {meta[BLANK]}")
-    if CELLS in meta:
-        said.append(f"Blank cells are taken from the rows before and after: {meta[CELLS]}")
-    if TIMES in meta:
-        said.append(f"Times that are not recorded are taken from {meta[TIMES]}")
+    said += [words + meta[key] for key, words in _HEADER.items() if key in meta]
     return said

@@ -136,9 +136,9 @@ def looks_like(effect: Effect, called: Name, refuting: Sequence[str], gain: floa
     """
     shape = effect.variant or effect.id
     what = effect.sentence if shape in effect.sentence else f"{effect.sentence} ({shape})"
-    runner = called.runner_up
-    near = runner is not None and runner.gain > MOSTLY * gain
-    nearest = f"; the nearest effect is {runner.candidate.effect.id}" if runner and near else ""
+    runner, nearest = called.runner_up, ""
+    if runner is not None and runner.gain > MOSTLY * gain:
+        nearest = f"; the nearest effect is {runner.candidate.effect.id}"
     but = f", but {' and '.join(refuting)}" if refuting else ""
     return f"{what}{but}{nearest}"
 

@@ -24,9 +24,8 @@ WIDEST = 16
 #: First step by which an edge is moved, and how often it is halved. [rad]
 _FIRST, _HALVED = 6 * DEG, 6
 
-Edges = tuple[float, float, float, float]
-#: What a sector has for edges of elevation, which it has none of. [rad]
-EVERY_HEIGHT = -np.pi, np.pi
+#: Edges in pairs, each the lower first: of azimuth, and of elevation where there are some. [rad]
+Edges = tuple[float, ...]
 
 
 def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
@@ -84,31 +83,32 @@ def sector(ground: Ground) -> Iterator[Field]:
         return
 
     def bumps_of(edges: Edges) -> Bumps:
-        return {"kind": "sector", "az_rad": [float(one) for one in edges[:2]], "in_axes": True}
+        return {"kind": "sector", "az_rad": [float(one) for one in edges], "in_axes": True}
 
     def column(edges: Edges) -> Array:
         return fields.values(bumps_of(edges), at)[problem.stack.row] * ~is_y[:, None]
 
-    cells = np.arange(AROUND) * 2 * np.pi / AROUND
-    each = [(float(one), float(one) + float(cells[1]), *EVERY_HEIGHT) for one in cells]
-    information, _, moments = ground.products(np.hstack([column(one) for one in each]))
-    best, start, tried = 0.0, each[0], 0
-    for first, width in product(range(AROUND), range(1, WIDEST + 1)):
-        some = np.arange(first, first + width) % AROUND
+    cell = 2 * np.pi / AROUND
+    each = [column((n * cell, (n + 1) * cell)) for n in range(AROUND)]
+    information, _, moments = ground.products(np.hstack(each))
+
+    def gain(cells: tuple[int, int]) -> float:
+        some = np.arange(cells[0], cells[0] + cells[1]) % AROUND
         power = information[np.ix_(some, some)].sum()
-        gain = moments[some].sum() ** 2 / power if power > 0 else 0.0
-        tried += 1
-        if gain > best:
-            best, start = gain, (cells[first], cells[first] + width * cells[1], *EVERY_HEIGHT)
-    edges = _climbed(lambda one: ground.gain(column(one)), start, movable=2)
+        return float(moments[some].sum() ** 2 / power) if power > 0 else 0.0
+
+    tried = [*product(range(AROUND), range(1, WIDEST + 1))]
+    first, width = max(tried, key=gain)
+    start = first * cell, (first + width) * cell
+    edges = _climbed(lambda one: ground.gain(column(one)), start)
     name = f"{mount.first.column}_deg"
-    low, high = (float(edge) / DEG % 360 for edge in edges[:2])
+    low, high = (edge / DEG % 360 for edge in edges)
     yield Field(
         "an offset of an angle",
         f"xel: {name} off from {low:.1f} to {high:.1f}",
         column(edges),
         is_y,
-        tried,
+        len(tried),
         region=(Interval(name, low, high),),
         bumps=bumps_of(edges),
         axes=(0,),
@@ -159,18 +159,20 @@ def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edge
     return gain
 
 
-def _climbed(gain: Callable[[Edges], float], start: Edges, movable: int = 4) -> Edges:
-    """Move the first few edges, one after the other, by steps that halve, while the gain grows."""
+def _climbed(gain: Callable[[Edges], float], start: Edges) -> Edges:
+    """Move the edges, one after the other, by steps that halve, while the gain grows."""
     best, most, step = start, gain(start), _FIRST
     for _ in range(_HALVED):
         moved = True
         while moved:
             moved = False
-            for n in range(movable):
+            for n in range(len(best)):
                 for way in (step, -step):
                     tried = tuple(edge + way * (k == n) for k, edge in enumerate(best))
-                    score = gain(tried)  # type: ignore[arg-type]
-                    if tried[0] < tried[1] and tried[2] < tried[3] and score > most:
-                        best, most, moved = tried, score, True  # type: ignore[assignment]
+                    score = gain(tried)
+                    if score > most and all(
+                        low < up for low, up in zip(tried[::2], tried[1::2], strict=True)
+                    ):
+                        best, most, moved = tried, score, True
         step /= 2
     return best

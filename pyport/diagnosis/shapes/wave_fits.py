@@ -91,12 +91,12 @@ def period_of(effect: Effect) -> float:
     return float(effect.member.get("bumps", effect.member)["period_s"])
 
 
-def _with_period(effect: Effect, period_s: float, spread: float = 1.0) -> Effect:
+def _with_period(effect: Effect, period_s: float) -> Effect:
     """Return an oscillation, or what repeats, of another period."""
     if not repeats(effect):
         return oscillation(**{**effect.member, "period_s": period_s})
     bumps, axes = effect.member["bumps"], np.unique(effect.member["axes"]).tolist()
-    return _repeating(period_s, bumps["since_s"], bumps["count"], axes, spread)
+    return _repeating(period_s, bumps["since_s"], bumps["count"], axes)
 
 
 def likeliest_repeat(
@@ -110,11 +110,11 @@ def likeliest_repeat(
     bumps, measured = effect.member["bumps"], np.unique(effect.member["axes"]).tolist()
     found = []
     for axes in [measured, *([one] for one in measured if len(measured) > 1)]:
-        one = _repeating(period, bumps["since_s"], bumps["count"], axes)
-        waves = _waves(problem, noise, chosen, one)
+        form = period, bumps["since_s"], bumps["count"], axes
+        waves = _waves(problem, noise, chosen, _repeating(*form))
         evidence, _, variance = waves.fit(period)
         spread = float(np.sqrt(variance)) / waves.columns(period)[2]
-        found.append((_with_period(one, period, spread), evidence))
+        found.append((_repeating(*form, spread), evidence))
     return max(found, key=lambda one: one[1])
 
 
@@ -246,8 +246,8 @@ def _waves(problem: Problem, noise: Covariance, chosen: Sequence[Chosen], effect
     model = noise.whiten(problem.expanded((*problem.base, *chosen)))
     white = noise.whiten(problem.residual[:, None])[:, 0]
     _, basis, left = beside_model(noise, model, white)
-    free, mixes = _wandered(problem, scan, effect) if wanders(effect) else (effect, [])
-    mixes = mixes or [np.eye(len(effect.coefficients))]
+    plain = effect, [np.eye(len(effect.coefficients))]
+    free, mixes = _wandered(problem, scan, effect) if wanders(effect) else plain
     return _Waves(problem, scan, noise, basis, left, free, mixes)
 
 

@@ -193,14 +193,17 @@ def box(at: Circumstances, az_rad: Sequence[float], el_rad: Sequence[float]) -> 
 
 def sector(at: Circumstances, az_rad: Sequence[float]) -> Array:
     """Return what an error of the first angle in a stretch of it does on the sky, shape (n, 1)."""
-    left, right = az_rad
-    return ((at.az - left) % (2 * np.pi) <= right - left)[:, None] * _lever(at)
+    return _between(at.az, *az_rad)[:, None] * _lever(at)
 
 
 def inside(az: Array, el: Array, edges: Sequence[float]) -> NDArray[np.bool_]:
     """Tell which places are between two azimuths and two elevations [rad], shape (n,)."""
     left, right, low, high = edges
-    return ((az - left) % (2 * np.pi) <= right - left) & (el >= low) & (el <= high)
+    return _between(az, left, right) & (el >= low) & (el <= high)
+
+
+def _between(az: Array, left: float, right: float) -> NDArray[np.bool_]:
+    return np.asarray((az - left) % (2 * np.pi) <= right - left)
 
 
 def stretch(at: Circumstances, name: str, low_rad: float, high_rad: float) -> Array:
