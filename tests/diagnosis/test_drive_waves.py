@@ -202,6 +202,51 @@ def test_a_wave_of_one_part_of_the_turn_has_no_name():
     assert any("the same all along, evidence" in word for one in found for word in one.checks)
 
 
+def petals(at):
+    """Return seven petals in a turn of azimuth that point out low down and in high up."""
+    leaf = np.abs(np.cos(3.5 * at.az)) ** 12
+    return 8 * np.where(at.el < np.median(at.el), leaf, -leaf)
+
+
+def test_a_wave_that_turns_over_with_elevation_has_no_name():
+    """A track that rocks does so at every elevation, as its law says; petals turn over.
+
+    Beside the outliers and tails of another number of waves, which are heavier, those would be
+    likelier.
+    """
+    found = diagnose(recordings(600, 5, x=petals, y=petals), load("altaz"), seed=1).findings
+
+    assert [(one.verdict, one.variant) for one in found] == [("unknown", "k = 7")]
+    assert "not the same at every elevation, evidence" in found[0].looks_like
+
+
+def test_a_wave_of_elevation_that_turns_over_with_azimuth_has_no_name():
+    """An encoder of elevation does not know where the azimuth is."""
+    found = diagnose(
+        recordings(600, 5, y=lambda at: 12 * np.sin(6 * at.el) * np.sign(np.sin(at.az))),
+        load("altaz"),
+        seed=1,
+    ).findings
+
+    assert all(one.effect != "elevation_encoder_harmonics" for one in found)
+
+
+@pytest.mark.parametrize(
+    ("member", "other"),
+    [
+        (azimuth_harmonics, "elevation"),
+        (elevation_harmonics, "elevation"),
+        (elevation_encoder_harmonics, "azimuth"),
+    ],
+)
+def test_a_wave_that_follows_its_law_keeps_its_name(member, other):
+    """Across, one of azimuth falls with the cosine of the elevation: that is no change of it."""
+    (found,) = reported(member(5), rows=600)
+
+    assert (found.effect, found.variant) == (member(5).id, "k = 5")
+    assert f"the wave is the same at every {other}" in found.checks
+
+
 def test_sectors_by_turns_are_a_wave_and_its_overtone():
     """Of six degrees each, too far and too near by the scatter: thirty times per turn, and ninety.
 

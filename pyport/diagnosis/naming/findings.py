@@ -92,6 +92,8 @@ def _checks(
     elif waves.may_be_a_bend(effect):
         unbent, like = bend_of(effect.id)
         checks.append(unbent)
+    if "k" in effect.member:
+        checks.append(waves.everywhere(scene, chosen))
     checks += [
         known(p.value, p.sigma, p.expected, p.name) for p in parameters if p.expected is not None
     ]

@@ -21,8 +21,8 @@ from pyport.effects.base import Effect
 from pyport.effects.telescope.encoders import SHORTEST_DEG
 from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED, VISIBLE
 
-#: Order of the curve by which the amplitude of a drive's wave may change along its angle: a third
-#: of a turn with the wave and two thirds without show in it.
+#: Order of the curve by which the amplitude of a wave may change along an angle: a third of the
+#: range with the wave and two thirds without show in it.
 ORDER = 3
 #: So many times its period is what an oscillation may be an overtone of, and overtones of each.
 MULTIPLES, OVERTONES = 5, 3
@@ -49,8 +49,8 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
 
     A notch or a ridge has short waves too, of amplitudes that are its own at each of them.
     """
-    problem, effect = scene.problem, chosen.candidate.effect
-    angle = drive_waves.angles_of(problem, effect)
+    effect = chosen.candidate.effect
+    angle = drive_waves.angles_of(scene.problem, effect)
     span = max(float(np.ptp(angle)), 1e-300)
     # What is uneven has neighbours: beside them each would look even.
     apart = tuple(
@@ -60,14 +60,32 @@ def throughout(scene: Scene, chosen: Chosen) -> Check:
         or one.candidate.effect.id != effect.id
         or abs(one.candidate.effect.member["k"] - effect.member["k"]) > ORDER * 360 / span
     )
-    ground = Ground(problem, scene.weighed, apart)
-    place = 2 * (angle - angle.min()) / span - 1
-    wave = problem.stack.columns(effect, problem.recordings.at)
+    return _the_same(scene, effect, angle, apart, "all along")
+
+
+def everywhere(scene: Scene, chosen: Chosen) -> Check:
+    """Check that a wave in one angle is as large as its name says wherever the other angle is.
+
+    Petals that turn over with elevation have as many waves in a turn as a track.
+    """
+    effect, at = chosen.candidate.effect, scene.problem.recordings.at
+    along_second = effect.on_altaz == "elevation_encoder_harmonics"
+    angle = (at.axes.az if along_second else at.axes.el)[scene.problem.stack.row]
+    other = at.mount.first if along_second else at.mount.second
+    return _the_same(scene, effect, angle, scene.outcome.chosen, f"at every {other.name}")
+
+
+def _the_same(
+    scene: Scene, effect: Effect, angle: Array, beside: Sequence[Chosen], where: str
+) -> Check:
+    """Check that a wave times no curve of an angle (m,) has evidence beside what was found."""
+    place = 2 * (angle - angle.min()) / max(float(np.ptp(angle)), 1e-300) - 1
+    wave = scene.problem.stack.columns(effect, scene.problem.recordings.at)
     bent = np.polynomial.legendre.legvander(place, ORDER)[:, 1:]
     columns = (wave[:, :, None] * bent[:, None]).reshape(len(wave), -1)
-    found = ground.evidence(columns)
+    found = Ground(scene.problem, scene.weighed, tuple(beside)).evidence(columns)
     uneven = found > CONVINCING
-    how = f"not the same all along, evidence {found:.0f}" if uneven else "the same all along"
+    how = f"not the same {where}, evidence {found:.0f}" if uneven else f"the same {where}"
     return Check(not uneven, f"the wave is {how}")
 
 

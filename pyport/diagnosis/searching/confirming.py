@@ -92,15 +92,33 @@ def _gained(
 
 def likeliest(problem: Problem, others: Sequence[Chosen], members: Sequence[Chosen]) -> Chosen:
     """Return the member of a family that makes the data likeliest, each beside its own noise."""
-    return max(members, key=lambda one: worth_beside_own(problem, others, one))
+    best, *rest = members
+    for one in rest:
+        if lead(problem, others, best, one) < 0:
+            best = one
+    return best
 
 
-def worth_beside_own(problem: Problem, others: Sequence[Chosen], one: Chosen) -> float:
-    """Return twice the log of how likely an effect makes the data beside the noise it leaves.
+def lead(problem: Problem, others: Sequence[Chosen], one: Chosen, other: Chosen) -> float:
+    """Return twice the log of how much likelier the data are with an effect than with another.
 
-    Up to a constant, its price paid; `others` is what else is fitted.
+    Each is beside the noise that it leaves, its price paid; `others` is what else is fitted. The
+    outliers and tails of one world would excuse what they hold, so both worlds have those of
+    either, and the mean counts.
     """
-    whole = noise(problem, (*others, one), searching=False)
+    found = [
+        _worth(problem, others, one, like) - _worth(problem, others, other, like)
+        for like in (one, other)
+    ]
+    return sum(found) / 2
+
+
+def _worth(problem: Problem, others: Sequence[Chosen], one: Chosen, like: Chosen) -> float:
+    """Return twice the log of how likely an effect makes the data, up to a constant."""
+    if one is like:
+        whole = noise(problem, (*others, one), searching=False)
+    else:
+        whole = _noise_alike(problem, (*others, one), (*others, like))
     model = problem.expanded((*problem.base, *others))
     own, known = problem.expanded([one]), problem.precision([one])
     lack, gained = _lack(whole, model, own, problem.residual, known)

@@ -17,7 +17,7 @@ from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.naming.classes import TIE
 from pyport.diagnosis.searching.changes import past_outliers
-from pyport.diagnosis.searching.confirming import likeliest, worth_beside_own
+from pyport.diagnosis.searching.confirming import lead, likeliest
 from pyport.diagnosis.searching.turns import Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
@@ -100,9 +100,8 @@ def _with_driven_rivals(outcome: Outcome, step: Step) -> Step:
     tried = classes.distinct(step.beside, [best, *driven], MOST_NOISES)[1:]
     if not tried:
         return step
-    whole = worth_beside_own(problem, others, step.chosen)
     behind = {
-        id(one): whole - worth_beside_own(problem, others, Chosen(one.candidate, one.scope))
+        id(one): lead(problem, others, step.chosen, Chosen(one.candidate, one.scope))
         for one in tried
     }
     trials = tuple(

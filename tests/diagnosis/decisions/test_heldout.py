@@ -420,7 +420,9 @@ def test_a_rival_that_follows_a_condition_is_weighed_beside_its_own_noise(
     """Where it came within sixty; it is in the class if by its own noise it is within eight."""
     worth = {"driven_term": 100.0, rival: own}
     monkeypatch.setattr(
-        settling, "worth_beside_own", lambda _s, _o, one: worth[one.candidate.effect.id]
+        settling,
+        "lead",
+        lambda _s, _o, *two: worth[two[0].candidate.effect.id] - worth[two[1].candidate.effect.id],
     )
     one = step(trial("driven_term", 100.0), trials=[trial(rival, evidence)])
     outcome = Outcome(problem_with(), (one.chosen,), (one,), None, 0.001, ())
