@@ -26,7 +26,23 @@ def test_steel_goes_to_a_step_of_the_air_as_an_exponential():
     hours = np.array([0, 1, 1, 2.5, 4, 7])
     steel = steel_c(warmed(hours, [2.0, 2, 10, 10, 10, 10]), 3)
 
-    np.testing.assert_allclose(steel, 10 - 8 * np.exp(-np.maximum(hours - 1, 0) / 3), rtol=1e-9)
+    lacks = 10 - steel[2:]
+    np.testing.assert_allclose(lacks, lacks[0] * np.exp(-(hours[2:] - 1) / 3), rtol=1e-9)
+
+
+@pytest.mark.parametrize("constant_h", [1, 4])
+@pytest.mark.parametrize("from_h", [0, 8])
+def test_a_night_starts_as_the_days_before_it_went(constant_h, from_h):
+    """Of a daily wave six nights of nine hours tell most of what steel was at their start."""
+    day = 2 * np.pi / 24 * np.arange(0, 24 * 9, 0.25)
+    hours, air = day * 24 / (2 * np.pi), 10 + 5 * np.cos(day - 3.9)
+    always = steel_c(warmed(hours, air), constant_h)
+    seen = ((hours - from_h) % 24 < 9) & (hours > 48)
+    nights = steel_c(warmed(hours[seen], air[seen]), constant_h)
+
+    first = np.diff(hours[seen], prepend=0) > 1
+    left = np.abs(nights - always[seen])[first]
+    assert np.all(left < 0.3 * np.abs(air - always)[seen].max())
 
 
 def test_steel_comes_behind_air_that_warms_evenly_by_its_time_constant():
@@ -37,12 +53,12 @@ def test_steel_comes_behind_air_that_warms_evenly_by_its_time_constant():
     assert abs(2 * hours[-1] - steel[-1] - 6) < 1e-6
 
 
-def test_every_night_starts_as_warm_as_the_air_and_no_break_within_it_does():
+def test_a_night_forgets_the_one_before_and_no_break_within_it_does():
     """A gap as long as that between nights forgets; a shorter one does not."""
     for gap, forgets in ((NIGHT_GAP_S / HOUR_S + 0.1, True), (NIGHT_GAP_S / HOUR_S - 0.1, False)):
-        steel = steel_c(warmed([0, 1, 1 + gap], [0.0, 10, 10]), 3)
+        steel = steel_c(warmed([0, 1e-3, 1e-3 + gap], [0.0, 10, 10]), 3)
 
-        assert (steel[2] == 10) == forgets
+        assert (abs(steel[2] - 10) < 0.1) == forgets
 
 
 def test_antennas_and_the_order_of_rows_are_kept_apart():
@@ -60,7 +76,8 @@ def test_antennas_and_the_order_of_rows_are_kept_apart():
     blank = np.where(np.arange(8) == 3, np.nan, air)
     found = steel_c(warmed(hours, blank), 1)
     assert np.flatnonzero(np.isnan(found)).tolist() == [3]
-    np.testing.assert_allclose(found[:3], alone[:3])
+    # Without its row the day is another one, by little.
+    np.testing.assert_allclose(found[:3], alone[:3], atol=0.05)
 
 
 def test_the_past_is_missing_without_times_and_at_one_moment():
@@ -68,7 +85,7 @@ def test_the_past_is_missing_without_times_and_at_one_moment():
     at = campaign(60)
     late = [one for one in CATALOGUE["temperature"].variants(at) if one.looks_back]
 
-    assert len(late) == 3 * (len(STEEL_H) + 1)
+    assert len(late) == 3 * 2 * len(STEEL_H)
     for one in late:
         assert one.missing(without(at, "time_utc")) is None
         with pytest.raises(MissingColumn, match="time_utc"):
@@ -83,15 +100,12 @@ def test_the_past_is_missing_without_times_and_at_one_moment():
 
 
 def test_late_steel_needs_a_second_night():
-    """In one night what is late is a slow curve; what is between thin and thick is tried.
-
-    Thin steel is as good as air: it is not tried by itself.
-    """
+    """In one night what is late is a slow curve; what is between thin and thick is tried."""
     one_night = warmed(np.linspace(0, 9, 60), np.linspace(8, 2, 60))
 
     assert {way for way, _ in ways(one_night)} == {"air", BETWEEN}
-    between = [(BETWEEN, hours) for hours in STEEL_H]
-    assert ways(campaign(60)) == [("air", 0), *between, (STEEL, max(STEEL_H))]
+    late = [(way, hours) for way in (BETWEEN, STEEL) for hours in STEEL_H]
+    assert ways(campaign(60)) == [("air", 0), *late]
 
 
 def test_members_come_back_from_what_a_file_holds():
@@ -166,14 +180,14 @@ def cosine(one, other):
     return np.corrcoef(one, other)[0, 1]
 
 
-@pytest.mark.parametrize("hours", [0.75, 1, 1.5, 2, 3, 4, 5])
-def test_two_time_constants_stand_for_all_between(hours):
-    """What steel of another draws, one of the two draws nearly; and what it lacks to the air."""
+@pytest.mark.parametrize("hours", [0.75, 1, 1.5, 2, 3, 4, 5, 6])
+def test_some_time_constants_stand_for_all_between(hours):
+    """What steel of another draws, one of them draws nearly; and what it lacks to the air."""
     at = warmed(*weather())
     night = slice(300, 420)
     true = steel_c(at, hours)[night]
     tried = [steel_c(at, one)[night] for one in STEEL_H]
     air = at.columns["temperature_c"][night]
 
-    assert max(cosine(true, one) for one in tried) > 0.9
-    assert max(cosine(air - true, air - one) for one in tried) > 0.9
+    assert max(cosine(true, one) for one in tried) > 0.96
+    assert max(cosine(air - true, air - one) for one in tried) > 0.96

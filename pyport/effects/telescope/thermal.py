@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.effects.base import (
     AXES,
     SKY,
@@ -106,9 +107,13 @@ _THROUGH: dict[str, Callable[[Circumstances], Array | float]] = {
 #: along elevation as ever.
 _SAGS = "as the tube sags"
 
-#: Time constants of steel that are tried [h], thin and thick. What steel of any between three
-#: quarters of an hour and five hours draws in a night, one of these draws to a cosine of 0.9.
-STEEL_H = (1, 3)
+#: Time constants of steel that are tried [h], thin to thick. What steel of any between three
+#: quarters of an hour and six hours draws in a night, one of these draws to a cosine of 0.97.
+STEEL_H = (1, 2, 4)
+#: Variance of the weather within a night over that of the daily wave: where a night hardly bends the
+#: wave, it is the weather that bends the night. Of more nights it is less in the mean.
+WEATHER = 0.1
+DAY_S = 86400.0
 #: What bends the structure: the air's temperature, that of steel which comes late, and the
 #: difference between thin parts, which are as warm as the air, and thick ones.
 AIR, STEEL, BETWEEN = "air", "steel", "thin less thick"
@@ -137,8 +142,8 @@ def steel_c(at: Circumstances, lag_h: float) -> Array:
 
     It is dT/dt = (T_air - T) / tau, exactly, for air that changes evenly from one recording of an
     antenna to the next. What the air was before a night is not known, nor over any gap as long as
-    that between two nights: there the steel starts as warm as the air, which is off by less than
-    any other guess. NaN where the air's temperature or the time is unknown.
+    that between two nights: there the steel starts as if the air had always gone through its day
+    as it does in these recordings. NaN where the air's temperature or the time is unknown.
 
     Raises `MissingColumn`: the recordings are of one moment, which tells no past.
     """
@@ -151,19 +156,46 @@ def steel_c(at: Circumstances, lag_h: float) -> Array:
     for name in np.unique(antenna):
         rows = np.flatnonzero(known & (antenna == name))
         rows = rows[np.argsort(time[rows], kind="stable")]
-        found[rows] = _low_pass(air[rows], np.diff(time[rows]), lag_h * 3600.0)
+        step_s = np.diff(time[rows])
+        goes_on = step_s <= NIGHT_GAP_S
+        night = np.concatenate([[0], np.cumsum(~goes_on)])
+        begins = air[rows] + _above_air(air[rows], time[rows], night, lag_h * 3600.0)
+        found[rows] = _low_pass(air[rows], begins, step_s, goes_on, lag_h * 3600.0)
     return found
 
 
-def _low_pass(air: Array, step_s: Array, constant_s: float) -> list[float]:
-    """Return what a low pass of the first order makes of temperatures in order of time."""
+def _above_air(air: Array, time: Array, night: Codes, constant_s: float) -> Array:
+    """Return how much warmer than the air [K] steel is if it was always as in these nights, (n,).
+
+    Day by day the air goes as a wave, of which each night shows a part about a mean of its own.
+    """
+    angle = 2 * np.pi * (time / DAY_S % 1)
+    wave = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    columns = np.column_stack([wave, air])
+    means = np.stack([np.bincount(night, one) for one in columns.T], axis=1)
+    columns = columns - (means / np.bincount(night)[:, None])[night]
+    products = columns.T @ columns / len(air)
+    doubt = WEATHER / (1 + night[-1]) * np.eye(2)
+    cosine, sine = np.linalg.solve(products[:2, :2] + doubt, products[:2, 2])
+    # A low pass turns the wave back by an angle whose tangent this is, and makes it smaller.
+    late = 2 * np.pi * constant_s / DAY_S
+    lost = late / (1 + late**2) * np.array([late * cosine + sine, late * sine - cosine])
+    return np.asarray(-wave @ lost)
+
+
+def _low_pass(
+    air: Array, begins: Array, step_s: Array, goes_on: NDArray[np.bool_], constant_s: float
+) -> list[float]:
+    """Return what a low pass of the first order makes of temperatures in order of time.
+
+    Where one recording does not go on from the last it `begins` anew.
+    """
     # Two rows of one moment: the quotient is one in the limit.
     span = np.maximum(step_s / constant_s, 1e-12)
-    goes_on = step_s <= NIGHT_GAP_S
     kept = np.where(goes_on, np.exp(-span), 0.0)
-    late = np.where(goes_on, -np.expm1(-span) / span, 0.0)
-    drawn = air[:-1] * (late - kept) + air[1:] * (1 - late)
-    found = air[:1].tolist()
+    late = -np.expm1(-span) / span
+    drawn = np.where(goes_on, air[:-1] * (late - kept) + air[1:] * (1 - late), begins[1:])
+    found = begins[:1].tolist()
     for share, toward in zip(kept.tolist(), drawn.tolist(), strict=True):
         found.append(found[-1] * share + toward)
     return found
@@ -172,15 +204,14 @@ def _low_pass(air: Array, step_s: Array, constant_s: float) -> list[float]:
 def ways(at: Circumstances) -> list[tuple[str, float]]:
     """Return how the temperature may act, and how many hours late.
 
-    Steel that comes late is thick, for what thin steel draws the air draws as well. It is tried
-    where there is more than one night: in one its temperature is a slow curve, and where that
-    began is not known.
+    Steel itself is tried where there is more than one night: in one its temperature is a slow
+    curve, and where that began is not known.
     """
     found: list[tuple[str, float]] = [(AIR, 0)]
     if "time" in at and np.isfinite(time := at.numbers("time")).all() and np.ptp(time) > 0:
         found += [(BETWEEN, hours) for hours in STEEL_H]
         if np.diff(np.sort(time)).max() > NIGHT_GAP_S:
-            found.append((STEEL, STEEL_H[-1]))
+            found += [(STEEL, hours) for hours in STEEL_H]
     return found
 
 

@@ -89,8 +89,8 @@ class Draft:
 
     Attributes
     ----------
-    within, of_mean
-        Scatter within pointings, and the variance that it leaves to their means.
+    within, readings
+        Scatter within pointings, as their readings have it, and how many each has on average.
     scale
         For every noise of the grid the scatter that it would have, shape (G,).
     chance
@@ -100,7 +100,7 @@ class Draft:
     """
 
     within: float
-    of_mean: float
+    readings: float
     scale: Array
     chance: Array
     grid: Grid
@@ -125,14 +125,17 @@ class Draft:
         for cell in np.flatnonzero(power > 0):
             for amplitude, memory in self.grid.drifts(int(cell)):
                 variance[memory] = variance.get(memory, 0.0) + float(power[cell]) * amplitude**2
-        least = max(0.05 * floor, 1e-14)
-        between = float(np.sqrt(max(float(power.sum()) - self.of_mean, least**2)))
+        least, variance_of_mean = max(0.05 * floor, 1e-14), float(power.sum())
+        # The scatter of a pointing's mean holds what is left of the scatter within it, and three
+        # repeats know that less well than all pointings know the whole.
+        within = min(self.within, float(np.sqrt(variance_of_mean * self.readings)))
+        between = float(np.sqrt(max(variance_of_mean - within**2 / self.readings, least**2)))
         drifts = tuple(
             (float(np.sqrt(one)), memory)
             for memory, one in sorted(variance.items())
             if one > FAINT * power.sum()
         )
-        return Noise(self.within, between, drifts, self.dof, self.how)
+        return Noise(within, between, drifts, self.dof, self.how)
 
 
 def within_reach(grid: Grid) -> float:
@@ -182,7 +185,7 @@ def draft(
         Twice the log-likelihood that a noise may lack before it is out of the question.
     """
     count = np.bincount(part.pointing)
-    within = _within(residual, weight, part, count, floor)
+    within = _within(residual, weight, precision, part, count, floor)
     likelihood = likelihood_of(value, columns, departing, weight, precision, part)
     if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
@@ -193,8 +196,7 @@ def draft(
     chance = _prior(len(grid)) * np.exp(-(lack - lack.min()) / 2)
     return Draft(
         within,
-        # The scatter of a pointing's mean holds what is left of the scatter within it.
-        within**2 / float(np.mean(count)),
+        float(np.mean(count)),
         scale,
         chance / chance.sum(),
         grid,
@@ -269,8 +271,10 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     return np.asarray(chance / chance.sum())
 
 
-def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
-    """Return the scatter of readings about their pointing's mean; zero where each stands alone.
+def _within(
+    residual: Array, weight: Array, precision: Array, part: Series, count: Codes, floor: float
+) -> float:
+    """Return the usual scatter of readings about their pointing's mean; zero where each is alone.
 
     The rms of readings that are no outliers: some repeats that were rounded before a model was
     added are copies of one another, and a robust scatter would be that of the copies.
@@ -282,6 +286,6 @@ def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: f
     mean = np.bincount(part.pointing, weight * residual) / total
     deviation = residual - mean[part.pointing]
     several = count[part.pointing] > 1
-    usual = deviation[several & (weight > 0.5)]
+    usual = (deviation * np.sqrt(precision))[several & (weight > 0.5)]
     rms = float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
     return max(float(np.sqrt(several.sum() / spare)) * rms, floor / 2, 1e-12)
