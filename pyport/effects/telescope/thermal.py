@@ -110,8 +110,8 @@ _SAGS = "as the tube sags"
 #: Time constants of steel that are tried [h], thin to thick. What steel of any between three
 #: quarters of an hour and six hours draws in a night, one of these draws to a cosine of 0.97.
 STEEL_H = (1, 2, 4)
-#: Variance of the weather within a night over that of the daily wave: where a night hardly bends the
-#: wave, it is the weather that bends the night. Of more nights it is less in the mean.
+#: Variance of the weather within a night over that of the daily wave: where a night hardly bends
+#: the wave, it is the weather that bends the night. Of more nights it is less in the mean.
 WEATHER = 0.1
 DAY_S = 86400.0
 #: What bends the structure: the air's temperature, that of steel which comes late, and the
