@@ -135,6 +135,65 @@ def test_offsets_that_rounding_repeats_are_no_note(tmp_path):
         assert read(with_pairs(tmp_path / f"{step}.csv", pairs)).notes == ()
 
 
+def test_offsets_that_were_cut_off_are_said(tmp_path):
+    """Readings pile up at the ends of a range that is too small, in each axis that has one."""
+    pairs = RNG.normal(0, 60, (400, 2))
+    pairs[:, 0] = np.clip(pairs[:, 0], -100, 120)
+    low, high = (np.sum(pairs[:, 0] == end) for end in (-100, 120))
+
+    (note,) = read(with_pairs(tmp_path / "night.csv", pairs)).notes
+
+    assert note == (
+        f"d_az_arcsec ends at -100 in {low} rows and at 120 in {high} rows: "
+        "what was cut off there is only known to be at least as large"
+    )
+
+
+def test_three_that_are_alike_at_an_end_are_chance(tmp_path):
+    """So are more where the next value has as many."""
+    for alike in ([300.0] * 3, [300.0] * 5 + [299.0] * 2):
+        pairs = RNG.normal(0, 60, (100, 2))
+        pairs[: len(alike), 0] = alike
+        assert read(with_pairs(tmp_path / "night.csv", pairs)).notes == ()
+
+
+def over_nights(path: Path, late_h: float, sources: int = 4) -> tuple[str, ...]:
+    """Write four nights of some sources, the times of one of them wrong; return notes."""
+    lines = [f"# latitude_deg: {LATITUDE_DEG}"]
+    lines.append("time_utc,session,source,az_deg,el_deg,d_xel_arcsec,d_el_arcsec")
+    for n in range(4 * ROWS):
+        night, source = divmod(n, ROWS)[0], n % sources
+        minutes = 1440 * night + 6 * (n % ROWS)
+        sidereal = 2 * np.pi * 1.0027379 * minutes / 1440
+        hour_angle, dec = sidereal - 0.4 * source, np.radians(40 + 5 * source)
+        az, el = np.degrees(erfa.hd2ae(hour_angle, dec, np.radians(LATITUDE_DEG)))
+        time = datetime(2024, 1, 1, 18, tzinfo=UTC) + timedelta(minutes=minutes)
+        time += timedelta(hours=late_h * (night == 2))
+        offsets = RNG.normal(0, 60, 2).round(2)
+        row = f"{time:%Y-%m-%dT%H:%M:%S},n{night},S{source}", az % 360, el, *offsets
+        lines.append(",".join(map(str, row)))
+    path.write_text("\n".join(lines) + "\n")
+    return read(path).notes
+
+
+@pytest.mark.parametrize(
+    ("late_h", "says"), [(1.0, "60 min late"), (-1.0, "60 min early"), (0.05, "3 min late")]
+)
+def test_a_night_whose_sources_stand_elsewhere_has_wrong_times(tmp_path, late_h, says):
+    """By as much as the Earth turns; which night, by how much, and which way is said."""
+    (note,) = over_nights(tmp_path / "nights.csv", late_h)
+
+    assert note.startswith("4 sources stand")
+    assert "in session n2 of where they stand in others" in note
+    assert note.endswith(f"its times may be {says}")
+
+
+def test_one_source_that_moved_is_no_wrong_clock(tmp_path):
+    """A planet moves; and sources that stand where they should say nothing."""
+    assert over_nights(tmp_path / "nights.csv", 1.0, sources=1) == ()
+    assert over_nights(tmp_path / "nights.csv", 0.0) == ()
+
+
 def test_fit_diagnosis_and_look_show_the_notes(tmp_path):
     """All of them warn."""
     file = tmp_path / "night.csv"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyport.angles import ARCSEC
+from pyport.columns import COLUMNS
 from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
@@ -102,6 +103,11 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     if said:
         sizes = " and ".join(said)
         remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
+        if (
+            not {one.name for one in COLUMNS if one.weather}
+            & diagnosis.problem.recordings.at.columns.keys()
+        ):
+            remarks.append("no weather is recorded that it might follow, as temperature_c would be")
     if "source" in largest:
         remarks.append(f"{largest['source']}, which counts as noise")
     alone = "which is worth a diagnosis of its own"

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from pyport.recordings.notes import directions, keys, offsets
+from pyport.recordings.notes import directions, keys, offsets, times
 from pyport.recordings.raw import REFRACTION, Raw
 from pyport.recordings.schema import Recordings
 
@@ -23,7 +23,8 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
         "radians": directions.radians(recordings),
         "reader": raw.note,
         "refraction": raw.meta.get(REFRACTION, ""),
-        "offsets": offsets.note(recordings, raw, by_row=by_row),
+        "times": times.note(recordings),
+        "offsets": offsets.note(recordings, raw, by_row=by_row) or offsets.limits(recordings, raw),
     }
     return {kind: text for kind, text in found.items() if text}
 

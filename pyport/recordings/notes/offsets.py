@@ -1,4 +1,4 @@
-"""Offsets that stand for nothing, of which files have one and the same pair in many rows."""
+"""Offsets that stand for nothing, or only for a limit: one value in many rows."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from pyport.recordings.schema import Recordings
 #: other axis: none of 500 files with 40 rows of normal errors, rounded to their sigma or finer,
 #: had a pair in three times as many rows as either.
 MANY = 3
+#: So many equal readings at the end of a range are no chance where the next one stands alone.
+FEWEST_AT_LIMIT = 4
 
 
 def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
@@ -20,11 +22,7 @@ def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
 
     `by_row`: whether `--where` excludes them.
     """
-    names = [
-        name
-        for name in raw.columns
-        if (angle := angle_of(name)) is not None and angle[0] in OFFSETS
-    ]
+    names = _columns(raw)
     if len(names) != 2:
         return ""
     kept = np.isin(raw.line, recordings.line)
@@ -46,3 +44,33 @@ def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
         f"{both} stand together in {rows} of {len(pairs)} rows, which may mean that "
         "nothing was measured there" + f': --where "{others}" excludes them' * by_row
     )
+
+
+def limits(recordings: Recordings, raw: Raw) -> str:
+    """Return at which largest or smallest offsets readings pile up, if they do.
+
+    What was cut off there is only known to be at least as large. Of what is rounded there are fewer
+    readings at the end of the range than beside it.
+    """
+    kept = np.isin(raw.line, recordings.line)
+    found = []
+    for name in _columns(raw):
+        values = raw.numbers(name)[kept]
+        levels, counts = np.unique(values[np.isfinite(values)], return_counts=True)
+        if len(levels) < FEWEST_AT_LIMIT:
+            continue
+        ends = [
+            f"at {levels[end]:.15g} in {counts[end]} rows"
+            for end, beside in ((0, 1), (-1, -2))
+            if counts[end] >= max(FEWEST_AT_LIMIT, MANY * counts[beside])
+        ]
+        if ends:
+            found.append(f"{name} ends {' and '.join(ends)}")
+    cut = "what was cut off there is only known to be at least as large"
+    return f"{', '.join(found)}: {cut}" if found else ""
+
+
+def _columns(raw: Raw) -> list[str]:
+    """Return the columns of offsets."""
+    angles = {name: angle_of(name) for name in raw.columns}
+    return [name for name, angle in angles.items() if angle is not None and angle[0] in OFFSETS]
