@@ -23,9 +23,9 @@ from pyport.errors import BadInput
 _HUSHED = "pyport.quiet"
 #: Exit statuses, as `pyport --help` tells them.
 STATUSES = (
-    "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise); 2 "
-    "for bad input, with one line on standard error; 70 for a fault of the program, with a report "
-    "to send; 130 when interrupted."
+    "Exit status: 0 when the job was done, whatever it found (1 when parity breaks a promise, 3 "
+    "when an alarm ended --exit-on-alarm); 2 for bad input, with one line on standard error; 70 "
+    "for a fault of the program, with a report to send; 130 when interrupted."
 )
 
 
