@@ -107,25 +107,61 @@ def warmed(size):
     return {"read_az": lambda _: 2 * kelvin, "droop": lambda el: -3 * kelvin * np.cos(el)}
 
 
-def steel(hours, step_s=20.0):
-    """Return the temperature of steel that gives its heat to the air, from one row to the next."""
+def daily_wave(air, time, night):
+    """Return the daily wave of the air as a function of time [s], beside a mean of each night.
+
+    Nights say a tenth of the weather's variance against it, all of them together.
+    """
+    nights = night[:, None] == np.unique(night)
+    doubt = np.sqrt(len(air) * 0.1 / nights.shape[1])
+
+    def wave(moment):
+        angle = 2 * np.pi * np.asarray(moment) / 86400
+        return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+    rows = np.block([[wave(time), nights], [doubt * np.eye(2), np.zeros((2, nights.shape[1]))]])
+    found = np.linalg.lstsq(rows, np.append(air, [0, 0]), rcond=None)[0][:2]
+    return lambda moment: wave(moment) @ found
+
+
+def cooled(hours, steel_now, air_of, begin, end, step_s=20.0):
+    """Return steel some time later, in air that is a function of the time, by small steps."""
+    steps = max(1, int((end - begin) / step_s))
+    step = (end - begin) / steps
+    for middle in begin + (np.arange(steps) + 0.5) * step:
+        steel_now += (air_of(middle) - steel_now) / (hours * 3600 + step / 2) * step
+    return steel_now
+
+
+def steel(hours):
+    """Return the temperature of steel that gives its heat to the air, from one row to the next.
+
+    A night begins as after days of the daily wave.
+    """
     air, time = AT.columns["temperature_c"], AT.columns["time"]
-    found = [air[0]]
-    for n in range(1, len(air)):
-        now, apart = found[-1], time[n] - time[n - 1]
-        if apart > 6 * 3600:
-            found.append(air[n])
-            continue
-        steps = max(1, int(apart / step_s))
-        for middle in (np.arange(steps) + 0.5) / steps:
-            toward = air[n - 1] + (air[n] - air[n - 1]) * middle
-            speed = (toward - now) / (hours * 3600 + apart / steps / 2)
-            now += speed * apart / steps
-        found.append(now)
+    apart = np.diff(time, prepend=-np.inf)
+    wave = daily_wave(air, time, np.cumsum(apart > 6 * 3600))
+    found = []
+    for n, gap in enumerate(apart):
+        if gap > 6 * 3600:
+            before = time[n] - 3 * 86400
+            found.append(
+                air[n] - wave(time[n]) + cooled(hours, wave(before), wave, before, time[n])
+            )
+        else:
+            rows = [n - 1, n]
+            found.append(
+                cooled(
+                    hours,
+                    found[-1],
+                    lambda moment, rows=rows: np.interp(moment, time[rows], air[rows]),
+                    *time[rows],
+                )
+            )
     return np.array(found)
 
 
-THICK = steel(3)
+THICK = steel(4)
 COMES_LATE = THICK - AT.columns["temperature_c"].mean()
 WEATHER = [
     mounted(
@@ -135,7 +171,7 @@ WEATHER = [
             "beam_left": s * 2 * ARCSEC * COMES_LATE,
             "droop": lambda _: -s * 3 * ARCSEC * COMES_LATE,
         },
-        variant="the same everywhere, 3 h late",
+        variant="the same everywhere, 4 h late",
     ),
     mounted(
         "temperature",
@@ -146,7 +182,7 @@ WEATHER = [
                 -3 * s * ARCSEC * (AT.columns["temperature_c"] - THICK) * np.cos(el)
             ),
         },
-        variant="as cos E, thin parts against thick ones 3 h late",
+        variant="as cos E, thin parts against thick ones 4 h late",
     ),
     mounted(
         "thermal_tilt",
@@ -354,7 +390,7 @@ DRIVEN = [
         "driven_term",
         (1.5, -2.0),
         lambda s: {"lean": (s * 1.5 * ARCSEC * LATE, -s * 2.0 * ARCSEC * LATE)},
-        variant="tilt follows temperature_c, 3 h late",
+        variant="tilt follows temperature_c, 4 h late",
     ),
     mounted(
         "driven_term",

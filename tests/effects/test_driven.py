@@ -56,7 +56,7 @@ def test_temperature_drives_here_what_it_does_not_drive_elsewhere():
 
     assert warm[:2] == ["tilt follows temperature_c", "refraction follows temperature_c"]
     assert all(name.startswith("tilt follows temperature_c") for name in warm[2:])
-    assert len(warm) - 1 == len(ways(AT)) == 4
+    assert len(warm) - 1 == len(ways(AT)) == 7
 
 
 def test_unknown_conditions_drive_the_tilt_only():
