@@ -55,7 +55,9 @@ def test_tilt_that_follows_the_temperature_is_never_a_change_between_sessions(se
 
     first = diagnose(drawn(300, 6, seed, 3.0, leaning), load("altaz")).findings[0]
 
-    assert (first.effect, first.variant) == ("driven_term", "tilt follows temperature_c")
+    assert first.effect == "driven_term"
+    # An hour in a night is too little to be certain of whether it comes late.
+    assert first.variant in {f"tilt follows temperature_c{late}" for late in ("", ", 1 h late")}
     assert "epoch_tilt" not in first.members
     for parameter, true in zip(first.parameters, per_kelvin, strict=True):
         assert parameter.unit == "arcsec/K"

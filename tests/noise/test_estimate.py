@@ -97,6 +97,21 @@ def test_scatter_within_and_between_pointings_is_found():
     assert noise.how == "replicates"
 
 
+def test_three_repeats_do_not_set_the_noise_of_all_pointings():
+    """By chance they differ four times more than all others: no reading scatters so much."""
+    rng = np.random.default_rng(1)
+    y = rng.normal(scale=1e-5, size=400)
+    given = recordings(400, 1, y)
+    given = replace(given, at=given.at.take(np.repeat(np.arange(400), 1 + (np.arange(400) < 3))))
+    y = np.concatenate([np.repeat(y[:3], 2) + np.tile([4e-5, -4e-5], 3), y[3:]])
+    nothing = np.full(403, np.nan)
+    given = replace(given, x=nothing, y=y, sigma_x=nothing, sigma_y=nothing, line=np.arange(403))
+
+    (noise,) = estimate(y, np.ones((403, 1)), frame(given, stack(given))).noises
+
+    assert np.hypot(noise.within, noise.between) == pytest.approx(1e-5, rel=0.15)
+
+
 @pytest.mark.parametrize("averaged", [True, False])
 def test_what_is_improbable_is_weighed_where_an_average_is_asked_for(monkeypatch, averaged):
     """In the last turn: the first says no more than where the next one starts."""

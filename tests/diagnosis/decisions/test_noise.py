@@ -391,7 +391,7 @@ def test_no_drift_is_as_likely_beforehand_as_all_drifts_together():
 def test_the_noise_is_averaged_over_drifts():
     """Each process stands with its variance times its probability."""
     grid = drift.Grid(np.array([0.0, 2.0]), np.array([0, 0]), (((1.0, 100.0),),))
-    known = drift.Draft(0.0, 0.0, np.array([1.0, 1.0]), np.array([0.75, 0.25]), grid, 50.0, "reml")
+    known = drift.Draft(0.0, 1.0, np.array([1.0, 1.0]), np.array([0.75, 0.25]), grid, 50.0, "reml")
     found = known.noise(known.chance, 0.0)
 
     assert found.between == pytest.approx(1.0)
