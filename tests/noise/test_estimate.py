@@ -221,8 +221,7 @@ def test_repeats_that_are_copies_do_not_shrink_the_scatter(copies):
     pointing = np.repeat(np.arange(20), 2)
     part = SimpleNamespace(pointing=pointing)
 
-    one = np.ones(40)
-    within = drift._within(residual, one, one, part, np.bincount(pointing), 0.0)
+    within = drift._within(residual, np.ones(40), part, np.bincount(pointing), 0.0)
 
     assert within == pytest.approx(np.sqrt(np.mean(apart**2) / 2), rel=1e-3)
 

@@ -185,7 +185,7 @@ def draft(
         Twice the log-likelihood that a noise may lack before it is out of the question.
     """
     count = np.bincount(part.pointing)
-    within = _within(residual, weight, precision, part, count, floor)
+    within = _within(residual, weight, part, count, floor)
     likelihood = likelihood_of(value, columns, departing, weight, precision, part)
     if part.time is None or likelihood.dof < ENOUGH:
         lack, scale = np.full(len(grid), np.inf), np.ones(len(grid))
@@ -271,10 +271,8 @@ def beside(drafts: Sequence[Draft], parts: Sequence[Series], one: int) -> Array:
     return np.asarray(chance / chance.sum())
 
 
-def _within(
-    residual: Array, weight: Array, precision: Array, part: Series, count: Codes, floor: float
-) -> float:
-    """Return the usual scatter of readings about their pointing's mean; zero where each is alone.
+def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: float) -> float:
+    """Return the scatter of readings about their pointing's mean; zero where each stands alone.
 
     The rms of readings that are no outliers: some repeats that were rounded before a model was
     added are copies of one another, and a robust scatter would be that of the copies.
@@ -286,6 +284,6 @@ def _within(
     mean = np.bincount(part.pointing, weight * residual) / total
     deviation = residual - mean[part.pointing]
     several = count[part.pointing] > 1
-    usual = (deviation * np.sqrt(precision))[several & (weight > 0.5)]
+    usual = deviation[several & (weight > 0.5)]
     rms = float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
     return max(float(np.sqrt(several.sum() / spare)) * rms, floor / 2, 1e-12)
