@@ -13,6 +13,7 @@ from pyport import page
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming.noise_remarks import NoiseRemarks, by_elevation, drifts, sentences
+from pyport.diagnosis.naming.remarks import _hides
 from pyport.diagnosis.searching.settling import Dropped
 from pyport.fitting.fit import fit
 from pyport.fitting.soundness import rms_of
@@ -86,6 +87,23 @@ def test_what_all_sources_are_off_by_is_said_where_nothing_is_found():
 
     assert not found["findings"]
     assert "sources differ in the place in the catalogue by " in found["verdict"]
+
+
+@pytest.mark.parametrize(("column", "said"), [("temperature_c", False), ("sensor_7", True)])
+def test_that_no_weather_is_recorded_is_said_of_drifts(column, said):
+    """What they follow cannot be found then."""
+    diagnosis = SimpleNamespace(
+        weighed=SimpleNamespace(
+            covariance=SimpleNamespace(noises=[SimpleNamespace(within=0.0, between=1.0)])
+        ),
+        problem=SimpleNamespace(
+            recordings=SimpleNamespace(at=SimpleNamespace(columns={column: np.zeros(9)}))
+        ),
+    )
+    drifting = [{"axis": "elevation", "rms_arcsec": 5.0}]
+    noise = NoiseRemarks([], drifting, [], [], [])
+
+    assert ("no weather is recorded" in _hides(diagnosis, noise)) == said
 
 
 @pytest.mark.slow
