@@ -112,6 +112,15 @@ def test_three_repeats_do_not_set_the_noise_of_all_pointings():
     assert np.hypot(noise.within, noise.between) == pytest.approx(1e-5, rel=0.15)
 
 
+def test_repeats_and_pointings_that_are_all_the_same_have_a_scatter():
+    """Or a reading of them would weigh infinitely much."""
+    given = recordings(7, 2, np.zeros(14))
+
+    (noise,) = estimate(np.zeros(14), np.ones((14, 1)), frame(given, stack(given))).noises
+
+    assert noise.within >= drift.TINY
+
+
 @pytest.mark.parametrize("averaged", [True, False])
 def test_what_is_improbable_is_weighed_where_an_average_is_asked_for(monkeypatch, averaged):
     """In the last turn: the first says no more than where the next one starts."""

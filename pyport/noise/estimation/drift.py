@@ -29,6 +29,8 @@ SHORTEST_MEMORY, LONGEST_MEMORY = 2.0, 3.0
 MEMORY_STEP = 3.0
 #: What has less of the variance than this is left out.
 FAINT = 1e-4
+#: Repeats scatter by no less than this, though they are equal to the last digit. [rad]
+TINY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,8 @@ class Draft:
         least, variance_of_mean = max(0.05 * floor, 1e-14), float(power.sum())
         # The scatter of a pointing's mean holds what is left of the scatter within it, and three
         # repeats know that less well than all pointings know the whole.
-        within = min(self.within, float(np.sqrt(variance_of_mean * self.readings)))
+        most = max(float(np.sqrt(variance_of_mean * self.readings)), floor / 2, TINY)
+        within = min(self.within, most)
         between = float(np.sqrt(max(variance_of_mean - within**2 / self.readings, least**2)))
         drifts = tuple(
             (float(np.sqrt(one)), memory)
@@ -286,4 +289,4 @@ def _within(residual: Array, weight: Array, part: Series, count: Codes, floor: f
     several = count[part.pointing] > 1
     usual = deviation[several & (weight > 0.5)]
     rms = float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
-    return max(float(np.sqrt(several.sum() / spare)) * rms, floor / 2, 1e-12)
+    return max(float(np.sqrt(several.sum() / spare)) * rms, floor / 2, TINY)
