@@ -27,6 +27,7 @@ PIER_SIDE, OVER = "pier_side", "west"
 #: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
 #: than a summer's day.
 NIGHT_GAP_S = 6 * 3600.0
+DAY_S = 86400.0
 
 
 def mostly_known(values: Array) -> bool:

@@ -76,8 +76,8 @@ def test_antennas_and_the_order_of_rows_are_kept_apart():
     blank = np.where(np.arange(8) == 3, np.nan, air)
     found = steel_c(warmed(hours, blank), 1)
     assert np.flatnonzero(np.isnan(found)).tolist() == [3]
-    # Without its row the day is another one, by little.
-    np.testing.assert_allclose(found[:3], alone[:3], atol=0.05)
+    known = np.isfinite(blank)
+    np.testing.assert_allclose(found[known], steel_c(warmed(hours[known], air[known]), 1))
 
 
 def test_the_past_is_missing_without_times_and_at_one_moment():

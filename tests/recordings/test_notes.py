@@ -157,15 +157,27 @@ def test_three_that_are_alike_at_an_end_are_chance(tmp_path):
         assert read(with_pairs(tmp_path / "night.csv", pairs)).notes == ()
 
 
-def over_nights(path: Path, late_h: float, sources: int = 4) -> tuple[str, ...]:
-    """Write four nights of some sources, the times of one of them wrong; return notes."""
+def over_nights(
+    path: Path,
+    late_h: float,
+    sources: int = 4,
+    *,
+    lowest_deg: float = 40,
+    step_deg: float = 5,
+    spread_deg: float = 0,
+) -> tuple[str, ...]:
+    """Write four nights of some sources, the times of one of them wrong; return notes.
+
+    `spread_deg`: by how much the sources stand further and further off in that night, the last.
+    """
     lines = [f"# latitude_deg: {LATITUDE_DEG}"]
     lines.append("time_utc,session,source,az_deg,el_deg,d_xel_arcsec,d_el_arcsec")
     for n in range(4 * ROWS):
-        night, source = divmod(n, ROWS)[0], n % sources
+        night, source = n // ROWS, n % sources
         minutes = 1440 * night + 6 * (n % ROWS)
         sidereal = 2 * np.pi * 1.0027379 * minutes / 1440
-        hour_angle, dec = sidereal - 0.4 * source, np.radians(40 + 5 * source)
+        hour_angle, dec = sidereal - 0.4 * source, np.radians(lowest_deg + step_deg * source)
+        hour_angle += (night == 2) * np.radians(spread_deg) * source / (sources - 1 or 1)
         az, el = np.degrees(erfa.hd2ae(hour_angle, dec, np.radians(LATITUDE_DEG)))
         time = datetime(2024, 1, 1, 18, tzinfo=UTC) + timedelta(minutes=minutes)
         time += timedelta(hours=late_h * (night == 2))
@@ -192,6 +204,34 @@ def test_one_source_that_moved_is_no_wrong_clock(tmp_path):
     """A planet moves; and sources that stand where they should say nothing."""
     assert over_nights(tmp_path / "nights.csv", 1.0, sources=1) == ()
     assert over_nights(tmp_path / "nights.csv", 0.0) == ()
+
+
+def test_a_clock_is_off_by_more_than_refraction(tmp_path):
+    """Half a degree, which is two minutes: a little less is not said, a little more is."""
+    assert over_nights(tmp_path / "nights.csv", 1.9 / 60) == ()
+    (note,) = over_nights(tmp_path / "nights.csv", 2.1 / 60)
+    assert note.endswith("its times may be 2.1 min late")
+
+
+@pytest.mark.parametrize(("spread_deg", "said"), [(1.2, True), (1.8, False)])
+def test_sources_that_stand_elsewhere_by_different_amounts_are_no_clock(tmp_path, spread_deg, said):
+    """Of 15 deg they may differ by a tenth: planets, or names that were given twice, differ."""
+    notes = over_nights(tmp_path / "nights.csv", 1.0, spread_deg=spread_deg)
+    assert bool(notes) == said
+
+
+def test_near_the_pole_nothing_is_said_of_clocks(tmp_path):
+    """There a right ascension is any."""
+    assert over_nights(tmp_path / "nights.csv", 1.0, lowest_deg=65) != ()
+    assert over_nights(tmp_path / "nights.csv", 1.0, lowest_deg=81, step_deg=1) == ()
+
+
+def test_four_equal_readings_at_an_end_are_a_limit(tmp_path):
+    """Where the next one stands alone."""
+    pairs = RNG.normal(0, 60, (100, 2))
+    pairs[:4, 0] = 300.0
+    (note,) = read(with_pairs(tmp_path / "night.csv", pairs)).notes
+    assert note.startswith("d_az_arcsec ends at 300 in 4 rows: ")
 
 
 def test_fit_diagnosis_and_look_show_the_notes(tmp_path):

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.columns import COLUMNS
 from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.joint import Joint
 from pyport.diagnosis.naming.guards import smallest_seen
 from pyport.diagnosis.naming.noise_remarks import DIFFER, NoiseRemarks
-from pyport.effects.empirical.conditions import MOST_DRIVERS, untried
+from pyport.effects.empirical.conditions import MOST_DRIVERS, OF_WEATHER, untried
 from pyport.fitting.soundness import doubts
 from pyport.models.conditions import undetermined
 from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
@@ -103,10 +102,7 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     if said:
         sizes = " and ".join(said)
         remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
-        if (
-            not {one.name for one in COLUMNS if one.weather}
-            & diagnosis.problem.recordings.at.columns.keys()
-        ):
+        if not OF_WEATHER & diagnosis.problem.recordings.at.columns.keys():
             remarks.append("no weather is recorded that it might follow, as temperature_c would be")
     if "source" in largest:
         remarks.append(f"{largest['source']}, which counts as noise")

@@ -69,21 +69,21 @@ def everywhere(scene: Scene, chosen: Chosen) -> Check:
     Petals that turn over with elevation have as many waves in a turn as a track.
     """
     effect, at = chosen.candidate.effect, scene.problem.recordings.at
-    along_second = effect.on_altaz == "elevation_encoder_harmonics"
+    along_second = _of_second(effect)
     angle = (at.axes.az if along_second else at.axes.el)[scene.problem.stack.row]
     other = at.mount.first if along_second else at.mount.second
     return _the_same(scene, effect, angle, scene.outcome.chosen, f"at every {other.name}")
 
 
 def _the_same(
-    scene: Scene, effect: Effect, angle: Array, beside: Sequence[Chosen], where: str
+    scene: Scene, effect: Effect, angle: Array, beside: tuple[Chosen, ...], where: str
 ) -> Check:
     """Check that a wave times no curve of an angle (m,) has evidence beside what was found."""
     place = 2 * (angle - angle.min()) / max(float(np.ptp(angle)), 1e-300) - 1
     wave = scene.problem.stack.columns(effect, scene.problem.recordings.at)
     bent = np.polynomial.legendre.legvander(place, ORDER)[:, 1:]
     columns = (wave[:, :, None] * bent[:, None]).reshape(len(wave), -1)
-    found = Ground(scene.problem, scene.weighed, tuple(beside)).evidence(columns)
+    found = Ground(scene.problem, scene.weighed, beside).evidence(columns)
     uneven = found > CONVINCING
     how = f"not the same {where}, evidence {found:.0f}" if uneven else f"the same {where}"
     return Check(not uneven, f"the wave is {how}")
@@ -91,8 +91,12 @@ def _the_same(
 
 def may_be_a_bend(effect: Effect) -> bool:
     """Tell whether an effect follows the second angle: its harmonics, and steps of its axis."""
-    harmonic = effect.on_altaz == "elevation_encoder_harmonics"
-    return harmonic or effect.member.get("axis") == "second"
+    return _of_second(effect) or effect.member.get("axis") == "second"
+
+
+def _of_second(effect: Effect) -> bool:
+    """Tell whether an effect is a wave of the second angle."""
+    return effect.on_altaz == "elevation_encoder_harmonics"
 
 
 def bend(scene: Scene, kind: str) -> tuple[Check, str | None]:

@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import DEG, Array
 from pyport.columns import COLUMNS
 from pyport.effects.base import THE_HOUR, Circumstances, MissingColumn
-from pyport.effects.circumstances import mostly_known
+from pyport.effects.circumstances import DAY_S, mostly_known
 from pyport.effects.telescope.rotation import (
     LEAST_ARC,
     OFFSETS_AND_SIZES,
@@ -154,7 +154,7 @@ def _in_order(at: Circumstances) -> list[Driver]:
     others = {name: _free(at, name) for name in at.columns if _may_drive(at, name)}
     ranked = sorted(
         (name for name in others if others[name] > 1 - BY_DIRECTION),
-        key=lambda name: (name not in _CONTRACT, -others[name]),
+        key=lambda name: (name not in OF_WEATHER, -others[name]),
     )
     found = [*known, *(_recorded(at, name) for name in ranked)]
     return [one for one in found if one is not None]
@@ -164,7 +164,7 @@ def _recorded(at: Circumstances, name: str) -> Driver | None:
     """Return a recorded condition less its median here; None where it hardly varies."""
     if not _varies(at, name):
         return None
-    moves = name in _CONTRACT or _KNOWN & set(name.split("_"))
+    moves = name in OF_WEATHER or _KNOWN & set(name.split("_"))
     terms = _BY_AIR.get(name, _OF_MOUNT if moves else _BY_ANYTHING)
     return _about(name, float(np.nanmedian(at.numbers(name))), terms)
 
@@ -196,8 +196,8 @@ def _late(way: str, lag_h: float, centre: float) -> Driver:
     )
 
 
-#: The contract's conditions.
-_CONTRACT = frozenset(one.name for one in COLUMNS if one.weather)
+#: The contract's conditions of the weather.
+OF_WEATHER = frozenset(one.name for one in COLUMNS if one.weather)
 
 
 def _time_of_day(at: Circumstances) -> Driver | None:
@@ -206,7 +206,7 @@ def _time_of_day(at: Circumstances) -> Driver | None:
 
 
 def _hours(at: Circumstances) -> tuple[Array, ...]:
-    angle = at.numbers("time") / 86400 % 1 * 2 * np.pi
+    angle = at.numbers("time") / DAY_S % 1 * 2 * np.pi
     return np.cos(angle), np.sin(angle)
 
 

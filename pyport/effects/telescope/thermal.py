@@ -18,7 +18,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.circumstances import NIGHT_GAP_S
+from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S
 from pyport.effects.sky.frame import sun
 from pyport.effects.telescope.geometry import tilt
 
@@ -113,7 +113,6 @@ STEEL_H = (1, 2, 4)
 #: Variance of the weather within a night over that of the daily wave: where a night hardly bends
 #: the wave, it is the weather that bends the night. Of more nights it is less in the mean.
 WEATHER = 0.1
-DAY_S = 86400.0
 #: What bends the structure: the air's temperature, that of steel which comes late, and the
 #: difference between thin parts, which are as warm as the air, and thick ones.
 AIR, STEEL, BETWEEN = "air", "steel", "thin less thick"

@@ -24,7 +24,7 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
         "reader": raw.note,
         "refraction": raw.meta.get(REFRACTION, ""),
         "times": times.note(recordings),
-        "offsets": offsets.note(recordings, raw, by_row=by_row) or offsets.limits(recordings, raw),
+        "offsets": offsets.note(recordings, raw, by_row=by_row),
     }
     return {kind: text for kind, text in found.items() if text}
 

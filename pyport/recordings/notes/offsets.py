@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 import numpy as np
 
+from pyport.angles import Array
 from pyport.columns import angle_of
 from pyport.recordings.mounted import OFFSETS
 from pyport.recordings.raw import Raw
@@ -18,15 +22,22 @@ FEWEST_AT_LIMIT = 4
 
 
 def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
-    """Return which offsets of both axes stand in more rows than rounding explains, if any do.
+    """Return which offsets stand in more rows than rounding explains, or at a limit, if any do.
 
     `by_row`: whether `--where` excludes them.
     """
-    names = _columns(raw)
-    if len(names) != 2:
-        return ""
+    angles = {name: angle_of(name) for name in raw.columns}
+    names = [name for name, angle in angles.items() if angle is not None and angle[0] in OFFSETS]
     kept = np.isin(raw.line, recordings.line)
-    one, other = (raw.numbers(name)[kept] for name in names)
+    columns = {name: raw.numbers(name)[kept] for name in names}
+    return _pair(columns, by_row=by_row) or _limits(columns)
+
+
+def _pair(columns: Mapping[str, Array], *, by_row: bool) -> str:
+    """Return which offsets of both axes stand together in more rows than rounding explains."""
+    if len(columns) != 2:
+        return ""
+    one, other = columns.values()
     pairs = (one + 1j * other)[np.isfinite(one) & np.isfinite(other)]
     values, counts = np.unique(pairs, return_counts=True)
     if not len(counts):
@@ -37,7 +48,7 @@ def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
     third = np.sort(np.append(counts, [1, 1]))[-3]
     if rows < MANY * max(apart, third):
         return ""
-    pair = list(zip(names, (most.real, most.imag), strict=True))
+    pair = list(zip(columns, (most.real, most.imag), strict=True))
     both = " and ".join(f"{name} {value:.15g}" for name, value in pair)
     others = " or ".join(f"{name} != {value:.15g}" for name, value in pair)
     return (
@@ -46,31 +57,29 @@ def note(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> str:
     )
 
 
-def limits(recordings: Recordings, raw: Raw) -> str:
+def _limits(columns: Mapping[str, Array]) -> str:
     """Return at which largest or smallest offsets readings pile up, if they do.
 
     What was cut off there is only known to be at least as large. Of what is rounded there are fewer
     readings at the end of the range than beside it.
     """
-    kept = np.isin(raw.line, recordings.line)
     found = []
-    for name in _columns(raw):
-        values = raw.numbers(name)[kept]
-        levels, counts = np.unique(values[np.isfinite(values)], return_counts=True)
-        if len(levels) < FEWEST_AT_LIMIT:
-            continue
-        ends = [
-            f"at {levels[end]:.15g} in {counts[end]} rows"
-            for end, beside in ((0, 1), (-1, -2))
-            if counts[end] >= max(FEWEST_AT_LIMIT, MANY * counts[beside])
-        ]
-        if ends:
-            found.append(f"{name} ends {' and '.join(ends)}")
+    for name, column in columns.items():
+        values = column[np.isfinite(column)]
+        ends = [_piled_up(values, end) for end in (np.min, np.max)]
+        if any(ends) and len(np.unique(values)) >= FEWEST_AT_LIMIT:
+            found.append(f"{name} ends {' and '.join(filter(None, ends))}")
     cut = "what was cut off there is only known to be at least as large"
     return f"{', '.join(found)}: {cut}" if found else ""
 
 
-def _columns(raw: Raw) -> list[str]:
-    """Return the columns of offsets."""
-    angles = {name: angle_of(name) for name in raw.columns}
-    return [name for name, angle in angles.items() if angle is not None and angle[0] in OFFSETS]
+def _piled_up(values: Array, end: Callable[[Array], Any]) -> str:
+    """Return how many readings pile up at an end of their range; nothing where they do not."""
+    if not len(values):
+        return ""
+    last = values == end(values)
+    rows, inner = np.count_nonzero(last), values[~last]
+    beside = np.count_nonzero(inner == end(inner)) if len(inner) else 0
+    if rows < max(FEWEST_AT_LIMIT, MANY * beside):
+        return ""
+    return f"at {end(values):.15g} in {rows} rows"

@@ -6,9 +6,10 @@ from collections import defaultdict
 
 import numpy as np
 
-from pyport.angles import DEG, wrap
+from pyport.angles import DEG, Array, Codes, wrap
 from pyport.effects.base import MissingColumn
-from pyport.recordings.schema import Recordings
+from pyport.effects.circumstances import DAY_S
+from pyport.recordings.schema import Recordings, group
 from pyport.recordings.sky import equator
 
 #: Refraction at the horizon is half a degree. [rad]
@@ -19,6 +20,8 @@ FEWEST_SOURCES = 2
 ALIKE = 0.1
 #: Nearer to the pole right ascensions say little. [rad]
 HIGHEST = 80 * DEG
+#: So many rows, evenly chosen, show where sources stand.
+MOST_ROWS = 10_000
 TURNS_PER_DAY = 1.00273781191135448  #: of the Earth, in a day of UTC
 
 
@@ -27,24 +30,20 @@ def note(recordings: Recordings) -> str:
 
     A source has one right ascension: what all of them are off by in one session, its times are.
     """
-    at = recordings.at
-    if not {"time", "source", "session"} <= at.columns.keys():
+    if not {"time", "source", "session"} <= recordings.at.columns.keys():
         return ""
+    recordings = recordings.take(slice(None, None, len(recordings) // MOST_ROWS + 1))
+    at = recordings.at
     try:
         hour_angle, dec = equator(at.az, at.el, at.latitude())
     except MissingColumn:
         return ""
-    days = at.numbers("time") / 86400
-    east = wrap(2 * np.pi * TURNS_PER_DAY * (days - np.nanmin(days)) - hour_angle)
-    good = np.isfinite(east) & (np.abs(dec) < HIGHEST)
-    session, source = (np.asarray(at.column(name)).astype(str) for name in ("session", "source"))
+    east = wrap(2 * np.pi * TURNS_PER_DAY / DAY_S * at.numbers("time") - hour_angle)
+    good = np.flatnonzero(np.isfinite(east) & (np.abs(dec) < HIGHEST))
     off: dict[str, list[float]] = defaultdict(list)
-    for name in {*source[good]} - {""}:
-        own = np.flatnonzero(good & (source == name))
-        place = wrap(east[own] - east[own[0]])
-        of_each = {one: np.median(place[session[own] == one]) for one in {*session[own]}}
+    for of_each in _places(recordings, east, good):
         for one, value in of_each.items():
-            others = [other for label, other in of_each.items() if label != one]
+            others = [other for session, other in of_each.items() if session != one]
             if others:
                 off[one].append(float(wrap(value - np.median(others))))
     apart = {
@@ -58,9 +57,23 @@ def note(recordings: Recordings) -> str:
         return ""
     # A session that shares its sources with none but that one stands off as well.
     one = max(sorted(apart), key=lambda name: len(off[name]))
-    minutes = abs(apart[one]) / (2 * np.pi * TURNS_PER_DAY) * 1440
+    minutes = abs(apart[one]) / (2 * np.pi * TURNS_PER_DAY) * DAY_S / 60
     return (
         f"{len(off[one])} sources stand {abs(apart[one]) / DEG:.3g} deg "
         f"{'east' if apart[one] > 0 else 'west'} in session {one} of where they stand in others: "
         f"its times may be {minutes:.3g} min {'late' if apart[one] > 0 else 'early'}"
     )
+
+
+def _places(recordings: Recordings, east: Array, rows: Codes) -> list[dict[str, float]]:
+    """Return where each source stood in each session [rad], from where one of its rows has it."""
+    code, names = group(recordings, ("source", "session"))
+    rows = rows[np.argsort(code[rows], kind="stable")]
+    found: dict[str, dict[str, float]] = defaultdict(dict)
+    first: dict[str, float] = {}
+    for own in np.split(rows, np.flatnonzero(np.diff(code[rows])) + 1):
+        if not len(own) or not (source := names[code[own[0]]][0]):
+            continue
+        place = wrap(east[own] - first.setdefault(source, east[own[0]]))
+        found[source][names[code[own[0]]][1]] = float(np.median(place))
+    return list(found.values())
