@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from pyport.angles import Array, Codes
 from pyport.noise.pointings import pointings
@@ -62,6 +63,12 @@ class Series:
     def first(self) -> Codes:
         """Return the index in the stack of the first reading of each pointing."""
         return self.rows[np.unique(self.pointing, return_index=True)[1]]
+
+    @cached_property
+    def sums(self) -> csr_array:
+        """Return what sums the readings of each pointing, (p, m)."""
+        rows = self.pointing, np.arange(len(self.rows))
+        return csr_array((np.ones(len(self.rows)), rows))
 
     @cached_property
     def lone(self) -> NDArray[np.bool_]:

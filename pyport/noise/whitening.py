@@ -9,8 +9,10 @@ What both axes, sessions and sources share is added by `covariance`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array, eye_array
 
 from pyport.angles import Array
 from pyport.noise.series import Noise, Series
@@ -19,6 +21,81 @@ from pyport.pointing import kernel
 #: A reading of less weight than this is an outlier; its variance is taken as `FAR` [rad^2].
 NO_WEIGHT = 1e-9
 FAR = 1e4
+
+
+@dataclass(frozen=True)
+class Pointings:
+    """The pointings of a series: the means of their readings, and how each differs from its own.
+
+    Attributes
+    ----------
+    variance
+        Of the mean of each pointing, drift apart [rad^2], shape (p,).
+    averaging
+        What makes the means of the readings, (p, n); None where each reading is a pointing, in
+        their order.
+    deviating
+        What makes whitened deviations from them, (n, n); None where there are none: all stand
+        alone. The deviation of a reading that stands alone is zero.
+    """
+
+    variance: Array
+    averaging: csr_array | None
+    deviating: csr_array | None
+
+    def means(self, columns: Array) -> Array:
+        """Return the means (p, K) of columns (n, K)."""
+        return columns if self.averaging is None else np.asarray(self.averaging @ columns)
+
+
+def pointings_of(weights: Array, precision: Array, part: Series, noise: Noise) -> Pointings:
+    """Return the pointings of a series whose readings have some robust weights and precision, (n,).
+
+    The scatter of a lone reading is `within` and `between` together, and its weight is that of
+    both.
+    """
+    variance, own = _variances(weights, precision, part, noise)
+    if own is None:
+        return Pointings(variance, None if part.order is None else part.sums, None)
+    averaging = part.sums.copy()
+    averaging.data = (own / np.bincount(part.pointing, own)[part.pointing])[averaging.indices]
+    if noise.within == 0:
+        return Pointings(variance, averaging, None)
+    several = diags_array(np.where(part.lone, 0.0, np.sqrt(own)))
+    deviating = several @ (eye_array(len(own)) - part.sums.T @ averaging)
+    return Pointings(variance, averaging, csr_array(deviating))
+
+
+def _variances(
+    weights: Array, precision: Array, part: Series, noise: Noise
+) -> tuple[Array, Array | None]:
+    """Return the variance of each pointing's mean (p,) and the precision of each reading (n,).
+
+    The precision about its pointing's mean: None where all stand alone.
+    """
+    count = part.readings
+    if count.max() == 1:
+        if part.order is not None:
+            weights, precision = weights[part.order], precision[part.order]
+        variance = (noise.between**2 + noise.within**2) / np.maximum(weights * precision, 1e-12)
+        return np.where(weights < NO_WEIGHT, FAR, variance), None
+    own = np.maximum(weights * precision, 1e-12) / (noise.within or 1.0) ** 2
+    best = np.zeros(len(count))
+    # Where repeats scatter their weights stand in `own`; a lone reading's is that of both scatters.
+    apart = ~part.lone & (noise.within > 0)
+    np.maximum.at(best, part.pointing, np.where(apart, 1.0, weights) * precision)
+    variance = noise.between**2 / np.maximum(best, 1e-12)
+    if noise.within > 0:
+        variance = variance + 1 / np.bincount(part.pointing, own)
+    # An outlier says nothing, whatever the noise: its variance must not move with it.
+    heaviest = np.zeros(len(count))
+    np.maximum.at(heaviest, part.pointing, weights)
+    return np.where(heaviest < NO_WEIGHT, FAR, variance), own
+
+
+def variance_of_means(weights: Array, precision: Array, part: Series, noise: Noise) -> Array:
+    """Return the variance of each pointing's mean, drift apart [rad^2], shape (p,)."""
+    return _variances(weights, precision, part, noise)[0]
 
 
 def whiten_series(
@@ -32,9 +109,10 @@ def whiten_series(
         Rows of the series: columns (n, K), robust weights (n,), one for an ordinary reading,
         and relative precision (n,), one for a reading of usual scatter.
     """
-    means, variance, deviations = by_pointing(columns, weights, precision, part, noise)
-    white = decorrelate(means, variance, part, noise)
-    directions, power = centring(variance, part, noise)
+    seen = pointings_of(weights, precision, part, noise)
+    white = decorrelate(seen.means(columns), seen.variance, part, noise)
+    directions, power = centring(seen.variance, part, noise)
+    deviations = None if seen.deviating is None else np.asarray(seen.deviating @ columns)
     return _scaled(white, directions, 1 / np.sqrt(power)), deviations
 
 
@@ -51,7 +129,7 @@ def whiten_lone(
     if not part.alone or noise.centred:
         return False
     rows = part.rows
-    variance = by_pointing(columns[:0], weights[rows], precision[rows], part, noise)[1]
+    variance = variance_of_means(weights[rows], precision[rows], part, noise)
     drifts = () if part.time is None else noise.drifts
     return kernel.whiten(columns, variance, part.time, drifts, (rows, out)) is not None
 
@@ -61,53 +139,16 @@ def products(
 ) -> Array | None:
     """Return the products of what `whiten_series` returns of columns (n, K): shape (K, K).
 
-    None where the kernel cannot: readings that share a pointing, drifts that are centred.
+    None where the kernel cannot: drifts that are centred.
     """
-    if not part.alone or noise.centred:
+    if noise.centred:
         return None
-    variance = variance_of_means(weights, precision, part, noise)
-    found = kernel.products(columns, variance, part.time, noise.drifts)
-    return None if found is None else found[1]
-
-
-def by_pointing(
-    columns: Array, weights: Array, precision: Array, part: Series, noise: Noise
-) -> tuple[Array, Array, Array | None]:
-    """Return each pointing's mean, the variance of that mean, and whitened deviations from it.
-
-    A lone reading has no deviation; its scatter is `within` and `between` together, and its
-    weight is that of both. Where all stand alone there are no deviations.
-    """
-    count = part.readings
-    if count.max() == 1:
-        if part.order is not None:
-            columns, weights = columns[part.order], weights[part.order]
-            precision = precision[part.order]
-        variance = (noise.between**2 + noise.within**2) / np.maximum(weights * precision, 1e-12)
-        variance = np.where(weights < NO_WEIGHT, FAR, variance)
-        return columns, variance, None
-    own = _precisions(weights, precision, noise)
-    total = np.bincount(part.pointing, own)
-    means = np.empty((len(count), columns.shape[1]))
-    for k, column in enumerate(columns.T):
-        means[:, k] = np.bincount(part.pointing, own * column) / total
-    deviations, best = np.zeros_like(columns), np.zeros(len(count))
-    # Where repeats scatter their weights stand in `own`; a lone reading's is that of both scatters.
-    apart = (count[part.pointing] > 1) & (noise.within > 0)
-    np.maximum.at(best, part.pointing, np.where(apart, 1.0, weights) * precision)
-    variance = noise.between**2 / np.maximum(best, 1e-12)
-    if noise.within > 0:
-        deviations = (columns - means[part.pointing]) * np.sqrt(own)[:, None]
-        variance = variance + 1 / total
-    # An outlier says nothing, whatever the noise: its variance must not move with it.
-    heaviest = np.zeros(len(count))
-    np.maximum.at(heaviest, part.pointing, weights)
-    return means, np.where(heaviest < NO_WEIGHT, FAR, variance), deviations
-
-
-def variance_of_means(weights: Array, precision: Array, part: Series, noise: Noise) -> Array:
-    """Return the variance of each pointing's mean, drift apart [rad^2], shape (p,)."""
-    return by_pointing(np.zeros((len(weights), 0)), weights, precision, part, noise)[1]
+    seen = pointings_of(weights, precision, part, noise)
+    means = columns if seen.averaging is None else columns.combined(seen.averaging)
+    found = kernel.products(means, seen.variance, part.time, noise.drifts)
+    if found is None or seen.deviating is None:
+        return None if found is None else found[1]
+    return found[1] + columns.combined(seen.deviating[~part.lone]).products()
 
 
 def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> Array:
@@ -199,25 +240,19 @@ def unwhiten_series(
     means: Array, deviations: Array, weights: Array, precision: Array, part: Series, noise: Noise
 ) -> Array:
     """Return the transpose of `whiten_series`: columns (n, K) of means (p, K) and deviations."""
-    variance = variance_of_means(weights, precision, part, noise)
-    directions, power = centring(variance, part, noise)
+    seen = pointings_of(weights, precision, part, noise)
+    directions, power = centring(seen.variance, part, noise)
     means = _scaled(means, directions, 1 / np.sqrt(power))
     if part.time is None or not noise.drifts:
-        inner = means / np.sqrt(variance)[:, None]
+        inner = means / np.sqrt(seen.variance)[:, None]
     else:
         from celerite2 import driver
 
-        d, *triangle = _triangle(variance, part.time, noise.drifts)
+        d, *triangle = _triangle(seen.variance, part.time, noise.drifts)
         z = np.ascontiguousarray(means / np.sqrt(d)[:, None])
         inner = driver.solve_upper(*triangle, z, np.empty_like(z))
-    if part.readings.max() == 1:
-        return inner[part.pointing]
-    own = _precisions(weights, precision, noise)
-    share = (own / np.bincount(part.pointing, own)[part.pointing])[:, None]
-    if noise.within == 0:
-        return share * inner[part.pointing]
-    inside = np.sqrt(own)[:, None] * deviations
-    return share * (inner - _pooled(inside, part))[part.pointing] + inside
+    out = inner if seen.averaging is None else np.asarray(seen.averaging.T @ inner)
+    return out if seen.deviating is None else np.asarray(out + seen.deviating.T @ deviations)
 
 
 def series_errors(
@@ -227,8 +262,8 @@ def series_errors(
 
     Those of the pointings' means, (p, K), and of the deviations from them, (n, K).
     """
-    variance = variance_of_means(weights, precision, part, noise)
-    pooled = _pooled(estimators, part)
+    variance, own = _variances(weights, precision, part, noise)
+    pooled = np.asarray(part.sums @ estimators)
     if part.time is None or not noise.drifts:
         outer = pooled * np.sqrt(variance)[:, None]
     else:
@@ -238,20 +273,7 @@ def series_errors(
         outer = driver.matmul_upper(*triangle, pooled, pooled.copy()) * np.sqrt(d)[:, None]
     directions, power = centring(variance, part, noise)
     outer = _scaled(outer, directions, np.sqrt(power))
-    if part.readings.max() == 1 or noise.within == 0:
+    if own is None or noise.within == 0:
         return outer, None
-    own = _precisions(weights, precision, noise)
     root, total = np.sqrt(own)[:, None], np.bincount(part.pointing, own)
     return outer, estimators / root - root * (pooled / total[:, None])[part.pointing]
-
-
-def _precisions(weights: Array, precision: Array, noise: Noise) -> Array:
-    """Return one over the variance of each reading about its pointing's mean, shape (n,)."""
-    return np.asarray(np.maximum(weights * precision, 1e-12) / (noise.within or 1.0) ** 2)
-
-
-def _pooled(columns: Array, part: Series) -> Array:
-    """Return the sums (p, K) of columns (n, K) over the readings of each pointing."""
-    out = np.zeros((len(part.readings), columns.shape[1]))
-    np.add.at(out, part.pointing, columns)
-    return out

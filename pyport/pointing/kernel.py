@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from pyport.angles import Array, Codes
 from pyport.least_squares import robust
 from pyport.pointing import compiled
 from pyport.pointing.leaning import Leaning
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 #: The kernel in use, None where numpy does the work.
 KERNEL = compiled.KERNEL
@@ -170,6 +174,15 @@ class Columns:
     def beside(self, full: Array) -> Columns:
         """Return the first q columns and others, (n, p)."""
         return replace(self, full=np.ascontiguousarray(full))
+
+    def combined(self, by: csr_array) -> Columns:
+        """Return sums (s, q + p) of rows, each of them by its factors, (s, n)."""
+        from scipy.sparse import csr_array
+
+        own = csr_array((self.numbers, self.places, self.starts), (len(self.full), self.q))
+        few = (by @ own).sorted_indices()
+        starts, places = few.indptr.astype(np.intp), few.indices.astype(np.intp)
+        return Columns(starts, places, few.data, np.asarray(by @ self.full), self.q)
 
     def products(self) -> Array:
         """Return the products of all columns, (q + p, q + p)."""

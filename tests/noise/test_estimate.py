@@ -84,6 +84,26 @@ def test_whitened_products_are_those_of_the_inverse_covariance(noise):
     )
 
 
+@pytest.mark.parametrize("centred", [False, True])
+def test_a_few_repeats_are_whitened_as_their_products_say(centred):
+    """Products made without whitened columns are theirs, and whitening has its transpose."""
+    rng = np.random.default_rng(4)
+    given = recordings(30, 1, rng.normal(size=30))
+    given = given.take(np.sort(np.concatenate([np.arange(30), [4, 17, 17]])))
+    columns, moved = rng.normal(size=(33, 3)), np.zeros((33, 2))
+    moved[:16, 0], moved[16:, 1] = rng.normal(size=16), rng.normal(size=17)
+    noise = Noise(0.3, 0.5, ((0.8, 300.0),), centred=centred)
+    departing = (Departures("zero", "session", "", ("a", "b"), moved, 0.7),)
+    found = plain(given, noise, departing)
+    found.weights[[2, 18]] = 0.4, 1e-12
+
+    white = found.whiten(columns)
+
+    np.testing.assert_allclose(found.products(columns), white.T @ white, rtol=1e-9)
+    back, unit = rng.normal(size=(len(white), 2)), np.eye(33)
+    np.testing.assert_allclose(found.unwhiten(back), found.whiten(unit).T @ back, atol=1e-9)
+
+
 def test_scatter_within_and_between_pointings_is_found():
     """Two readings of each pointing tell both parts of the noise."""
     rng = np.random.default_rng(1)

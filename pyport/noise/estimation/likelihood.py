@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from pyport.angles import Array
 from pyport.noise.series import Noise, Series
-from pyport.noise.whitening import FAR, by_pointing, factor, variance_of_means
+from pyport.noise.whitening import FAR, factor, pointings_of
 from pyport.pointing import kernel
 
 
@@ -87,13 +87,13 @@ def likelihood_of(
     """Return the likelihood of a series' pointings, outliers left out; see `drift.draft`."""
     given = departing.columns.beside(np.concatenate([columns, value[:, None]], axis=1))
     unit = Noise(0.0, 1.0)
-    variance = variance_of_means(weight, precision, part, unit)
-    kept = variance < FAR
+    seen = pointings_of(weight, precision, part, unit)
+    kept = seen.variance < FAR
     if not (part.alone and kept.all()):
-        means = by_pointing(given.dense(), weight, precision, part, unit)[0]
-        given = kernel.Columns.of(means[kept], given.q)
+        averaging = part.sums if seen.averaging is None else seen.averaging
+        given = given.combined(averaging[kept])
     time = None if part.time is None else part.time[kept]
-    return Likelihood(given, variance[kept], time, departing.faint)
+    return Likelihood(given, seen.variance[kept], time, departing.faint)
 
 
 def _without(seen: Array, faint: Array) -> tuple[float, float]:
