@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, eye_array
 
 from pyport.angles import Array
 from pyport.noise.series import Noise, Series
@@ -22,6 +21,9 @@ from pyport.pointing import kernel
 NO_WEIGHT = 1e-9
 FAR = 1e4
 
+#: Amplitude and memory [s] of each Ornstein-Uhlenbeck process.
+Drifts = Sequence[tuple[float, float]]
+
 
 @dataclass(frozen=True)
 class Pointings:
@@ -29,23 +31,44 @@ class Pointings:
 
     Attributes
     ----------
+    part
+        The series.
     variance
         Of the mean of each pointing, drift apart [rad^2], shape (p,).
-    averaging
-        What makes the means of the readings, (p, n); None where each reading is a pointing, in
-        their order.
-    deviating
-        What makes whitened deviations from them, (n, n); None where there are none: all stand
-        alone. The deviation of a reading that stands alone is zero.
+    share
+        Of each reading in its pointing's mean, shape (n,); None where all stand alone.
+    root
+        One over the scatter of each reading about that mean, shape (n,), zero where it stands
+        alone; None where none scatters.
     """
 
+    part: Series
     variance: Array
-    averaging: csr_array | None
-    deviating: csr_array | None
+    share: Array | None = None
+    root: Array | None = None
 
     def means(self, columns: Array) -> Array:
         """Return the means (p, K) of columns (n, K)."""
-        return columns if self.averaging is None else np.asarray(self.averaging @ columns)
+        if self.share is None:
+            return columns if self.part.order is None else columns[self.part.order]
+        return np.asarray(self.part.sums @ (self.share[:, None] * columns))
+
+    def products(self, columns: kernel.Columns, drifts: Drifts) -> Array | None:
+        """Return the products (K, K) of whitened columns (n, K); None without the kernel."""
+        means = self.means_of(columns)
+        found = kernel.products(means, self.variance, self.part.time, drifts)
+        if found is None or self.root is None:
+            return None if found is None else found[1]
+        apart = np.flatnonzero(self.root)
+        own = columns.beside_means(means, apart, self.part.pointing[apart], self.root[apart])
+        return found[1] + own.products()
+
+    def means_of(self, columns: kernel.Columns) -> kernel.Columns:
+        """Return the means (p, K) of columns (n, K) of which many numbers are zero."""
+        if self.share is None and self.part.order is None:
+            return columns
+        ones = np.ones(len(self.part.rows))
+        return columns.summed(self.part.sums, ones if self.share is None else self.share)
 
 
 def pointings_of(weights: Array, precision: Array, part: Series, noise: Noise) -> Pointings:
@@ -56,14 +79,10 @@ def pointings_of(weights: Array, precision: Array, part: Series, noise: Noise) -
     """
     variance, own = _variances(weights, precision, part, noise)
     if own is None:
-        return Pointings(variance, None if part.order is None else part.sums, None)
-    averaging = part.sums.copy()
-    averaging.data = (own / np.bincount(part.pointing, own)[part.pointing])[averaging.indices]
-    if noise.within == 0:
-        return Pointings(variance, averaging, None)
-    several = diags_array(np.where(part.lone, 0.0, np.sqrt(own)))
-    deviating = several @ (eye_array(len(own)) - part.sums.T @ averaging)
-    return Pointings(variance, averaging, csr_array(deviating))
+        return Pointings(part, variance)
+    share = own / np.bincount(part.pointing, own)[part.pointing]
+    root = np.where(part.lone, 0.0, np.sqrt(own)) if noise.within > 0 else None
+    return Pointings(part, variance, share, root)
 
 
 def _variances(
@@ -110,10 +129,11 @@ def whiten_series(
         and relative precision (n,), one for a reading of usual scatter.
     """
     seen = pointings_of(weights, precision, part, noise)
-    white = decorrelate(seen.means(columns), seen.variance, part, noise)
+    means = seen.means(columns)
+    white = decorrelate(means, seen.variance, part, noise)
     directions, power = centring(seen.variance, part, noise)
-    deviations = None if seen.deviating is None else np.asarray(seen.deviating @ columns)
-    return _scaled(white, directions, 1 / np.sqrt(power)), deviations
+    apart = None if seen.root is None else seen.root[:, None] * (columns - means[part.pointing])
+    return _scaled(white, directions, 1 / np.sqrt(power)), apart
 
 
 def whiten_lone(
@@ -143,12 +163,7 @@ def products(
     """
     if noise.centred:
         return None
-    seen = pointings_of(weights, precision, part, noise)
-    means = columns if seen.averaging is None else columns.combined(seen.averaging)
-    found = kernel.products(means, seen.variance, part.time, noise.drifts)
-    if found is None or seen.deviating is None:
-        return None if found is None else found[1]
-    return found[1] + columns.combined(seen.deviating[~part.lone]).products()
+    return pointings_of(weights, precision, part, noise).products(columns, noise.drifts)
 
 
 def decorrelate(columns: Array, variance: Array, part: Series, noise: Noise) -> Array:
@@ -192,7 +207,7 @@ def _scaled(white: Array, directions: Array, by: Array) -> Array:
 
 
 def factor(
-    columns: Array, variance: Array, time: Array | None, drifts: Sequence[tuple[float, float]]
+    columns: Array, variance: Array, time: Array | None, drifts: Drifts
 ) -> tuple[Array, Array]:
     """Whiten columns (n, K) under independent noise and drifts, in linear time.
 
@@ -218,7 +233,7 @@ def factor(
 
 
 def _triangle(
-    variance: Array, time: Array, drifts: Sequence[tuple[float, float]]
+    variance: Array, time: Array, drifts: Drifts
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Return the diagonal of the covariance's factors L D L', and what makes L.
 
@@ -251,8 +266,13 @@ def unwhiten_series(
         d, *triangle = _triangle(seen.variance, part.time, noise.drifts)
         z = np.ascontiguousarray(means / np.sqrt(d)[:, None])
         inner = driver.solve_upper(*triangle, z, np.empty_like(z))
-    out = inner if seen.averaging is None else np.asarray(seen.averaging.T @ inner)
-    return out if seen.deviating is None else np.asarray(out + seen.deviating.T @ deviations)
+    if seen.share is None:
+        return inner[part.pointing]
+    share = seen.share[:, None]
+    if seen.root is None:
+        return share * inner[part.pointing]
+    inside = seen.root[:, None] * deviations
+    return share * (inner - part.sums @ inside)[part.pointing] + inside
 
 
 def series_errors(

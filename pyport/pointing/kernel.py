@@ -175,14 +175,33 @@ class Columns:
         """Return the first q columns and others, (n, p)."""
         return replace(self, full=np.ascontiguousarray(full))
 
-    def combined(self, by: csr_array) -> Columns:
-        """Return sums (s, q + p) of rows, each of them by its factors, (s, n)."""
+    @cached_property
+    def few(self) -> csr_array:
+        """Return the first q columns, (n, q)."""
         from scipy.sparse import csr_array
 
-        own = csr_array((self.numbers, self.places, self.starts), (len(self.full), self.q))
-        few = (by @ own).sorted_indices()
-        starts, places = few.indptr.astype(np.intp), few.indices.astype(np.intp)
-        return Columns(starts, places, few.data, np.asarray(by @ self.full), self.q)
+        return csr_array((self.numbers, self.places, self.starts), (len(self.full), self.q))
+
+    def _with(self, few: csr_array, full: Array) -> Columns:
+        """Return other rows of as many columns."""
+        places = few.indptr.astype(np.intp), few.indices.astype(np.intp)
+        return Columns(*places, few.data, np.ascontiguousarray(full), self.q)
+
+    def of_rows(self, rows: NDArray[np.bool_]) -> Columns:
+        """Return some of the rows."""
+        return self._with(self.few[rows], self.full[rows])
+
+    def summed(self, sums: csr_array, by: Array) -> Columns:
+        """Return sums (s, q + p) of the rows times numbers (n,)."""
+        numbers = self.numbers * np.repeat(by, np.diff(self.starts))
+        few = sums @ replace(self, numbers=numbers).few
+        return self._with(few.sorted_indices(), sums @ (by[:, None] * self.full))
+
+    def beside_means(self, means: Columns, rows: Codes, whose: Codes, by: Array) -> Columns:
+        """Return some rows (r,) less those means that are theirs (r,), times numbers (r,)."""
+        few = (self.few[rows] - means.few[whose]).sorted_indices()
+        few.data *= np.repeat(by, np.diff(few.indptr))
+        return self._with(few, by[:, None] * (self.full[rows] - means.full[whose]))
 
     def products(self) -> Array:
         """Return the products of all columns, (q + p, q + p)."""

@@ -90,8 +90,7 @@ def likelihood_of(
     seen = pointings_of(weight, precision, part, unit)
     kept = seen.variance < FAR
     if not (part.alone and kept.all()):
-        averaging = part.sums if seen.averaging is None else seen.averaging
-        given = given.combined(averaging[kept])
+        given = seen.means_of(given).of_rows(kept)
     time = None if part.time is None else part.time[kept]
     return Likelihood(given, seen.variance[kept], time, departing.faint)
 
