@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -26,41 +27,76 @@ from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING
 
 
-def confirmed_changes(
+@dataclass(frozen=True)
+class Changes:
+    """The changes that are proposed in a turn, beside noise that holds still.
+
+    Attributes
+    ----------
+    chosen, trials
+        What stands in the turn, and all that was tried there.
+    still
+        The noise that holds still.
+    waves
+        The wave that is proposed, if any.
+    moved
+        Steps at their best moment and other changes, worth a look beside noise estimated anew.
+    """
+
+    chosen: tuple[Chosen, ...]
+    trials: Sequence[CandidateFit]
+    still: Covariance
+    waves: list[Contender]
+    moved: list[Contender]
+
+    def confirmed(self, *, in_pairs: bool) -> list[Contender]:
+        """Return each with its evidence beside noise estimated anew.
+
+        In pairs those that do not convince have that of the lasting effect beside them, too.
+        """
+        sure_of = partial(self._sure_of, in_pairs=in_pairs)
+        found = side_by_side(sure_of, [one for one in self.moved if not one.effect.part_of])
+        standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
+        parts = [
+            one
+            for one in self.moved
+            if one.effect.part_of in standing and _is_all_of_it(one, self.moved)
+        ]
+        return [*found, *side_by_side(sure_of, parts), *self.waves]
+
+    def _sure_of(self, one: Contender, *, in_pairs: bool) -> Contender:
+        # Beside noise that holds still it gained what the noise would have taken.
+        sure = evidence_anew(one, self.chosen)
+        if sure <= CONVINCING and in_pairs:
+            one, sure = _beside_it(one, sure, self.still, self.chosen, self.trials)
+        trial = replace(one.trial, evidence=sure, gain=sure)
+        beside = self.waves[0].beside if self.waves else None
+        return replace(one, trial=trial, beside=beside, sure=sure)
+
+
+def changes_of(
     problem: Problem,
     present: Covariance,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
     banned: Collection[str] = (),
     above: float = -np.inf,
-) -> list[Contender]:
-    """Return the changes that are proposed, each with its evidence beside noise estimated anew.
+) -> Changes:
+    """Return the changes that promise more than `above` beside noise that holds still.
 
-    Only those that promise more than `above` beside noise that holds still: steps at their best
-    moment, for hours beside it a drift does as well. `present` is the noise of the turn.
+    Steps are at their best moment: for hours beside it a drift does as well. `present` is the
+    noise of the turn.
     """
     waves = []
     if OSCILLATION not in banned:
         waves = waves_of(problem, chosen, oscillations.proposed(problem, present, chosen, above))
     # What wins must be distinguished from a wave: its columns stand in the case of every change.
-    wider, beside = (waves[0].problem, waves[0].beside) if waves else (problem, None)
+    wider = waves[0].problem if waves else problem
     still, best = proposed(problem, present, chosen, trials, banned)
     moved = [refined(wider, still, chosen, trial) for trial in best]
-
-    def sure_of(one: Contender) -> Contender:
-        # Beside noise that holds still it gained what the noise would have taken.
-        sure = evidence_anew(one, chosen)
-        if sure <= CONVINCING:
-            one, sure = _beside_it(one, sure, still, chosen, trials)
-        trial = replace(one.trial, evidence=sure, gain=sure)
-        return replace(one, trial=trial, beside=beside, sure=sure)
-
     least = max(CONVINCING, above)
     worth = [one for one in moved if one.trial.evidence > least]
-    found = side_by_side(sure_of, [one for one in worth if not one.effect.part_of])
-    standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
-    parts = [one for one in worth if one.effect.part_of in standing and _is_all_of_it(one, moved)]
-    return [*found, *side_by_side(sure_of, parts), *waves]
+    return Changes(chosen, trials, still, waves, worth)
 
 
 def _is_all_of_it(part: Contender, moved: Sequence[Contender]) -> bool:

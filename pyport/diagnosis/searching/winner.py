@@ -12,7 +12,7 @@ from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.naming import classes
-from pyport.diagnosis.searching.confirmed_changes import confirmed_changes
+from pyport.diagnosis.searching.confirmed_changes import Changes, changes_of
 from pyport.diagnosis.searching.contenders import (
     Contender,
     evidence_anew,
@@ -74,21 +74,31 @@ def winner_of(
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for unless no `changes` are. One that promises less than a lasting
-    effect gains waits until that effect has failed.
+    effect gains waits until that effect has failed, one that only convinces together with a lasting
+    effect until nothing else stands.
     """
-    turn = (problem, weighed, chosen, trials, banned)
-    lasting = lasting_effects(*turn, least, beside)
+    lasting = lasting_effects(problem, weighed, chosen, trials, banned, least, beside)
     if changes:
         lasting += _of_drives(problem, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     # Noise is estimated anew, which takes long, only for what can stand.
     lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
-    moved = _changes(*turn, lead) if changes else []
-    found = _first(weighed, chosen, moved, lasting)
-    if found is None and changes and lead > -np.inf:
-        moved = _changes(*turn, -np.inf)
+    turn = problem, weighed.covariance, chosen, trials, banned
+    if not changes:
+        return _first(weighed, chosen, [], lasting)
+    proposed = changes_of(*turn, lead)
+    found = _first(weighed, chosen, _convincing(proposed, in_pairs=False), lasting)
+    if found is None:
+        proposed = proposed if lead == -np.inf else changes_of(*turn, -np.inf)
+        moved = _convincing(proposed, in_pairs=True)
         found = _first(weighed, chosen, moved, lasting) if moved else None
     return found
+
+
+def _convincing(proposed: Changes, *, in_pairs: bool) -> list[Contender]:
+    """Return the changes with time that are more than the noise can do."""
+    found = proposed.confirmed(in_pairs=in_pairs)
+    return [one for one in found if one.trial.evidence > CONVINCING]
 
 
 def _first(
@@ -128,19 +138,6 @@ def _at_least(one: Contender, anew: float) -> Contender:
 
 def _rank(one: Contender) -> float:
     return -round(one.trial.evidence, classes.TIE)
-
-
-def _changes(
-    problem: Problem,
-    weighed: WhitenedData,
-    chosen: tuple[Chosen, ...],
-    trials: Sequence[CandidateFit],
-    banned: Collection[str],
-    above: float,
-) -> list[Contender]:
-    """Return the changes with time that are more than the noise can do."""
-    found = confirmed_changes(problem, weighed.covariance, chosen, trials, banned, above)
-    return [one for one in found if one.trial.evidence > CONVINCING]
 
 
 def _of_drives(
