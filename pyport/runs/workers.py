@@ -56,14 +56,20 @@ def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
     The answers are those of one thread, in the items' order. A process among others, each of which
     has a core, goes through them one by one.
     """
+    return list(one_by_one(work, items))
+
+
+def one_by_one(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+    """Yield what `side_by_side` returns; who stops half-way has no more begun than cores can do."""
     wanted = list(items)
     several = min(len(wanted), _cores())
     if several < 2 or multiprocessing.parent_process() is not None:
-        return [work(one) for one in wanted]
+        yield from map(work, wanted)
+        return
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(several) as pool:
-        return list(pool.map(work, wanted))
+        yield from pool.map(work, wanted)
 
 
 def _cores() -> int:

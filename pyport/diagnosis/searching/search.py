@@ -16,7 +16,7 @@ from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
 from pyport.diagnosis.weighing import projection, weigh
-from pyport.runs.workers import side_by_side
+from pyport.runs.workers import one_by_one, side_by_side
 from pyport.thresholds import (
     CONVINCING,
     IMPERFECTION,
@@ -64,16 +64,21 @@ def resumed(outcome: Outcome, tell: Callable[[str], None]) -> Outcome:
 
 def _searched(start: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Return where a search ends, whether a field stands in place of its names or not."""
-    outcome = _walk(start, tell)
-    turn = 0
-    while turn <= len(outcome.steps) and turn < MOST_FINDINGS:
-        field = field_instead(outcome, turn)
-        if field is not None:
-            found = field.steps[-1].winner.candidate.effect
-            tell(f"{found.variant}: no effect explains it as well")
-            outcome = _walk(field, tell)
-        turn += 1
+    outcome, first = _walk(start, tell), 0
+    while (found := _first_field(outcome, first)) is not None:
+        turn, field = found
+        tell(f"{field.steps[-1].winner.candidate.effect.variant}: no effect explains it as well")
+        outcome, first = _walk(field, tell), turn + 1
     return outcome
+
+
+def _first_field(outcome: Outcome, first: int) -> tuple[int, Outcome] | None:
+    """Return from which turn on, not before the first, a field is better than names; with it."""
+    turns = range(first, min(len(outcome.steps) + 1, MOST_FINDINGS))
+    for turn, field in zip(turns, one_by_one(partial(field_instead, outcome), turns), strict=True):
+        if field is not None:
+            return turn, field
+    return None
 
 
 def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
