@@ -106,6 +106,14 @@ def test_late_steel_needs_a_second_night():
     assert {way for way, _ in ways(one_night)} == {"air", BETWEEN}
     late = [(way, hours) for way in (BETWEEN, STEEL) for hours in STEEL_H]
     assert ways(campaign(60)) == [("air", 0), *late]
+    # So does it a second day, where none of the gaps is as long as that between two nights.
+    assert {way for way, _ in ways(warmed(np.linspace(0, 23, 60), np.zeros(60)))} == {
+        "air",
+        BETWEEN,
+    }
+    assert ways(warmed(np.linspace(0, 30, 60), np.zeros(60))) == [("air", 0), *late]
+    evening = np.concatenate([np.linspace(0, 2, 30), np.linspace(9, 11, 30)])
+    assert ways(warmed(evening, np.zeros(60))) == [("air", 0), *late]
 
 
 def test_members_come_back_from_what_a_file_holds():

@@ -203,13 +203,13 @@ def _low_pass(
 def ways(at: Circumstances) -> list[tuple[str, float]]:
     """Return how the temperature may act, and how many hours late.
 
-    Steel itself is tried where there is more than one night: in one its temperature is a slow
-    curve, and where that began is not known.
+    Steel itself is tried where there is more than one night, or day: in one its temperature is a
+    slow curve, and where that began is not known.
     """
     found: list[tuple[str, float]] = [(AIR, 0)]
     if "time" in at and np.isfinite(time := at.numbers("time")).all() and np.ptp(time) > 0:
         found += [(BETWEEN, hours) for hours in STEEL_H]
-        if np.diff(np.sort(time)).max() > NIGHT_GAP_S:
+        if np.ptp(time) > DAY_S or np.diff(np.sort(time)).max() > NIGHT_GAP_S:
             found += [(STEEL, hours) for hours in STEEL_H]
     return found
 
