@@ -318,14 +318,25 @@ def test_three_tenths_of_the_gain_must_show_on_unseen_data(monkeypatch, gained, 
 
 
 def winning(
-    monkeypatch, lasting=(), moved=(), drives=(), sure=99.0, unseen=lambda _: True, **options
+    monkeypatch,
+    lasting=(),
+    moved=(),
+    drives=(),
+    sure=99.0,
+    unseen=lambda _: True,
+    pairs=(),
+    **options,
 ):
-    """Return what wins a turn among lasting effects and changes."""
-    monkeypatch.setattr(
-        winner,
-        "_changes",
-        lambda *given: [one for one in moved if one.trial.gain > given[-1]],
-    )
+    """Return what wins a turn among lasting effects, changes, and changes that need a pair."""
+
+    def changes_of(*given):
+        def confirmed(*, in_pairs):
+            every = [*moved, *pairs] if in_pairs else moved
+            return [one for one in every if one.trial.gain > given[-1]]
+
+        return SimpleNamespace(confirmed=confirmed)
+
+    monkeypatch.setattr(winner, "changes_of", changes_of)
     monkeypatch.setattr(winner, "lasting_effects", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(
@@ -335,7 +346,13 @@ def winning(
     monkeypatch.setattr(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
-    return winner.winner_of(problem_with(), None, (), (), 0.0, beside=None, banned=(), **options)
+    return winner.winner_of(problem_with(), WEIGHED, (), (), 0.0, beside=None, banned=(), **options)
+
+
+def changed(above=-np.inf, *, in_pairs=True):
+    """Return the changes of a turn that convince."""
+    proposed = winner.changes_of(problem_with(), None, (), (), (), above)
+    return winner._convincing(proposed, in_pairs=in_pairs)
 
 
 def turn(*args, **options):
@@ -513,6 +530,22 @@ def test_changes_are_looked_for_where_they_are_asked_for(monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("lasting", "moved", "wins"),
+    [
+        ([], [], "epoch_tilt"),
+        ([], [won("epoch_sag", 8.0)], "epoch_sag"),
+        ([won("refraction", 9.0)], [], "refraction"),
+        ([won("skew", 5.0)], [], "epoch_tilt"),
+    ],
+)
+def test_pairs_are_tried_where_nothing_else_stands(monkeypatch, lasting, moved, wins):
+    """What stands by itself joins; the change is looked at again beside it."""
+    pairs = [won("epoch_tilt", 60.0, gain=90.0)]
+
+    assert turn(monkeypatch, lasting, moved, pairs=pairs) == wins
+
+
+@pytest.mark.parametrize(
     ("sure", "least", "banned", "wins"),
     [
         (20.0, 0.0, (), True),
@@ -553,10 +586,12 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure + more))
-    moved = winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
+    moved = changed()
 
     joint = sure if sure > 6 else sure + more
     assert [one.trial.evidence for one in moved] == ([joint] if found else [])
+    alone = [one.trial.evidence for one in changed(in_pairs=False)]
+    assert alone == ([sure] if sure > 6 else [])
 
 
 @pytest.mark.parametrize(
@@ -638,7 +673,7 @@ def test_a_change_is_weighed_from_odds_of_twenty_to_one(monkeypatch, evidence, w
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
 
-    assert bool(winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)) == weighed
+    assert bool(changed()) == weighed
 
 
 def test_a_change_is_told_from_the_changes_that_it_competed_with(monkeypatch):
@@ -664,7 +699,7 @@ def test_every_kind_of_change_that_promises_something_is_weighed(monkeypatch):
     )
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: 20.0)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    found = winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
+    found = changed()
 
     assert {one.chosen.candidate.effect.id for one in found} == {
         "drift",
@@ -686,7 +721,7 @@ def test_only_changes_that_promise_enough_are_confirmed(monkeypatch, above, foun
         confirmed_changes.oscillations, "proposed", lambda *given: asked.append(given[-1])
     )
 
-    assert len(winner._changes(problem_with(), WEIGHED, (), (), (), above)) == found
+    assert len(changed(above)) == found
     assert asked == [above]
 
 
@@ -717,7 +752,7 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, clocks, asked):
     monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
     monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure))
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    winner._changes(problem_with(), WEIGHED, (), (), (), -np.inf)
+    changed()
 
     assert confirmed == ["epoch_tilt", "epoch_clock"][:asked]
 
