@@ -143,8 +143,8 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
     try:
         client = Client(address, timeout=PATIENCE_S, set_as_default=False)
     except (OSError, ValueError) as error:
-        told = str(error).splitlines()[0]
-        raise BadInput(f"--cluster {address}: expected a Dask scheduler there ({told})") from None
+        reason = str(error).splitlines()[0]
+        raise BadInput(f"--cluster {address}: expected a Dask scheduler there ({reason})") from None
     with client:
 
         def spread(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:

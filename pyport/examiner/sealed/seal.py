@@ -131,8 +131,8 @@ def _seal_case(folder: Folder, drawn: dict[str, Any]) -> dict[str, Any]:
     if not nonce.exists():
         made = Spec(**spec).make(seed)
         write_recordings(made, folder.recordings(case))
-        told = {"case": case, "seed": seed, "spec": spec, "truth": made.truth}
-        write_file(truth, canonical(told))
+        entry = {"case": case, "seed": seed, "spec": spec, "truth": made.truth}
+        write_file(truth, canonical(entry))
         write_file(nonce, drawn["nonce"])
     text = truth.read_bytes().decode("utf-8")
     return {

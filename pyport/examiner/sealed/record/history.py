@@ -31,10 +31,10 @@ class History:
 
     def commits(self, path: Path) -> list[str]:
         """Return the commits that added or changed a file, the first one first."""
-        told = self._git(
+        printed = self._git(
             "log", "--full-history", "--reverse", "--format=%H", "--", self._name(path)
         )
-        return told.decode().split()
+        return printed.decode().split()
 
     def holds(self, path: Path) -> bool:
         """Tell whether the last commit has a file as it lies there."""
@@ -47,13 +47,13 @@ class History:
 
     def files(self, commit: str, folder: Path) -> set[str]:
         """Return the names of the files that a folder had in a commit."""
-        told = self._git("ls-tree", "-r", "--name-only", commit, "--", f"{self._name(folder)}/")
-        return {Path(line).name for line in told.decode().splitlines()}
+        printed = self._git("ls-tree", "-r", "--name-only", commit, "--", f"{self._name(folder)}/")
+        return {Path(line).name for line in printed.decode().splitlines()}
 
     def touched(self, commit: str) -> list[str]:
         """Return the paths that a commit added, changed or removed."""
-        told = self._git("show", "--format=", "--name-only", "--no-renames", "-m", commit)
-        return told.decode().split("\n")[:-1]
+        printed = self._git("show", "--format=", "--name-only", "--no-renames", "-m", commit)
+        return printed.decode().split("\n")[:-1]
 
     def before(self, first: str, second: str) -> bool:
         """Tell whether a commit is a forebear of another."""

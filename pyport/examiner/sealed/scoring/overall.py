@@ -53,12 +53,12 @@ def _beside(verdicts: Iterable[Verdict]) -> list[Row]:
     ]
     if not loud:
         return []
-    told = Counter(name for one in loud for name in one.wrong)
-    said = ", ".join(f"{name} {n}" for name, n in told.most_common(5)) or "none"
+    names = Counter(name for one in loud for name in one.wrong)
+    said = ", ".join(f"{name} {n}" for name, n in names.most_common(5)) or "none"
     rate = count([bool(one.wrong) for one in loud])
     return [
         at_most("found, and something wrong beside it", rate, "beside_most"),
-        Row("wrong findings beside right ones", f"{sum(told.values())}: {said}", "shown", None),
+        Row("wrong findings beside right ones", f"{names.total()}: {said}", "shown", None),
     ]
 
 
@@ -92,10 +92,10 @@ def _of_observer(what: str, some: list[Verdict], *, shown: bool = False) -> Row:
     could, least = sum(map(_chance, some)), THRESHOLDS["efficiency_least"]
     rate = count([one.claimed for one in some])
     low, high = (end * rate.of / could for end in rate.interval)
-    told = f"{rate.hits / could:.2f} ({rate.hits} of {could:.1f}; {low:.2f} to {high:.2f})"
+    share = f"{rate.hits / could:.2f} ({rate.hits} of {could:.1f}; {low:.2f} to {high:.2f})"
     return Row(
         f"{what}: detected, over what an ideal observer detects",
-        told,
+        share,
         "shown" if shown else f"at least {least:g}, inside the interval",
         None if shown else high >= least,
     )
@@ -114,7 +114,7 @@ def _held_out(verdicts: Iterable[Verdict]) -> list[Row]:
         for one in known
         if one.skill and one.group in _SKILLED and one.spec["rho"] >= THRESHOLDS["skill_rho_least"]
     ]
-    told = [one for one in known if one.claimed]
+    claims = [one for one in known if one.claimed]
     rows = []
     if loud:
         each = [gained / gainable for gained, gainable in loud if gainable > 0]
@@ -123,8 +123,8 @@ def _held_out(verdicts: Iterable[Verdict]) -> list[Row]:
         result = f"median {middle:.3f}, pooled {pooled:.3f}"
         what = f"held out: skill ({len(each)})"
         rows.append(Row(what, result, f"at least {least:g}", middle >= least))
-    if told:
-        worse = count([one.skill is not None and one.skill[0] < -_STEPS for one in told])
+    if claims:
+        worse = count([one.skill is not None and one.skill[0] < -_STEPS for one in claims])
         rows.append(at_most("held out: worse than without findings", worse, "worse_most"))
     return rows
 

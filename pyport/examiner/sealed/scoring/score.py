@@ -133,8 +133,8 @@ def _named(what: str, by: str = "effect", **placed: tuple[str, str]) -> Any:  # 
         for key, (word, unit) in placed.items():
             values = [one.place[key] for one in verdicts if key in one.place]
             if values:
-                told = f"median {float(np.median(values)):.3g}{unit}"
-                rows.append(Row(f"{what}: {word} ({len(values)})", told, "shown", None))
+                value = f"median {float(np.median(values)):.3g}{unit}"
+                rows.append(Row(f"{what}: {word} ({len(values)})", value, "shown", None))
         return rows
 
     return fill
