@@ -17,16 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array, Codes
 from pyport.least_squares.gram import AT_A_TIME, in_place
 from pyport.noise.series import Departures, Noise, Possible, Series
-from pyport.noise.whitening import (
-    centring,
-    factor,
-    products,
-    series_errors,
-    unwhiten_series,
-    variance_of_means,
-    whiten_lone,
-    whiten_series,
-)
+from pyport.noise.whitening import Whitening, whitening
 from pyport.thresholds import OUTLIER_WEIGHT
 
 #: A direction of the departures that adds less than this share to the variance is left out.
@@ -110,11 +101,11 @@ class Covariance:
         """
         q = len(sizes)
         gram, used = np.zeros((q + columns.shape[1],) * 2), 0
-        for part, noise, few in zip(self.parts, self.noises, possible.few, strict=True):
-            there = np.flatnonzero(columns[part.rows].any(axis=0))
-            given = few.scaled(sizes).beside(columns[np.ix_(part.rows, there)])
-            weighing = self.weights[part.rows], self.precision[part.rows], part, noise
-            found = None if self.coupling else products(given, *weighing)
+        for one, few in zip(self._whitenings, possible.few, strict=True):
+            rows = one.part.rows
+            there = np.flatnonzero(columns[rows].any(axis=0))
+            given = few.scaled(sizes).beside(columns[np.ix_(rows, there)])
+            found = None if self.coupling else one.products(given)
             if found is None or not np.isfinite(np.diag(found)).all():
                 break
             places = np.concatenate([np.flatnonzero((sizes != 0) & few.there), q + there])
@@ -139,15 +130,9 @@ class Covariance:
             out[rows] /= np.sqrt(1 - correlation**2)
             out[start + x] -= correlation * out[rows]
         columns = np.zeros((len(self.weights), white.shape[1]))
-        for part, noise in zip(self.parts, self.noises, strict=True):
-            columns[part.rows] = unwhiten_series(
-                out[start + part.first],
-                out[part.rows],
-                self.weights[part.rows],
-                self.precision[part.rows],
-                part,
-                noise,
-            )
+        for one in self._whitenings:
+            rows = one.part.rows
+            columns[rows] = one.unwhiten(out[start + one.part.first], out[rows])
         return columns
 
     def errors(self, estimators: Array) -> tuple[Array, list[tuple[Array, float]]]:
@@ -160,15 +145,16 @@ class Covariance:
         shares: list[tuple[Array, float]] = []
         start, rows = self.means.start, self.means.stop
         out = np.zeros((rows, estimators.shape[1]))
-        for part, noise in zip(self.parts, self.noises, strict=True):
-            own = estimators[part.rows], self.weights[part.rows], self.precision[part.rows], part
-            means, inside = series_errors(*own, noise)
+        for one in self._whitenings:
+            part, noise, own = one.part, one.noise, estimators[one.part.rows]
+            means, inside = one.errors(own)
             out[start + part.first] = means
             if inside is not None:
                 out[part.rows] = inside
             whole = white = _variance(means, inside)
             if noise.drifts:
-                white = _variance(*series_errors(*own, replace(noise, drifts=())))
+                still = replace(one, noise=replace(noise, drifts=()))
+                white = _variance(*still.errors(own))
             shares.append((white, noise.dof))
             drifting = np.maximum(whole - white, 0.0)
             shares += [
@@ -200,25 +186,31 @@ class Covariance:
         """Whiten as if no session or source departed."""
         start = self.means.start
         out = np.zeros((self.means.stop, columns.shape[1]))
-        for part, noise in zip(self.parts, self.noises, strict=True):
-            if whiten_lone(columns, self.weights, self.precision, part, noise, out[start:]):
+        for one in self._whitenings:
+            if one.whiten_lone(columns, out[start:]):
                 continue
-            means, deviations = whiten_series(
-                columns[part.rows], self.weights[part.rows], self.precision[part.rows], part, noise
-            )
+            means, deviations = one.whiten(columns[one.part.rows])
             if deviations is not None:
-                out[part.rows] = deviations
-            out[start + part.first] = means
+                out[one.part.rows] = deviations
+            out[start + one.part.first] = means
         for x, y, correlation in self._coupled:
             rows = start + y
             out[rows] = (out[rows] - correlation * out[start + x]) / np.sqrt(1 - correlation**2)
         return out
 
     @cached_property
+    def _whitenings(self) -> tuple[Whitening, ...]:
+        """Return what whitens each series."""
+        return tuple(
+            whitening(self.weights[part.rows], self.precision[part.rows], part, noise)
+            for part, noise in zip(self.parts, self.noises, strict=True)
+        )
+
+    @cached_property
     def means(self) -> slice:
         """Return the whitened rows that hold pointings' means."""
         m = len(self.weights)
-        alone = all(part.readings.max() == 1 for part in self.parts)
+        alone = all(part.alone for part in self.parts)
         return slice(0, m) if alone else slice(m, 2 * m)
 
     @cached_property
@@ -283,14 +275,7 @@ class Covariance:
     @cached_property
     def log_determinant(self) -> float:
         """Return the logarithm of the covariance's determinant, that of replicates left out."""
-        total = 0.0
-        for part, noise in zip(self.parts, self.noises, strict=True):
-            variance = variance_of_means(
-                self.weights[part.rows], self.precision[part.rows], part, noise
-            )
-            none = np.zeros((len(variance), 0))
-            total += float(np.log(factor(none, variance, part.time, noise.drifts)[0]).sum())
-            total += float(np.log(centring(variance, part, noise)[1]).sum())
+        total = sum(one.log_determinant() for one in self._whitenings)
         for x, _, correlation in self._coupled:
             total += len(x) * float(np.log1p(-(correlation**2)))
         for *_, shrinkage in self._departing:

@@ -26,8 +26,8 @@ class Series:
     rows
         Their indices in the stack, shape (m,), ordered by time.
     pointing
-        For each the number of its pointing within the series; readings of one
-        pointing share it, shape (m,).
+        For each the number of its pointing within the series, in the order of their first
+        readings; readings of one pointing share it, shape (m,).
     time
         Time of each pointing [s since the first], or its place in the order of the rows where no
         times are recorded; None where any is unknown.
@@ -56,8 +56,8 @@ class Series:
 
     @cached_property
     def alone(self) -> bool:
-        """Tell whether each reading is a pointing, in their order."""
-        return bool(self.readings.max() == 1) and self.order is None
+        """Tell whether each reading is a pointing."""
+        return bool(self.readings.max() == 1)
 
     @cached_property
     def first(self) -> Codes:
@@ -74,13 +74,6 @@ class Series:
     def lone(self) -> NDArray[np.bool_]:
         """Tell which readings are the only ones of their pointings, shape (m,)."""
         return np.asarray(self.readings[self.pointing] == 1)
-
-    @cached_property
-    def order(self) -> Codes | None:
-        """Return what sorts the readings by pointing; None where they are sorted."""
-        if np.all(self.pointing[1:] >= self.pointing[:-1]):
-            return None
-        return np.argsort(self.pointing)
 
     def turns(self, memory: float) -> float:
         """Return how many independent deviations of a drift of some memory [s] the series saw.

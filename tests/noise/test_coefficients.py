@@ -24,8 +24,6 @@ def covariance(readings, within, *, centred=False):
     rng = np.random.default_rng(3)
     pointings = N // readings
     pointing = np.repeat(np.arange(pointings), readings)
-    if readings == 1:
-        pointing = rng.permutation(pointing)
     time = np.sort(rng.uniform(0, 1e4, pointings))
     number = np.arange(pointings)
     parts = [Series(k * N + np.arange(N), pointing, time, number, "A", k == 1) for k in (0, 1)]

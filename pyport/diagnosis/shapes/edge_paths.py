@@ -25,7 +25,7 @@ from pyport.effects import Effect
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, elsewhere
 from pyport.least_squares.gram import inverted
 from pyport.noise.series import Noise
-from pyport.noise.whitening import FAR, factor, pointings_of
+from pyport.noise.whitening import FAR, factor, whitening
 from pyport.runs.stages import stage
 from pyport.thresholds import FEWEST
 
@@ -233,7 +233,7 @@ def _taken_apart(outcome: Outcome, old: Chosen, sky: Sky) -> tuple[list[_Track],
             np.maximum.at(heaviest, part.pointing, weights)
             even = weights / np.maximum(heaviest[part.pointing], 1e-12)
             precision = weighed.covariance.precision[part.rows]
-            seen = pointings_of(even, precision, part, noise)
+            seen = whitening(even, precision, part, noise)
             means, variance = seen.means(data[part.rows]), seen.variance
             own = sky.of(first)
             tracks.append(_Track(means[:, :-1], means[:, -1], variance, part.time, noise, own))

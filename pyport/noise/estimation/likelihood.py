@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from pyport.angles import Array
 from pyport.noise.series import Noise, Series
-from pyport.noise.whitening import FAR, factor, pointings_of
+from pyport.noise.whitening import FAR, factor, whitening
 from pyport.pointing import kernel
 
 
@@ -86,8 +86,7 @@ def likelihood_of(
 ) -> Likelihood:
     """Return the likelihood of a series' pointings, outliers left out; see `drift.draft`."""
     given = departing.columns.beside(np.concatenate([columns, value[:, None]], axis=1))
-    unit = Noise(0.0, 1.0)
-    seen = pointings_of(weight, precision, part, unit)
+    seen = whitening(weight, precision, part, Noise(0.0, 1.0))
     kept = seen.variance < FAR
     if not (part.alone and kept.all()):
         given = seen.means_of(given).of_rows(kept)

@@ -25,7 +25,7 @@ from pyport.noise.estimation import (
 )
 from pyport.noise.pointings import pointings
 from pyport.noise.series import Departures, Noise, Possible, Series
-from pyport.noise.whitening import variance_of_means
+from pyport.noise.whitening import whitening
 from pyport.pointing.kernel import Columns
 from pyport.recordings.schema import Recordings, stack
 
@@ -179,7 +179,7 @@ def test_a_lone_reading_counts_by_its_weight_beside_repeats():
     """All of its variance, where of repeats the weight tells what they differ by."""
     part = replace(series(6), pointing=np.array([0, 1, 2, 2, 3, 3]), time=60.0 * np.arange(4))
     weights, precision = np.array([0.1, 1, 1, 1, 1, 0.5]), np.array([1.0, 4, 4, 4, 1, 1])
-    found = variance_of_means(weights, precision, part, Noise(0.5, 1.0))
+    found = whitening(weights, precision, part, Noise(0.5, 1.0)).variance
 
     assert found == pytest.approx([12.5, 1.25 / 4, (1 + 0.125) / 4, 1 + 0.25 / 1.5])
 
@@ -528,7 +528,7 @@ def test_an_outlier_says_nothing_whatever_the_noise(readings):
     part = replace(series(6), pointing=np.arange(6) // readings)
     weights = np.array([1.0, 1, 1, 1, 1e-10, 1e-10])
     one, other = (
-        variance_of_means(weights, np.ones(6), part, Noise(0.1, size)) for size in (1.0, 3.0)
+        whitening(weights, np.ones(6), part, Noise(0.1, size)).variance for size in (1.0, 3.0)
     )
 
     assert one[-1] == other[-1]
