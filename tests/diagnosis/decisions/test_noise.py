@@ -107,6 +107,22 @@ def test_the_first_look_ends_at_six_sigma(sigmas, kept):
         assert found.weights[7] == pytest.approx(kept, abs=1e-9)
 
 
+@pytest.mark.parametrize("ratio", [8.0, 12.0])
+def test_a_drift_may_be_ten_times_the_scatter(ratio):
+    """The scatter beside it comes out, rather than one that makes up for part of the drift."""
+    n, memory = 400, 40
+    drift, change = np.zeros(n), normal(n, seed=3)
+    for one in range(1, n):
+        kept = np.exp(-1 / memory)
+        drift[one] = kept * drift[one - 1] + np.sqrt(1 - kept**2) * change[one]
+    found = estimate.estimate(
+        ratio * drift + normal(n), np.ones((n, 1)), frame_of(series(n)), averaged=False
+    )
+
+    assert found.noises[0].floor > 0.6 * ratio
+    assert found.noises[0].drift / found.noises[0].between > 6.0
+
+
 def frame_of(*parts, drivers=()):
     """Return a frame of some series alone."""
     return estimate.Frame(tuple(parts), (), tuple(drivers), None)
