@@ -56,10 +56,10 @@ def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[
     The answers are those of one thread, in the items' order. A process among others, each of which
     has a core, goes through them one by one.
     """
-    return list(one_by_one(work, items))
+    return list(in_order(work, items))
 
 
-def one_by_one(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+def in_order(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
     """Yield what `side_by_side` returns; who stops half-way has no more begun than cores can do."""
     wanted = list(items)
     several = min(len(wanted), _cores())
@@ -106,7 +106,7 @@ def workers(jobs: int = 1, cluster: str | None = None) -> Iterator[Spread[Any, A
         from concurrent.futures import ProcessPoolExecutor
 
         with ProcessPoolExecutor(jobs, initializer=end_with_parent) as pool:
-            yield lambda call, items: _in_order(pool.submit, call, items, AHEAD * jobs)
+            yield lambda call, items: _ahead(pool.submit, call, items, AHEAD * jobs)
 
 
 def end_with_parent() -> None:
@@ -122,7 +122,7 @@ def end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _in_order(
+def _ahead(
     submit: Callable[..., Any], call: Callable[[Item], Result], items: Iterable[Item], ahead: int
 ) -> Iterator[Result]:
     """Yield results in the order of the items, never more than `ahead` of them on their way."""
@@ -156,7 +156,7 @@ def _cluster(address: str) -> Iterator[Spread[Any, Any]]:
             def submit(_: Callable[[Item], Result], item: Item) -> Any:  # noqa: ANN401
                 return client.submit(operator.call, shared, item, pure=False, retries=TRIES)
 
-            return _in_order(submit, call, items, AHEAD * threads)
+            return _ahead(submit, call, items, AHEAD * threads)
 
         yield spread
 

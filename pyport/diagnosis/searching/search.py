@@ -16,7 +16,7 @@ from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
 from pyport.diagnosis.weighing import projection, weigh
-from pyport.runs.workers import one_by_one, side_by_side
+from pyport.runs.workers import in_order, side_by_side
 from pyport.thresholds import (
     CONVINCING,
     IMPERFECTION,
@@ -75,7 +75,7 @@ def _searched(start: Outcome, tell: Callable[[str], None]) -> Outcome:
 def _first_field(outcome: Outcome, first: int) -> tuple[int, Outcome] | None:
     """Return from which turn on, not before the first, a field is better than names; with it."""
     turns = range(first, min(len(outcome.steps) + 1, MOST_FINDINGS))
-    for turn, field in zip(turns, one_by_one(partial(field_instead, outcome), turns), strict=True):
+    for turn, field in zip(turns, in_order(partial(field_instead, outcome), turns), strict=True):
         if field is not None:
             return turn, field
     return None

@@ -12,7 +12,7 @@ from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.holdout import folds, unseen_misfit
 from pyport.diagnosis.naming import classes
-from pyport.diagnosis.searching.confirmed_changes import Changes, changes_of
+from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import (
     Contender,
     evidence_anew,
@@ -83,21 +83,18 @@ def winner_of(
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     # Noise is estimated anew, which takes long, only for what can stand.
     lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
-    turn = problem, weighed.covariance, chosen, trials, banned
     if not changes:
         return _first(weighed, chosen, [], lasting)
-    proposed = changes_of(*turn, lead)
-    found = _first(weighed, chosen, _convincing(proposed, in_pairs=False), lasting)
+    proposed = Changes(problem, weighed.covariance, chosen, trials, banned)
+    found = _first(weighed, chosen, _convincing(proposed.confirmed(lead, in_pairs=False)), lasting)
     if found is None:
-        proposed = proposed if lead == -np.inf else changes_of(*turn, -np.inf)
-        moved = _convincing(proposed, in_pairs=True)
+        moved = _convincing(proposed.confirmed(in_pairs=True))
         found = _first(weighed, chosen, moved, lasting) if moved else None
     return found
 
 
-def _convincing(proposed: Changes, *, in_pairs: bool) -> list[Contender]:
+def _convincing(found: Sequence[Contender]) -> list[Contender]:
     """Return the changes with time that are more than the noise can do."""
-    found = proposed.confirmed(in_pairs=in_pairs)
     return [one for one in found if one.trial.evidence > CONVINCING]
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from pyport.diagnosis.preparing import prepare
-from pyport.diagnosis.searching.confirmed_changes import changes_of
+from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import evidence_anew
 from pyport.diagnosis.searching.turns import family_p_value
 from pyport.diagnosis.searching.winner import lasting_effects, trials_of
@@ -43,7 +43,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     weighed = weigh(problem)
     beside = projection(problem, weighed, ())
     trials = trials_of(problem, beside)
-    changes = changes_of(problem, weighed.covariance, (), trials).confirmed(in_pairs=True)
+    changes = Changes(problem, weighed.covariance, (), trials).confirmed(in_pairs=True)
     lasting = lasting_effects(problem, weighed, (), trials, (), 0.0, beside)
     sure = [one.sure for one in changes] + [
         min(evidence_anew(one, ()), one.trial.evidence) for one in lasting

@@ -24,6 +24,7 @@ from pyport.diagnosis.searching import (
     settling,
     winner,
 )
+from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed
 from pyport.diagnosis.trial import at_best
@@ -329,14 +330,11 @@ def winning(
 ):
     """Return what wins a turn among lasting effects, changes, and changes that need a pair."""
 
-    def changes_of(*given):
-        def confirmed(*, in_pairs):
-            every = [*moved, *pairs] if in_pairs else moved
-            return [one for one in every if one.trial.gain > given[-1]]
+    def confirmed(_, above=-np.inf, *, in_pairs):
+        every = [*moved, *pairs] if in_pairs else moved
+        return [one for one in every if one.trial.gain > above]
 
-        return SimpleNamespace(confirmed=confirmed)
-
-    monkeypatch.setattr(winner, "changes_of", changes_of)
+    monkeypatch.setattr(Changes, "confirmed", confirmed)
     monkeypatch.setattr(winner, "lasting_effects", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(
@@ -351,8 +349,15 @@ def winning(
 
 def changed(above=-np.inf, *, in_pairs=True):
     """Return the changes of a turn that convince."""
-    proposed = winner.changes_of(problem_with(), None, (), (), (), above)
-    return winner._convincing(proposed, in_pairs=in_pairs)
+    found = Changes(problem_with(), None, (), ()).confirmed(above, in_pairs=in_pairs)
+    return winner._convincing(found)
+
+
+def of_turn(trials):
+    """Return the changes of a turn beside noise that holds still."""
+    found = Changes(problem_with(), None, (), trials)
+    vars(found)["_proposed"] = None, []
+    return found
 
 
 def turn(*args, **options):
@@ -585,7 +590,7 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure + more))
+    monkeypatch.setattr(Changes, "_beside_it", lambda _, one, sure: (one, sure + more))
     moved = changed()
 
     joint = sure if sure > 6 else sure + more
@@ -629,7 +634,7 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
         return sure if one.candidate.effect.id == "temperature" else -5.0
 
     monkeypatch.setattr(confirmed_changes, "confirmed", confirmed)
-    best, found = confirmed_changes._beside_it(change, -9.0, None, (), trials)
+    best, found = of_turn(trials)._beside_it(change, -9.0)
 
     assert found == more
     assert best is (moved if more > 0 else change)
@@ -641,7 +646,7 @@ def test_what_shows_beside_a_change_convinces(monkeypatch, worth, shows):
     monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
     monkeypatch.setattr(confirmed_changes, "best_shown", lambda *given: (given[-1][0], worth))
     trials = [trial("temperature")]
-    found = confirmed_changes._best_beside(won("epoch_offset"), None, (), trials)
+    found = of_turn(trials)._best_beside(won("epoch_offset"))
 
     assert (found is not None) == shows
 
@@ -650,12 +655,12 @@ def test_a_change_that_does_not_move_is_not_confirmed_again(monkeypatch):
     """What is known of it counts, with that of the lasting effect."""
     change = won("epoch_offset")
     other = Chosen(candidate("temperature"), "all")
-    monkeypatch.setattr(confirmed_changes, "_best_beside", lambda *_: (other, 17.0))
+    monkeypatch.setattr(Changes, "_best_beside", lambda *_: (other, 17.0))
     monkeypatch.setattr(confirmed_changes, "joined", lambda *_: ())
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_offset"))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: pytest.fail("asked again"))
     monkeypatch.setattr(confirmed_changes, "confirmed", lambda *_: 18.0)
-    best, found = confirmed_changes._beside_it(change, -8.0, None, (), ())
+    best, found = of_turn(())._beside_it(change, -8.0)
 
     assert best is change
     assert found == 10.0
@@ -750,7 +755,7 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, clocks, asked):
         return tilts if name == "epoch_tilt" else 30.0
 
     monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
-    monkeypatch.setattr(confirmed_changes, "_beside_it", lambda one, sure, *_: (one, sure))
+    monkeypatch.setattr(Changes, "_beside_it", lambda _, one, sure: (one, sure))
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
     changed()
 
