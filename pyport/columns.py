@@ -70,8 +70,8 @@ def _label(name: str, called: str = "", also: tuple[str, ...] = ()) -> Column:
 
 _OFF = "d|delta|(coll?(imation)?_?)?off(s|set)?|pnt"
 _ERR = "err(ors?)?|sigma|std(dev)?|rms|unc(ertainty)?"
-_AZ, _EL = "az|azm|azim(uth)?", "el|elev(ation)?|alt|altitude"
-_XEL = r"xel|az_?cos_?el?|cross_?el(evation)?"
+_AZ, _EL = "az|azm|azim(uth?)?", "el|elev(ation)?|alt|altitude"
+_XEL = r"xel|az_?cos_?el?|cross(_?el(evation)?)?"
 
 
 def _offset(axis: str, behind: str) -> str:
@@ -100,7 +100,7 @@ SET_ASIDE = "set_aside"
 COLUMNS: tuple[Column, ...] = (
     Column(
         "az", "azimuth", written="az_deg",
-        also=("azimuth", "azimuth_deg", "az_true_deg"),
+        also=("azimuth", "azimuth_deg", "azimut", "az_true_deg"),
         called=rf"({_AZ})d?|az_?(true|cmd|obs)",
     ),
     Column(
@@ -113,7 +113,7 @@ COLUMNS: tuple[Column, ...] = (
     ),
     Column(
         "d_xel", "cross-elevation offset",
-        also=("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel"),
+        also=("dxel", "d_x", "d_cross_el", "d_xelev", "delta_xel", "dcross", "d_cross"),
         called=rf"{_offset(f'x|{_XEL}', _XEL)}|az_?cos_?el",
     ),
     Column(
