@@ -79,3 +79,17 @@ def test_lags_of_one_size_are_a_late_clock(latitude, lag_s, other_s):
     np.testing.assert_allclose(elevation[1] * other_s, clock[1] * other_s * turn, rtol=1e-12)
     assert not azimuth[1].any()
     assert not elevation[0].any()
+
+
+@settings(deadline=None)
+@given(latitudes)
+def test_what_rises_does_so_at_any_latitude(latitude):
+    """So the play of the elevation drive needs none on an altitude-azimuth mount."""
+    known, unknown = (
+        CATALOGUE["backlash_elevation"].columns(at)
+        for at in (Circumstances(AZ, EL, Site(latitude)), AT)
+    )
+    rate = CATALOGUE["servo_lag_elevation"].columns(Circumstances(AZ, EL, Site(latitude)))[1]
+
+    np.testing.assert_array_equal(known[1], np.sign(rate))
+    np.testing.assert_array_equal(unknown[1], known[1])

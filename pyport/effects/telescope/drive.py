@@ -7,6 +7,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.effects.base import AXES, HELD, LASTING, Circumstances, Coefficient, Effect, stack
 from pyport.effects.sky.frame import SIDEREAL, hour_angle_shift
+from pyport.mounts import ALTAZ
 
 _GMRT = "Lal, Ishwara-Chandra & Rao, The GMRT Antenna Pointing II (2003), sections 1 and 3"
 #: What the rate of a scan along azimuth may be the rate of.
@@ -82,7 +83,13 @@ def backlash_azimuth(at: Circumstances) -> tuple[Array, Array]:
 
 
 def backlash_elevation(at: Circumstances) -> tuple[Array, Array]:
-    """Return b sgn(dE/dt) along elevation, for a telescope that follows the sky."""
+    """Return b sgn(dE/dt) along elevation, for a telescope that follows the sky.
+
+    At any latitude what is east of the meridian rises.
+    """
+    if at.mount is ALTAZ:
+        east = np.sin(at.az)
+        return stack(at, (0, np.where(np.abs(east) > STILL, np.sign(east), 0.0)))
     return stack(at, (0, np.sign(_following(at)[1])))
 
 
@@ -127,7 +134,6 @@ EFFECTS = (
         (Coefficient("backlash_elevation"),),
         backlash_elevation,
         pattern="in elevation, with opposite signs for rising and setting sources",
-        needs=("latitude_deg",),
         formula=("", "b sgn(dE/dt)"),
     ),
     Effect(
