@@ -68,7 +68,8 @@ class Diagnosis:
     unseen
         Residuals behind `heldout`.
     dropped
-        Effects that the search found and that do not predict unseen data.
+        Effects that the search found and that do not predict unseen data, and the change with time
+        that came nearest to being one.
     steps
         The turns of the search, each with everything that was tried in it.
     two_axes
@@ -79,6 +80,8 @@ class Diagnosis:
         What is known of coefficients that are not known alone, the model's and those found.
     misread
         How the file may have been misread, if another reading of it fits much better.
+    nearest
+        The change with time that is likelier than not and does not convince, if there is one.
     """
 
     problem: Problem
@@ -99,6 +102,7 @@ class Diagnosis:
     combinations: tuple[Combination, ...] = ()
     too_few: guards.TooFew | None = None
     misread: str | None = None
+    nearest: Dropped | None = None
 
     @property
     def mismatch(self) -> bool:
@@ -149,6 +153,7 @@ def diagnose(
     outcome, dropped = (_unsearched(problem, few), ()) if few else searched(problem, tell)
     if few is None and not outcome.chosen:
         outcome = _nothing_stands(outcome)
+    nearest = _nearest(outcome)
     problem, weighed = outcome.problem, outcome.weighed
     alone = weigh_model(problem, (), searching=False) if outcome.chosen else weighed
     before = joint.fit(problem, alone, ())
@@ -170,12 +175,13 @@ def diagnose(
         noisy=tuple(scenes.noisy_antennas(problem, scene.floor)),
         heldout=held.compared(np.ones(len(problem.residual), bool), weighed.covariance.floor),
         unseen=held,
-        dropped=dropped,
+        dropped=(*dropped, *([nearest] if nearest else [])),
         steps=outcome.steps,
         two_axes=() if few else disagreements(problem, weighed, outcome.chosen),
         combinations=scene.combinations,
         too_few=few,
         misread=_misread(problem, weighed, after, refit),
+        nearest=nearest,
     )
 
 
@@ -212,6 +218,19 @@ def searched(problem: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tu
         before, after = unseen(again.problem, both, outcome.chosen, again.chosen, partition).rms()
         outcome = again if after < before else outcome
     return outcome, dropped
+
+
+def _nearest(outcome: Outcome) -> Dropped | None:
+    """Return the change with time that came nearest to being found, beside what was."""
+    one = outcome.nearest
+    if one is None or any(one.effect.id == each.candidate.effect.id for each in outcome.chosen):
+        return None
+    odds, needed = (float(np.exp(each / 2)) for each in (one.sure, CONVINCING))
+    return Dropped(
+        one.effect.id,
+        one.effect.variant,
+        f"odds of {odds:.2g} to 1 against drifts and nights that differ, {needed:.2g} are needed",
+    )
 
 
 def _nothing_stands(outcome: Outcome) -> Outcome:

@@ -15,6 +15,7 @@ from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching import contenders, winner
+from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.shapes import oscillations, periods, scans, wave_fits
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.circumstances import OVER
@@ -223,7 +224,10 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
             one.candidate.effect.id, 0.0
         ),
     )
-    wins = winner.winner_of(problem, weighed, (), trials, 0.0, beside=beside, banned=())
+    changes = Changes(problem, weighed.covariance, (), trials)
+    wins = winner.winner_of(
+        problem, weighed, (), trials, 0.0, beside=beside, banned=(), changes=changes
+    )
     (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
     own = problem.stack.columns(rival.candidate.effect, problem.recordings.at)
 

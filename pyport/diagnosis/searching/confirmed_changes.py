@@ -50,12 +50,24 @@ class Changes:
     trials: Sequence[CandidateFit]
     banned: Collection[str] = ()
 
-    def confirmed(self, above: float = -np.inf, *, in_pairs: bool) -> list[Contender]:
+    def alone(self, above: float) -> list[Contender]:
         """Return each with its evidence beside noise estimated anew.
 
-        Those that promise more than `above` beside noise that holds still. In pairs those that do
-        not convince have the evidence of the lasting effect beside them, too.
+        Those that promise more than `above` beside noise that holds still.
         """
+        return self._confirmed(above, in_pairs=False)
+
+    @cached_property
+    def in_pairs(self) -> list[Contender]:
+        """Return each, with the evidence of a lasting effect beside it where it needs that."""
+        return self._confirmed(-np.inf, in_pairs=True)
+
+    def nearest(self) -> Contender | None:
+        """Return the change that is likelier than not and does not convince; None where none is."""
+        likely = [one for one in self.in_pairs if 0 < one.trial.evidence <= CONVINCING]
+        return max(likely, key=lambda one: one.trial.evidence, default=None)
+
+    def _confirmed(self, above: float, *, in_pairs: bool) -> list[Contender]:
         waves = self._waves(above)
         # What wins must be distinguished from a wave: its columns stand in the case of every one.
         every = self._refined_in(waves[0].problem) if waves else self._refined

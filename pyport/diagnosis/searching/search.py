@@ -10,6 +10,7 @@ import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.naming import classes
+from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.confirming import confirmed
 from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.instead import field_instead
@@ -123,8 +124,9 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         trials = tuple(trials_of(problem, beside))
         p_value = family_p_value(trials)
         first = p_value if first is None else first
-        winner = None
+        winner, nearest = None, None
         if len(now.steps) < MOST_FINDINGS:
+            changes = Changes(problem, weighed.covariance, chosen, trials, now.banned)
             strongest = max((step.winner.gain for step in now.steps), default=0.0)
             least = IMPERFECTION * strongest
             winner = winner_of(
@@ -135,9 +137,11 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
                 least,
                 beside=beside,
                 banned=now.banned,
+                changes=changes,
             )
+            nearest = changes.nearest() if winner is None else None
         if winner is None:
-            return replace(now, p_value=first, last=trials)
+            return replace(now, p_value=first, last=trials, nearest=nearest)
         trial, problem, new = winner.trial, winner.problem, winner.chosen
         # A Bayes factor bounds the chance that noise alone reaches it.
         p_value = min(p_value, float(np.exp(-winner.sure / 2)))
@@ -185,7 +189,6 @@ def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
             own.evidence + CONVINCING,
             beside=beside,
             banned=now.banned,
-            changes=False,
         )
         if better is None or better.trial.candidate.effect.id == one.candidate.effect.id:
             continue

@@ -12,6 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.naming.classes import Name, name
+from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.runs.stages import stage
@@ -144,6 +145,7 @@ class Outcome:
     `p_value` is that of the first turn: is there any mismatch at all?
     `last` holds the trials of the turn that found nothing more.
     `banned` are effects of known size that came out with another one: they are not found again.
+    `nearest` is a change with time that is likelier than not and did not convince in that turn.
     """
 
     problem: Problem
@@ -153,6 +155,7 @@ class Outcome:
     p_value: float
     last: tuple[CandidateFit, ...]
     banned: frozenset[str] = frozenset()
+    nearest: Contender | None = None
 
     def step_of(self, one: Chosen) -> Step:
         """Return the last turn in which something was chosen."""

@@ -67,28 +67,27 @@ def winner_of(
     *,
     beside: Projection,
     banned: Collection[str],
-    changes: bool = True,
+    changes: Changes | None = None,
 ) -> Contender | None:
     """Return the effect most worth its coefficients that also predicts unseen data better.
 
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
-    changes with time is looked for unless no `changes` are. One that promises less than a lasting
+    changes with time is looked for where `changes` are given. One that promises less than a lasting
     effect gains waits until that effect has failed, one that only convinces together with a lasting
     effect until nothing else stands.
     """
     lasting = lasting_effects(problem, weighed, chosen, trials, banned, least, beside)
-    if changes:
+    if changes is not None:
         lasting += _of_drives(problem, weighed, chosen, least, banned)
     lead = max((one.trial.evidence for one in lasting), default=-np.inf)
     # Noise is estimated anew, which takes long, only for what can stand.
     lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
-    if not changes:
+    if changes is None:
         return _first(weighed, chosen, [], lasting)
-    proposed = Changes(problem, weighed.covariance, chosen, trials, banned)
-    found = _first(weighed, chosen, _convincing(proposed.confirmed(lead, in_pairs=False)), lasting)
+    found = _first(weighed, chosen, _convincing(changes.alone(lead)), lasting)
     if found is None:
-        moved = _convincing(proposed.confirmed(in_pairs=True))
+        moved = _convincing(changes.in_pairs)
         found = _first(weighed, chosen, moved, lasting) if moved else None
     return found
 

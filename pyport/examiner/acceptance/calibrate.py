@@ -43,7 +43,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     weighed = weigh(problem)
     beside = projection(problem, weighed, ())
     trials = trials_of(problem, beside)
-    changes = Changes(problem, weighed.covariance, (), trials).confirmed(in_pairs=True)
+    changes = Changes(problem, weighed.covariance, (), trials).in_pairs
     lasting = lasting_effects(problem, weighed, (), trials, (), 0.0, beside)
     sure = [one.sure for one in changes] + [
         min(evidence_anew(one, ()), one.trial.evidence) for one in lasting

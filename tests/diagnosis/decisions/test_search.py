@@ -60,6 +60,7 @@ def walked(monkeypatch, start, p_value, answers):
         return left.pop(0) if left else None
 
     monkeypatch.setattr(search, "trials_of", lambda *_: [])
+    monkeypatch.setattr(search, "Changes", lambda *_: SimpleNamespace(nearest=lambda: None))
     monkeypatch.setattr(search, "family_p_value", lambda _: p_value)
     monkeypatch.setattr(search, "winner_of", winner_of)
     monkeypatch.setattr(search, "joined", lambda _, chosen, new: (*chosen, new))
@@ -152,9 +153,24 @@ def test_conditions_that_are_too_many_are_named():
 def test_silence_is_no_all_clear_where_something_is_left(monkeypatch, p_value, clear):
     """Up to a p-value of one in a hundred what is left does not look like the noise."""
     monkeypatch.setattr(remarks, "_hides", lambda *_: "")
-    done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value)
+    done = SimpleNamespace(detection_limits={}, too_few=None, p_value=p_value, nearest=None)
 
     assert remarks.nothing(done, QUIET_NOISE).startswith("Nothing is missing") == clear
+
+
+def test_the_nearest_change_is_said_with_its_odds(monkeypatch):
+    """Where nothing is found, and among what was dropped; not where the same was found."""
+    monkeypatch.setattr(remarks, "_hides", lambda *_: "")
+    one = won("epoch_tilt", 4.0)
+    near = diagnose._nearest(replace(outcome(), nearest=replace(one, sure=4.0)))
+    done = SimpleNamespace(detection_limits={}, too_few=None, p_value=0.5, nearest=near)
+
+    assert near.reason.startswith("odds of 7.4 to 1")
+    assert near.reason.endswith("20 are needed")
+    assert "for certain; the nearest is epoch_tilt" in remarks.nothing(done, QUIET_NOISE)
+    found = outcome(step(trial("epoch_tilt")))
+    assert diagnose._nearest(replace(found, nearest=replace(one, sure=4.0))) is None
+    assert diagnose._nearest(outcome()) is None
 
 
 @pytest.mark.parametrize(
@@ -330,11 +346,10 @@ def winning(
 ):
     """Return what wins a turn among lasting effects, changes, and changes that need a pair."""
 
-    def confirmed(_, above=-np.inf, *, in_pairs):
-        every = [*moved, *pairs] if in_pairs else moved
-        return [one for one in every if one.trial.gain > above]
+    def alone(above):
+        return [one for one in moved if one.trial.gain > above]
 
-    monkeypatch.setattr(Changes, "confirmed", confirmed)
+    options.setdefault("changes", SimpleNamespace(alone=alone, in_pairs=[*moved, *pairs]))
     monkeypatch.setattr(winner, "lasting_effects", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(
@@ -347,10 +362,10 @@ def winning(
     return winner.winner_of(problem_with(), WEIGHED, (), (), 0.0, beside=None, banned=(), **options)
 
 
-def changed(above=-np.inf, *, in_pairs=True):
-    """Return the changes of a turn that convince."""
-    found = Changes(problem_with(), None, (), ()).confirmed(above, in_pairs=in_pairs)
-    return winner._convincing(found)
+def changed(above=None):
+    """Return the changes of a turn that convince: in pairs, or alone and above something."""
+    found = Changes(problem_with(), None, (), ())
+    return winner._convincing(found.in_pairs if above is None else found.alone(above))
 
 
 def of_turn(trials):
@@ -531,7 +546,7 @@ def test_what_the_noise_does_as_well_does_not_crowd_out_a_change(monkeypatch):
 def test_changes_are_looked_for_where_they_are_asked_for(monkeypatch):
     """What takes the place of a lasting effect lasts."""
     assert turn(monkeypatch, (), [won("epoch_tilt")]) == "epoch_tilt"
-    assert turn(monkeypatch, (), [won("epoch_tilt")], changes=False) is None
+    assert turn(monkeypatch, (), [won("epoch_tilt")], changes=None) is None
 
 
 @pytest.mark.parametrize(
@@ -595,7 +610,7 @@ def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more,
 
     joint = sure if sure > 6 else sure + more
     assert [one.trial.evidence for one in moved] == ([joint] if found else [])
-    alone = [one.trial.evidence for one in changed(in_pairs=False)]
+    alone = [one.trial.evidence for one in changed(-np.inf)]
     assert alone == ([sure] if sure > 6 else [])
 
 
@@ -638,6 +653,17 @@ def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, 
 
     assert found == more
     assert best is (moved if more > 0 else change)
+
+
+@pytest.mark.parametrize(
+    ("sure", "near"), [((0.5, 5.0), 1), ((0.5, -0.5), 0), ((-0.5, -3.0), None), ((5.5, 6.5), 0)]
+)
+def test_the_nearest_change_is_likelier_than_not(sure, near):
+    """The best of those that do not convince."""
+    found = of_turn(())
+    vars(found)["in_pairs"] = [won("epoch_tilt", one) for one in sure]
+
+    assert found.nearest() is (None if near is None else found.in_pairs[near])
 
 
 @pytest.mark.parametrize(("worth", "shows"), [(6.5, True), (5.5, False)])
