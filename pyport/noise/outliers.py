@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pyport.angles import Codes
+from pyport.effects.empirical.fields import stepped
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import CARRIERS, MOSTLY
@@ -17,12 +19,14 @@ _SAYS = {
     "receiver": "it has offsets that the model does not allow for",
     "source": "its place may be wrong",
 }
+_RESTLESS = "the telescope had not come to rest, or stands where it came from"
 
 
 def shared(recordings: Recordings, stack: Stack, used: NDArray[np.bool_]) -> Iterator[str]:
     """Yield a sentence for each session, receiver and source most of whose pointings are outliers.
 
-    Nothing is said of fewer than `CARRIERS` pointings, nor of those that an earlier sentence names.
+    And for the longest slews. Nothing is said of fewer than `CARRIERS` pointings, nor of those that
+    an earlier sentence names.
 
     `used`: which of the m readings are no outliers, shape (m,).
     """
@@ -30,21 +34,39 @@ def shared(recordings: Recordings, stack: Stack, used: NDArray[np.bool_]) -> Ite
         return
     out = ~used
     number = pointings(recordings)[stack.row]
-    for label, says in _SAYS.items():
-        of_row, names = group(recordings, (label,))
+    for of_row, words in _groups(recordings, number, out):
         of_reading = of_row[stack.row]
         every, bad = (
             np.bincount(
-                np.unique(np.stack([of_reading[one], number[one]]), axis=1)[0], None, len(names)
+                np.unique(np.stack([of_reading[one], number[one]]), axis=1)[0], None, len(words)
             )
             for one in (np.ones(len(used), bool), out)
         )
         for code in np.flatnonzero((bad >= CARRIERS) & (bad > MOSTLY * every)):
-            (name,), own = names[code], out & (of_reading == code)
-            if name and len(names) > 1:
+            (where, whose, says), own = words[code], out & (of_reading == code)
+            if where:
                 yield (
-                    f"{own.sum()} of {np.count_nonzero(~used)} outliers are in {label} {name} "
-                    f"({bad[code]} of its {every[code]} pointings): {says}, these are no gross "
+                    f"{own.sum()} of {np.count_nonzero(~used)} outliers are {where} "
+                    f"({bad[code]} of {whose} {every[code]} pointings): {says}, these are no gross "
                     "errors, and the rms leaves them out"
                 )
                 out = out & ~own
+
+
+def _groups(
+    recordings: Recordings, number: Codes, out: NDArray[np.bool_]
+) -> Iterator[tuple[Codes, list[tuple[str, str, str]]]]:
+    """Yield the group of each row (n,), and of each group where it is, its, and what that says.
+
+    `number`, `out`: of readings, the number of their pointing, and which are outliers.
+    """
+    for label, says in _SAYS.items():
+        of_row, names = group(recordings, (label,))
+        if len(names) > 1:
+            words = [(f"in {label} {name}" if name else "", "its", says) for (name,) in names]
+            yield of_row, words
+    many = len(np.unique(number[out]))
+    if "time" in recordings.at and 2 * many < len(recordings):
+        far = np.zeros(len(recordings), np.intp)
+        far[np.argsort(-stepped(recordings.at), kind="stable")[:many]] = 1
+        yield far, [("", "", ""), ("the first after the longest slews", "those", _RESTLESS)]

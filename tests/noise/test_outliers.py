@@ -93,3 +93,19 @@ def _said(table, label, name, count):
     used = np.ones(len(numbers), bool)
     used[np.flatnonzero(read.label(label).astype(str)[numbers.row] == name)[:count]] = False
     return list(shared(read, numbers, used))
+
+
+def test_the_first_pointings_after_slews_are_named():
+    """Those of tracks of eight; not where every pointing is slewed to."""
+    table = night(0.0)
+    step = np.arange(NIGHTS * EACH)
+    table["az_deg"] = 60.0 * (step // 8 % 3) + 10 * (step // 24) + step % 8
+    first = (step % 8 == 0) & (step > 0)
+    read = from_table(table)
+    own = stack(read)
+    said = list(shared(read, own, ~(first[own.row] & own.is_y)))
+
+    assert len(said) == 1
+    assert "11 of 11 outliers are the first after the longest slews (" in said[0]
+    everywhere = from_table(night(0.0))
+    assert not list(shared(everywhere, stack(everywhere), ~(first[own.row] & own.is_y)))

@@ -7,13 +7,13 @@ recordings were made.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array, cosine_between, separation
+from pyport.angles import DEG, Array, Codes, cosine_between, separation
 from pyport.effects.base import Circumstances, Coefficient, Effect
 from pyport.effects.empirical.oscillations import SHORTEST_S
 from pyport.effects.sky.frame import sun_seen
@@ -146,17 +146,33 @@ def last_slew(at: Circumstances) -> Array:
     A structure comes to rest slowly, and a drive that has play stands where it came from. NaN where
     an antenna has not slewed yet, or the time is unknown.
     """
-    time, angles = at.numbers("time"), np.stack([at.az, at.el])
-    antennas = at.column("antenna") if "antenna" in at else np.zeros(len(at))
-    found = np.full(angles.shape, np.nan)
-    for one in np.unique(antennas):
-        rows = np.flatnonzero((antennas == one) & np.isfinite(time))
-        rows = rows[np.argsort(time[rows], kind="stable")]
-        went = np.diff(angles[:, rows])
+    found = np.full((2, len(at)), np.nan)
+    for rows, went in _steps(at):
         slewed = np.flatnonzero(np.abs(went).max(axis=0) > SLEW_RAD)
         last = np.searchsorted(slewed, np.arange(len(rows))) - 1
         found[:, rows[last >= 0]] = went[:, slewed[last[last >= 0]]]
     return found
+
+
+def stepped(at: Circumstances) -> Array:
+    """Return how far each antenna went to each reading, in the angle that changed more [rad], (n,).
+
+    Zero to the first, and where the time is unknown.
+    """
+    found = np.zeros(len(at))
+    for rows, went in _steps(at):
+        found[rows[1:]] = np.abs(went).max(axis=0)
+    return found
+
+
+def _steps(at: Circumstances) -> Iterator[tuple[Codes, Array]]:
+    """Yield for each antenna its rows in order of time, (r,), and its way between, (2, r - 1)."""
+    time, angles = at.numbers("time"), np.stack([at.az, at.el])
+    antennas = at.column("antenna") if "antenna" in at else np.zeros(len(at))
+    for one in np.unique(antennas):
+        rows = np.flatnonzero((antennas == one) & np.isfinite(time))
+        rows = rows[np.argsort(time[rows], kind="stable")]
+        yield rows, np.diff(angles[:, rows])
 
 
 def slew(at: Circumstances, name: str, count: int, values: Sequence[float]) -> Array:
