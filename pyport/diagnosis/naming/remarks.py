@@ -81,7 +81,7 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
         if (near := diagnosis.nearest) is not None:
             which = f"{near.effect} ({near.variant})" if near.variant else near.effect
             said = f"the nearest is {which}: {near.reason}"
-            return f"Nothing is missing for certain{beside}; {said}{hides}"
+            return f"Nothing is certain to be missing{beside}; {said}{hides}"
         return f"Nothing is missing that these recordings could show{beside}{more}{hides}"
     return (
         "What is left does not look like the noise that was assumed, but no effect that was tried "
