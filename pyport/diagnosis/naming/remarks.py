@@ -82,7 +82,7 @@ def nothing(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
             which = f"{near.effect} ({near.variant})" if near.variant else near.effect
             said = f"the nearest is {which}: {near.reason}"
             return f"Nothing is certain to be missing{beside}; {said}{hides}"
-        return f"Nothing is missing that these recordings could show{beside}{more}{hides}"
+        return f"Nothing is missing that these recordings could show{beside}{hides}{more}"
     return (
         "What is left does not look like the noise that was assumed, but no effect that was tried "
         "has odds of twenty to one and predicts unseen data better"
@@ -105,7 +105,7 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
     remarks = []
     if said:
         sizes = " and ".join(said)
-        remarks.append(f"a change with time would have to stand out of the noise: {sizes}")
+        remarks.append(f"whether something changed with time stays open: {sizes}")
         if not OF_WEATHER & diagnosis.problem.recordings.at.columns.keys():
             remarks.append("no weather is recorded that it might follow, as temperature_c would be")
     if "source" in largest:
