@@ -7,6 +7,7 @@ import io
 import operator
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -195,7 +196,7 @@ def _rows(text: str, skipped: int, path: Path) -> tuple[list[list[str]], list[in
     try:
         rows = list(reader)
     except csv.Error as error:
-        raise BadInput(f"{error}, expected CSV", path, skipped + reader.line_num) from None
+        raise _not_csv(error, text, skipped, path) from None
     lines: Iterable[int] = range(skipped + 1, skipped + 1 + len(rows))
     if reader.line_num != len(rows):  # some cell holds a line break
         reader = _reader(text, skipped)
@@ -206,6 +207,20 @@ def _rows(text: str, skipped: int, path: Path) -> tuple[list[list[str]], list[in
         if row and not row[0].startswith("#")
     ]
     return [row for row, _ in kept], [line for _, line in kept]
+
+
+def _not_csv(error: csv.Error, text: str, skipped: int, path: Path) -> BadInput:
+    """Return what is wrong, at the line in which the row begins that cannot be read.
+
+    A quote that is not closed takes in the lines below it, often to the end of the file.
+    """
+    reader, first = _reader(text, skipped), skipped + 1
+    with suppress(csv.Error):
+        for _ in reader:
+            first = skipped + reader.line_num + 1
+    last = skipped + reader.line_num
+    wrong = f"{error}" if last == first else f"a quote is not closed ({error} in line {last})"
+    return BadInput(f"{wrong}, expected CSV", path, first)
 
 
 def _reader(text: str, skipped: int) -> Any:  # noqa: ANN401 - csv keeps its reader's type to itself
