@@ -59,6 +59,7 @@ CASES = {
     "zero": ("# azimuth_zero: east\n" + GOOD + "1,2,3\n", 1, "azimuth_zero"),
     "open_quote": (GOOD + '1,2,3\n1,2,"3\n1,2,3\n', 3, "a quote is not closed (unexpected end of"),
     "open_quote_in_the_last": (GOOD + '1,2,3\n1,2,"3', 3, "unexpected end of data, expected CSV"),
+    "semicolons": ("sep=;\naz_deg;el_deg;d_el_deg\n1;2;3\n", 2, "separated by commas"),
     "quote_that_ends_early": (GOOD + '1,2,"3"4\n1,2,3\n', 2, "expected after"),
     "runaway": (GOOD[:-1] + ",source\n1,2,3," + "C" * 2000 + "\n", 2, "1000 characters"),
     "empty": ("", 1, "empty"),

@@ -72,6 +72,18 @@ def test_numbered_columns_by_any_delimiter(tmp_path, sign):
     np.testing.assert_allclose(np.degrees(found.y) * 3600, 3.5)
 
 
+@pytest.mark.parametrize("first", ["sep=;", "sep=,", "sep=|", "sep=\t"])
+def test_the_line_that_excel_takes_the_separator_from_is_no_row(tmp_path, first):
+    """Names are those of the line below, whatever it says."""
+    path = tmp_path / "log.csv"
+    path.write_text(f"{first}\nAzimuth{first[-1]}dEl\n10.5{first[-1]}3.5\n")
+
+    found = sheet(path)
+
+    assert found.names == ("Azimuth", "dEl")
+    assert found.lines == [3]
+
+
 @pytest.mark.parametrize("sign", [";", "\t"])
 def test_a_decimal_comma_is_no_delimiter(tmp_path, sign):
     """The names tell what stands between cells; the cell that has one is named."""

@@ -176,6 +176,15 @@ def test_windows_files(tmp_path, newline, mark):
     assert night.line.tolist() == [3]
 
 
+@pytest.mark.parametrize("rows", ["sep=,\n{}", "# telescope: T\nSEP=,\r\n{}", "\n sep=,\n{}"])
+def test_the_line_that_excel_takes_the_separator_from_is_none_of_names(tmp_path, rows):
+    """It is passed over, and lines are counted with it."""
+    night = read(written(tmp_path, rows.format("az_deg,el_deg,d_el_deg\n1,2,3\n")))
+
+    assert night.y == pytest.approx([3 * DEG])
+    assert night.line.tolist() == [rows.count("\n") + 2]
+
+
 def test_quotes_and_comments(tmp_path):
     """A quoted cell may hold commas; a line that begins with # is no row."""
     text = 'az_deg,el_deg,d_el_deg,source\n1,2,3,"Cyg A, core"\n# clouds\n1,2,3,3C84\n'

@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.files import write_whole
-from pyport.recordings.formats.text import MOST_COLUMNS, Line, read_text
+from pyport.recordings.formats.text import MOST_COLUMNS, Line, is_separator, read_text
 from pyport.recordings.naming import comment, is_key
 from pyport.recordings.raw import Raw, TextColumn
 from pyport.recordings.schema import Table
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
-
 #: From so many bytes on Arrow is worth its import: a tenth of a second, and four where there is
 #: pandas, which it imports too.
 LEAST_BYTES = 2**22
@@ -99,7 +98,7 @@ def read(path: Path, names: tuple[str, ...] = ()) -> Raw:
             pair = comment(header)
             if pair is not None:
                 _add(meta, key_line, *pair, Line(path, skipped + 1, header))
-        elif header.strip():
+        elif header.strip() and not is_separator(header):
             break
         skipped += 1
         size += len(header)

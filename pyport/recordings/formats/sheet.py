@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pyport.errors import BadInput
 from pyport.recordings.formats.cells import are_units, joined
-from pyport.recordings.formats.text import read_text
+from pyport.recordings.formats.text import is_separator, read_text
 from pyport.recordings.naming import comment
 
 #: Signs between columns, in the order in which they are tried; None for blanks.
@@ -82,7 +82,7 @@ def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, str]], list[tupl
                 meta[pair[0]] = pair[1]
             elif not body:
                 remarks.append((number, text.lstrip("#!").strip()))
-        elif text:
+        elif text and (body or not is_separator(text)):
             body.append((number, line.strip(" ")))
     if not body:
         raise BadInput("no rows, expected a table", path)

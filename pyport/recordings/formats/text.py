@@ -112,6 +112,11 @@ def refuse_packed(path: Path) -> None:
         raise BadInput(f"a log of the VLBI Field System, {wanted}", path)
 
 
+def is_separator(line: str) -> bool:
+    """Tell whether a line is the one that Excel takes the separator from, such as `sep=,`."""
+    return re.fullmatch(r"sep=[,;|]?", line.strip(), re.IGNORECASE) is not None
+
+
 def read_text(path: Path) -> str:
     """Return the text of a UTF-8 file, with or without a byte-order mark.
 
