@@ -104,6 +104,27 @@ def test_directions_that_contradict_the_hour_angle(tmp_path, wrong, why):
     assert f"0.0 deg if {why}" in note
 
 
+@pytest.mark.parametrize(
+    ("els", "says"),
+    [
+        (("20", "-5.0", "30"), ["1 row points below the horizon", "-5 deg (line 3)"]),
+        (("-0.2", "-5.0", ""), ["2 rows point below the horizon", "-5 deg (line 3)"]),
+        (("0", "5.0", ""), []),
+    ],
+)
+def test_rows_below_the_horizon_are_said_and_kept(tmp_path, els, says):
+    """What is right at the horizon or has no elevation is none of them."""
+    path = tmp_path / "low.csv"
+    rows = (f"{100 * n},{el},{n}\n" for n, el in enumerate(els))
+    path.write_text("az_deg,el_deg,d_el_arcsec\n" + "".join(rows))
+
+    found = read(path)
+
+    assert len(found) == sum(el != "" for el in els)
+    assert len(found.notes) == bool(says)
+    assert all(one in found.notes[0] for one in says)
+
+
 def with_pairs(path: Path, pairs: np.ndarray) -> str:
     """Write recordings of these offsets, shape (n, 2)."""
     lines = ["az_deg,el_deg,d_az_arcsec,d_zd_arcsec"]

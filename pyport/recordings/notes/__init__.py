@@ -20,6 +20,7 @@ def sentences(recordings: Recordings, raw: Raw, *, by_row: bool = True) -> dict[
     found = {
         **{f"{KEY}{key}": text for key, text in keys.notes(raw)},
         "directions": directions.note(recordings, raw),
+        "horizon": directions.below(recordings),
         "radians": directions.radians(recordings),
         "reader": raw.note,
         "refraction": raw.meta.get(REFRACTION, ""),

@@ -56,6 +56,19 @@ def radians(recordings: Recordings) -> str:
     )
 
 
+def below(recordings: Recordings) -> str:
+    """Return how many rows point below the horizon, and which is the lowest, if any do."""
+    el = recordings.at.el / DEG
+    if not (rows := int(np.count_nonzero(el < 0))):
+        return ""
+    lowest = int(np.nanargmin(el))
+    point = "row points" if rows == 1 else "rows point"
+    return (
+        f"{rows} {point} below the horizon, where nothing is seen, the lowest at elevation "
+        f"{el[lowest]:.3g} deg (line {recordings.line[lowest]})"
+    )
+
+
 def _compared(
     recordings: Recordings,
     what: str,
