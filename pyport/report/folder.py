@@ -35,8 +35,8 @@ _LIMITS = 6
 def text(report: Report) -> str:
     """Return a report as plain text."""
     lines = [f"{counted(vars(report.input))}, model {report.model.name}"]
-    if report.misread:
-        lines += _wrapped(report.misread)
+    for said in filter(None, (report.misread, report.untold)):
+        lines += _wrapped(said)
     if report.mismatch:
         lines.append(f"The model leaves something out (chance of noise alone {_chance(report)}).")
         for n, finding in enumerate(report.findings, 1):

@@ -21,6 +21,7 @@ from pyport.diagnosis.naming.remarks import warnings
 from pyport.diagnosis.naming.verdict import DRAWS, judged, stability
 from pyport.diagnosis.searching.search import search
 from pyport.formats.models import load
+from pyport.page import of_diagnosis
 from pyport.report.finding import finding_of
 from pyport.report.folder import text as in_words
 from pyport.report.made import report_of
@@ -175,6 +176,24 @@ def test_one_elevation_hides_nothing():
     assert "azimuth_harmonics" in done.findings[0].members
     assert np.isfinite(done.unseen.after).all()
     assert any("not determined" in one for one in warnings(done, noise_remarks(done)))
+    assert report_of(done).untold is None
+
+
+def test_of_one_direction_no_model_is_told_and_the_report_begins_with_that():
+    """A zero of either axis is told from one; with few readings that they are few is all."""
+    made = recordings(200, 1)
+    one = replace(made, at=replace(made.at, az=np.full(200, 1.7), el=np.full(200, 0.8)))
+    altaz = load("altaz")
+    two = [t for t in altaz.terms if t.effect.id in ("collimation", "elevation_zero")]
+    done = diagnose(one, altaz)
+    report = report_of(done)
+
+    assert report.untold.startswith("None of the 7 coefficients of altaz is determined: ")
+    assert in_words(report).splitlines()[1] in report.untold
+    assert report.untold in of_diagnosis(done, report)[1].warnings
+    assert report_of(diagnose(one, replace(altaz, terms=tuple(two)))).untold is None
+    assert report_of(diagnose(one.take(np.arange(4)), altaz)).untold is None
+    assert report_of(diagnose(one, altaz, refit=())).untold is None
 
 
 def test_silence_is_no_all_clear_where_noise_does_not_look_like_that():
