@@ -220,7 +220,7 @@ def _card(finding: Finding, layer: int | None, axes: tuple[str, str]) -> Card:
 
 
 def _warnings(report: Report) -> tuple[str, ...]:
-    said = [one for one in (report.misread, report.untold) if one]
+    said = [one for one in (report.misread, report.determines_nothing) if one]
     if report.noisy:
         said.append(f"Drown in their own noise and are not counted: {' '.join(report.noisy)}.")
     together = [one.sentence for one in report.combinations[:MOST_COMBINATIONS]]

@@ -35,7 +35,7 @@ _LIMITS = 6
 def text(report: Report) -> str:
     """Return a report as plain text."""
     lines = [f"{counted(vars(report.input))}, model {report.model.name}"]
-    for said in filter(None, (report.misread, report.untold)):
+    for said in filter(None, (report.misread, report.determines_nothing)):
         lines += _wrapped(said)
     if report.mismatch:
         lines.append(f"The model leaves something out (chance of noise alone {_chance(report)}).")

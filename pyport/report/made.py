@@ -13,7 +13,7 @@ from pyport.diagnosis.disagreements import Disagreement
 from pyport.diagnosis.joint import Joint, rms
 from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.noise_remarks import NoiseRemarks, noise_remarks, sentences
-from pyport.diagnosis.naming.remarks import nothing, untold, warnings
+from pyport.diagnosis.naming.remarks import determines_nothing, nothing, warnings
 from pyport.errors import BadInput
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, rms_of
 from pyport.least_squares.gram import inverted
@@ -84,7 +84,7 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
         completed_model=_completed(whole),
         array=None if array is None else array_json(array),
         misread=diagnosis.misread,
-        untold=untold(diagnosis),
+        determines_nothing=determines_nothing(diagnosis),
         too_few=diagnosis.too_few is not None,
         noisy=tuple(diagnosis.noisy),
         corrections=()

@@ -335,7 +335,9 @@ class Report:
         dict[str, Any] | None, "of several antennas: what they share, `docs/recordings.md`"
     ] = None
     misread: Annotated[str | None, "how the file may have been misread"] = None
-    untold: Annotated[str | None, "that the directions determine nothing of the model"] = None
+    determines_nothing: Annotated[
+        str | None, "that the directions determine nothing of the model"
+    ] = None
     too_few: Annotated[bool, "whether nothing was looked for"] = field(
         default=False, metadata=NOT_WRITTEN
     )

@@ -176,7 +176,7 @@ def test_one_elevation_hides_nothing():
     assert "azimuth_harmonics" in done.findings[0].members
     assert np.isfinite(done.unseen.after).all()
     assert any("not determined" in one for one in warnings(done, noise_remarks(done)))
-    assert report_of(done).untold is None
+    assert report_of(done).determines_nothing is None
 
 
 def test_of_one_direction_no_model_is_told_and_the_report_begins_with_that():
@@ -188,12 +188,14 @@ def test_of_one_direction_no_model_is_told_and_the_report_begins_with_that():
     done = diagnose(one, altaz)
     report = report_of(done)
 
-    assert report.untold.startswith("None of the 7 coefficients of altaz is determined: ")
-    assert in_words(report).splitlines()[1] in report.untold
-    assert report.untold in of_diagnosis(done, report)[1].warnings
-    assert report_of(diagnose(one, replace(altaz, terms=tuple(two)))).untold is None
-    assert report_of(diagnose(one.take(np.arange(4)), altaz)).untold is None
-    assert report_of(diagnose(one, altaz, refit=())).untold is None
+    assert report.determines_nothing.startswith(
+        "None of the 7 coefficients of altaz is determined: "
+    )
+    assert in_words(report).splitlines()[1] in report.determines_nothing
+    assert report.determines_nothing in of_diagnosis(done, report)[1].warnings
+    assert report_of(diagnose(one, replace(altaz, terms=tuple(two)))).determines_nothing is None
+    assert report_of(diagnose(one.take(np.arange(4)), altaz)).determines_nothing is None
+    assert report_of(diagnose(one, altaz, refit=())).determines_nothing is None
 
 
 def test_silence_is_no_all_clear_where_noise_does_not_look_like_that():

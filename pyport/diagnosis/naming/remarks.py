@@ -65,15 +65,15 @@ def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:
     )
 
 
-def untold(diagnosis: Diagnosis) -> str | None:
+def determines_nothing(diagnosis: Diagnosis) -> str | None:
     """Return that these directions determine nothing of the model, None where they do."""
     known = diagnosis.before.solution.known
     if diagnosis.too_few is not None or not len(known) or known.any():
         return None
     return (
         f"None of the {len(known)} coefficients of {diagnosis.problem.model.name} is determined: "
-        "the directions of these recordings are one, or too much alike, and no model can be told "
-        "from them."
+        "these recordings point in one direction, or in directions too much alike, and show no "
+        "model."
     )
 
 

@@ -167,7 +167,9 @@ def test_the_nearest_change_is_said_with_its_odds(monkeypatch):
 
     assert near.reason.startswith("odds of 7.4 to 1")
     assert near.reason.endswith("20 are needed")
-    assert "Nothing is certain to be missing; the nearest is epoch_tilt" in remarks.nothing(done, QUIET_NOISE)
+    assert "Nothing is certain to be missing; the nearest is epoch_tilt" in remarks.nothing(
+        done, QUIET_NOISE
+    )
     found = outcome(step(trial("epoch_tilt")))
     assert diagnose._nearest(replace(found, nearest=replace(one, sure=4.0))) is None
     assert diagnose._nearest(outcome()) is None
