@@ -62,6 +62,17 @@ def near(size):
     return 0 * AT.az, np.arctan2(np.sin(AT.el) - sine, np.cos(AT.el)) - AT.el
 
 
+def losing(seconds_a_day):
+    """Return how fast the sky gets ahead of a clock that loses so much [rad/s]."""
+    return TURN * seconds_a_day / 86400
+
+
+def evening():
+    """Return the time since the first row of each row's session [s]."""
+    session = AT.columns["session"]
+    return TIME - np.array([TIME[session == one].min() for one in session])
+
+
 SPHERE = [
     Case("rotator_circle", (12.0, 5.0), aside, variant="phi = -parallactic angle", tolerance=1e-3),
     Case(
@@ -72,6 +83,13 @@ SPHERE = [
     Case("site_longitude", (20.0,), lambda s: seen(HOUR_ANGLE + s * 20 * ARCSEC, DEC)),
     Case("clock", (2.0,), lambda s: seen(HOUR_ANGLE + s * 30 * ARCSEC, DEC)),
     Case("epoch_clock", tuple(NORTH / 15), lambda s: seen(HOUR_ANGLE + s * NORTHWARD, DEC)),
+    Case("clock_rate", (6.0,), lambda s: seen(HOUR_ANGLE + s * losing(6) * evening(), DEC)),
+    Case(
+        "clock_rate",
+        (0.01,),
+        lambda s: seen(HOUR_ANGLE + s * losing(0.01) * (TIME - TIME.min()), DEC),
+        variant="set once",
+    ),
     Case("source_position", (6.0, -4.0), misplaced, variant="S3"),
     Case("parallax", (30.0,), near, at=replaced(AT, source=np.full(len(AT), "Ceres"))),
     Case(

@@ -23,6 +23,7 @@ STABLE = {
     *("epoch_azimuth_zero", "epoch_tilt", "epoch_sag", "epoch_clock", "drift"),
     *("subreflector_jump",),
     *("nasmyth", "rotator_circle", "driven_term", "oscillation", "azimuth_turns"),
+    *("clock_rate",),
 }
 
 #: Radians (or seconds, or none) in one of each unit that a report may show.
@@ -32,6 +33,7 @@ UNITS = {
     "arcsec/K": (ARCSEC,),
     "arcsec/hPa": (ARCSEC,),
     "s": (1.0, 15 * ARCSEC),
+    "s/d": (15.041067 * ARCSEC / 86400,),
     "": (1.0, 15.041067 * ARCSEC),
 }
 
@@ -48,7 +50,7 @@ KNOWN = {
 OF_THE_SKY = {
     *("clock", "polar_motion", "annual_aberration", "diurnal_aberration", "nutation"),
     *("precession", "source_position", "parallax", "refraction", "refraction_curvature"),
-    *("wet_refraction", "ionosphere", "epoch_clock"),
+    *("wet_refraction", "ionosphere", "epoch_clock", "clock_rate"),
 }
 
 
@@ -107,6 +109,7 @@ def test_what_drives_an_effect_and_what_it_changes_with():
         "wind_tilt": "wind_speed_m_s",
         "thermal_tilt": "the hour",
         "drift": "the hour",
+        "clock_rate": "the hour",
         "driven_term": "temperature_c",
     }
     epochs = {"azimuth_zero", "clock", "offset", "sag", "tilt"}

@@ -269,6 +269,32 @@ def test_sun_is_tried_late_only_where_it_can_be_computed():
     assert variants("thermal_tilt")[-1] == "while the Sun is up, 3 h late"
 
 
+def test_a_clock_was_set_once_only_where_sessions_follow():
+    """In a single session both clocks are one; a new session starts at its own first row."""
+    names = AT.columns["session"]
+    alone = AT.take(names == names[0])
+    assert variants("clock_rate") == ["set each session", "set once"]
+    assert variants("clock_rate", alone) == ["set each session"]
+    assert [one.changes_with for one in CATALOGUE["clock_rate"].variants(AT)] == ["", "time"]
+
+
+def test_a_clock_goes_on_in_its_session_and_starts_anew_in_another():
+    """Applied to rows without a session's first it counts from there; a new session from its own."""
+    names = AT.columns["session"]
+    alone = AT.take(names == names[0])
+    later = np.flatnonzero(AT.columns["time"] > np.median(alone.columns["time"]))
+    late = AT.take(later)
+    known = late.columns["session"] == names[0]
+    kept = CATALOGUE["clock_rate"].variants(alone)[0].columns(late)
+    own, whole = (CATALOGUE["clock_rate"].columns(at) for at in (late, AT))
+
+    assert known.any() and not known.all()
+    for axis in (0, 1):
+        np.testing.assert_array_equal(kept[axis][~known], own[axis][~known])
+        np.testing.assert_array_equal(kept[axis][known], whole[axis][later][known])
+        assert not np.array_equal(kept[axis][known], own[axis][known])
+
+
 def test_clock_tries_ut1_only_where_it_changed():
     """Over one year UT1-UTC is like a constant; over three it is not."""
     assert variants("clock") == ["constant"]

@@ -79,7 +79,7 @@ _UNITS = {
     "arcsec": "arcsec",
 }
 #: What else a coefficient may be counted per: in words it is a unit, and no column's name.
-_TIMES = frozenset({"s", "h"})
+_TIMES = frozenset({"s", "h", "d"})
 
 
 def unit_in_words(unit: str) -> str:
