@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import (
@@ -87,12 +88,17 @@ def _clocks(at: Circumstances) -> tuple[Effect, ...]:
     return constant, _clock(_OMITTED_UT1)
 
 
+def _sessions(at: Circumstances) -> NDArray[np.str_]:
+    """Return the session of each row, shape (n,): one where none are told."""
+    return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
+
+
 def _since_set(at: Circumstances, sessions: Sequence[str], starts_s: Sequence[float]) -> Array:
     """Return the time since the session of each row began [s], shape (n,).
 
     A session whose start is not told began with its own first row.
     """
-    time, session = at.numbers("time"), at.column("session").astype(str)
+    time, session = at.numbers("time"), _sessions(at)
     told = dict(zip(sessions, starts_s, strict=True))
     since = np.full(len(at), np.nan)
     for name in np.unique(session[np.isfinite(time)]):
@@ -103,7 +109,7 @@ def _since_set(at: Circumstances, sessions: Sequence[str], starts_s: Sequence[fl
 
 def _session_starts(at: Circumstances) -> tuple[list[str], list[float]]:
     """Return the sessions and when each began [s], those with a known time."""
-    time, session = at.numbers("time"), at.column("session").astype(str)
+    time, session = at.numbers("time"), _sessions(at)
     names = np.unique(session[np.isfinite(time)])
     return names.tolist(), [float(np.nanmin(time[session == name])) for name in names]
 
@@ -114,13 +120,16 @@ def _clock_rate(
     since_s: float | None = None,
 ) -> Effect:
     """Return a clock at a wrong rate: set at each session's start, or once, at `since_s` [s]."""
-    once = since_s is not None
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        since = at.numbers("time") - since_s if once else _since_set(at, sessions, starts_s)
+        if since_s is None:
+            since = _since_set(at, sessions, starts_s)
+        else:
+            since = at.numbers("time") - since_s
         x, y = hour_angle_shift(at)
         return stack(at, (since * x, since * y))
 
+    once = since_s is not None
     return Effect(
         "clock_rate",
         "the clock runs at a wrong rate (above zero it loses): check what keeps it to time, as NTP",
