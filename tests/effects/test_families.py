@@ -296,6 +296,26 @@ def test_a_clock_goes_on_in_its_session_and_starts_anew_in_another():
         assert not np.array_equal(kept[axis][known], own[axis][known])
 
 
+@pytest.mark.parametrize(("gap_h", "same"), [(5.9, True), (6.1, False), (80000, False)])
+def test_a_session_of_the_same_name_in_another_night_starts_anew(gap_h, same):
+    """A name that comes back after a night's gap is another night; set once, it stays at its ends."""
+    names = AT.columns["session"]
+    alone = AT.take(names == names[0])
+    time = alone.columns["time"]
+    later = replaced(alone, time=time - time.min() + time.max() + gap_h * 3600)
+    kept, anew = (one.columns(later) for one in (clock(alone), clock(later)))
+    assert np.array_equal(kept[1], anew[1]) != same
+
+    once = CATALOGUE["clock_rate"].variants(AT)[1]
+    beyond, end = (replaced(AT, time=AT.columns["time"] * 0 + one) for one in (4e9, 1e11))
+    np.testing.assert_array_equal(once.columns(beyond), once.columns(end))
+
+
+def clock(at):
+    """Return the clock that was set each session of some recordings."""
+    return CATALOGUE["clock_rate"].variants(at)[0]
+
+
 def test_clock_tries_ut1_only_where_it_changed():
     """Over one year UT1-UTC is like a constant; over three it is not."""
     assert variants("clock") == ["constant"]

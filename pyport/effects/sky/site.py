@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.circumstances import DAY_S
+from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S
 from pyport.effects.sky.frame import SIDEREAL, hour_angle_shift, ut1_minus_utc
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
@@ -27,6 +28,8 @@ _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az an
 CHANGED = 0.3
 _CONSTANT, _OMITTED_UT1 = "constant", "UT1-UTC left out"
 _EACH_SESSION, _ONCE = "set each session", "set once"
+#: When sessions began and ended [s].
+Spans = Sequence[Sequence[float]]
 
 
 def site_latitude(at: Circumstances) -> tuple[Array, Array]:
@@ -93,43 +96,56 @@ def _sessions(at: Circumstances) -> NDArray[np.str_]:
     return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
 
 
-def _since_set(at: Circumstances, sessions: Sequence[str], starts_s: Sequence[float]) -> Array:
+def _since_set(at: Circumstances, sessions: Sequence[str], spans_s: Spans) -> Array:
     """Return the time since the session of each row began [s], shape (n,).
 
-    A session whose start is not told began with its own first row.
+    A session that is not among those told, or has the name of one at another time, began with its
+    own first row.
     """
     time, session = at.numbers("time"), _sessions(at)
-    told = dict(zip(sessions, starts_s, strict=True))
+    told = dict(zip(sessions, spans_s, strict=True))
     since = np.full(len(at), np.nan)
     for name in np.unique(session[np.isfinite(time)]):
         own = session == name
-        since[own] = time[own] - told.get(str(name), np.nanmin(time[own]))
+        began = float(np.nanmin(time[own]))
+        first, last = told.get(str(name), (began, began))
+        # What follows within a night's gap belongs to the same night, and its clock was not set.
+        same = first <= began < last + NIGHT_GAP_S
+        since[own] = time[own] - (first if same else began)
     return since
 
 
-def _session_starts(at: Circumstances) -> tuple[list[str], list[float]]:
-    """Return the sessions and when each began [s], those with a known time."""
+def _session_spans(at: Circumstances) -> tuple[list[str], list[list[float]]]:
+    """Return the sessions with a known time, and when each began and ended [s]."""
     time, session = at.numbers("time"), _sessions(at)
     names = np.unique(session[np.isfinite(time)])
-    return names.tolist(), [float(np.nanmin(time[session == name])) for name in names]
+    return names.tolist(), [_span(time[session == name]) for name in names]
+
+
+def _span(time: Array) -> list[float]:
+    return [float(np.nanmin(time)), float(np.nanmax(time))]
 
 
 def _clock_rate(
     sessions: Sequence[str] = (),
-    starts_s: Sequence[float] = (),
-    since_s: float | None = None,
+    spans_s: Spans = (),
+    span_s: Sequence[float] | None = None,
 ) -> Effect:
-    """Return a clock at a wrong rate: set at each session's start, or once, at `since_s` [s]."""
+    """Return a clock at a wrong rate: set at each session's start, or once, before `span_s` [s].
+
+    Beyond that span an error that grew stays as it was: the clock may have been set by then.
+    """
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        if since_s is None:
-            since = _since_set(at, sessions, starts_s)
+        if span_s is None:
+            since = _since_set(at, sessions, spans_s)
         else:
-            since = at.numbers("time") - since_s
+            first, last = span_s
+            since = np.clip(at.numbers("time"), first, last) - first
         x, y = hour_angle_shift(at)
         return stack(at, (since * x, since * y))
 
-    once = since_s is not None
+    once = span_s is not None
     return Effect(
         "clock_rate",
         "the clock runs at a wrong rate (above zero it loses): check what keeps it to time, as NTP",
@@ -149,21 +165,26 @@ def _clock_rate(
         ),
         driver=THE_HOUR,
         changes_with="time" if once else "",
-        member={"since_s": since_s} if once else _told(sessions, starts_s),
+        member=_told(sessions, spans_s, span_s),
         make=_clock_rate,
     )
 
 
-def _told(sessions: Sequence[str], starts_s: Sequence[float]) -> dict[str, list[str] | list[float]]:
-    """Return what a file holds of when sessions began."""
-    return {"sessions": list(sessions), "starts_s": list(starts_s)} if sessions else {}
+def _told(
+    sessions: Sequence[str], spans_s: Spans, span_s: Sequence[float] | None
+) -> dict[str, Any]:
+    """Return what a file holds of when the clock was set."""
+    if span_s is not None:
+        return {"span_s": list(span_s)}
+    each = [list(one) for one in spans_s]
+    return {"sessions": list(sessions), "spans_s": each} if sessions else {}
 
 
 def _clock_rates(at: Circumstances) -> tuple[Effect, ...]:
     """Return a clock that was set each session and, where there are several, one set once."""
-    sessions, starts_s = _session_starts(at)
-    each = _clock_rate(sessions, starts_s)
-    return (each, _clock_rate(since_s=min(starts_s))) if len(sessions) > 1 else (each,)
+    sessions, spans_s = _session_spans(at)
+    each = _clock_rate(sessions, spans_s)
+    return (each, _clock_rate(span_s=_span(at.numbers("time")))) if len(sessions) > 1 else (each,)
 
 
 EFFECTS = (
