@@ -84,12 +84,6 @@ SPHERE = [
     Case("clock", (2.0,), lambda s: seen(HOUR_ANGLE + s * 30 * ARCSEC, DEC)),
     Case("epoch_clock", tuple(NORTH / 15), lambda s: seen(HOUR_ANGLE + s * NORTHWARD, DEC)),
     Case("clock_rate", (6.0,), lambda s: seen(HOUR_ANGLE + s * losing(6) * evening(), DEC)),
-    Case(
-        "clock_rate",
-        (0.01,),
-        lambda s: seen(HOUR_ANGLE + s * losing(0.01) * (TIME - TIME.min()), DEC),
-        variant="set once",
-    ),
     Case("source_position", (6.0, -4.0), misplaced, variant="S3"),
     Case("parallax", (30.0,), near, at=replaced(AT, source=np.full(len(AT), "Ceres"))),
     Case(

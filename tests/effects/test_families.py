@@ -269,14 +269,17 @@ def test_sun_is_tried_late_only_where_it_can_be_computed():
     assert variants("thermal_tilt")[-1] == "while the Sun is up, 3 h late"
 
 
-def test_a_clock_was_set_once_only_where_sessions_follow():
-    """In a single session both clocks are one; a new session starts at its own first row."""
+def test_a_clock_is_tried_as_set_each_session():
+    """One set once would be found in place of weak steps; in a single session both are one."""
     names = AT.columns["session"]
     alone = AT.take(names == names[0])
-    assert variants("clock_rate") == ["set each session", "set once"]
+    assert variants("clock_rate") == ["set each session"]
     assert variants("clock_rate", alone) == ["set each session"]
     assert variants("clock_rate", without(AT, "session")) == ["set each session"]
-    assert [one.changes_with for one in CATALOGUE["clock_rate"].variants(AT)] == ["", "time"]
+    span_s = [float(alone.columns["time"].min()), float(alone.columns["time"].max())]
+    once = CATALOGUE["clock_rate"].make(span_s=span_s)
+    assert (once.variant, once.changes_with) == ("set once", "time")
+    np.testing.assert_array_equal(once.columns(alone), CATALOGUE["clock_rate"].columns(alone))
 
 
 def test_a_clock_goes_on_in_its_session_and_starts_anew_in_another():
@@ -298,7 +301,7 @@ def test_a_clock_goes_on_in_its_session_and_starts_anew_in_another():
 
 @pytest.mark.parametrize(("gap_h", "same"), [(5.9, True), (6.1, False), (80000, False)])
 def test_a_session_of_the_same_name_in_another_night_starts_anew(gap_h, same):
-    """A name that comes back after a night's gap is another night; set once, it stays at its ends."""
+    """After a night's gap it is another night; a clock set once stays as it was at its ends."""
     names = AT.columns["session"]
     alone = AT.take(names == names[0])
     time = alone.columns["time"]
@@ -306,7 +309,7 @@ def test_a_session_of_the_same_name_in_another_night_starts_anew(gap_h, same):
     kept, anew = (one.columns(later) for one in (clock(alone), clock(later)))
     assert np.array_equal(kept[1], anew[1]) != same
 
-    once = CATALOGUE["clock_rate"].variants(AT)[1]
+    once = CATALOGUE["clock_rate"].make(span_s=[time.min(), time.max()])
     beyond, end = (replaced(AT, time=AT.columns["time"] * 0 + one) for one in (4e9, 1e11))
     np.testing.assert_array_equal(once.columns(beyond), once.columns(end))
 

@@ -181,10 +181,12 @@ def _told(
 
 
 def _clock_rates(at: Circumstances) -> tuple[Effect, ...]:
-    """Return a clock that was set each session and, where there are several, one set once."""
-    sessions, spans_s = _session_spans(at)
-    each = _clock_rate(sessions, spans_s)
-    return (each, _clock_rate(span_s=_span(at.numbers("time")))) if len(sessions) > 1 else (each,)
+    """Return a clock that was set each session.
+
+    One that was set once can be part of a model and is not tried: with its one coefficient it is
+    found in place of a weak step of the tilt.
+    """
+    return (_clock_rate(*_session_spans(at)),)
 
 
 EFFECTS = (
