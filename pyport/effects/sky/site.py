@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +26,6 @@ _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az an
 #: UT1-UTC is distinguished from a constant error where it scatters by this share of itself.
 CHANGED = 0.3
 _CONSTANT, _OMITTED_UT1 = "constant", "UT1-UTC left out"
-_EACH_SESSION, _ONCE = "set each session", "set once"
-#: When sessions began and ended [s].
-Spans = Sequence[Sequence[float]]
 
 
 def site_latitude(at: Circumstances) -> tuple[Array, Array]:
@@ -92,60 +88,37 @@ def _clocks(at: Circumstances) -> tuple[Effect, ...]:
 
 
 def _sessions(at: Circumstances) -> NDArray[np.str_]:
-    """Return the session of each row, shape (n,): one where none are told."""
+    """Return the session of each row, shape (n,): one where none are recorded."""
     return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
 
 
-def _since_set(at: Circumstances, sessions: Sequence[str], spans_s: Spans) -> Array:
+def _since_set(at: Circumstances, spans_s: Mapping[str, Sequence[float]]) -> Array:
     """Return the time since the session of each row began [s], shape (n,).
 
-    A session that is not among those told, or has the name of one at another time, began with its
-    own first row.
+    `spans_s`: when known sessions began and ended. Another session, or one of that name at another
+    time, began with its own first row.
     """
     time, session = at.numbers("time"), _sessions(at)
-    told = dict(zip(sessions, spans_s, strict=True))
     since = np.full(len(at), np.nan)
     for name in np.unique(session[np.isfinite(time)]):
         own = session == name
         began = float(np.nanmin(time[own]))
-        first, last = told.get(str(name), (began, began))
+        first, last = spans_s.get(str(name), (began, began))
         # What follows within a night's gap belongs to the same night, and its clock was not set.
         same = first <= began < last + NIGHT_GAP_S
         since[own] = time[own] - (first if same else began)
     return since
 
 
-def _session_spans(at: Circumstances) -> tuple[list[str], list[list[float]]]:
-    """Return the sessions with a known time, and when each began and ended [s]."""
-    time, session = at.numbers("time"), _sessions(at)
-    names = np.unique(session[np.isfinite(time)])
-    return names.tolist(), [_span(time[session == name]) for name in names]
-
-
-def _span(time: Array) -> list[float]:
-    return [float(np.nanmin(time)), float(np.nanmax(time))]
-
-
-def _clock_rate(
-    sessions: Sequence[str] = (),
-    spans_s: Spans = (),
-    span_s: Sequence[float] | None = None,
-) -> Effect:
-    """Return a clock at a wrong rate: set at each session's start, or once, before `span_s` [s].
-
-    Beyond that span an error that grew stays as it was: the clock may have been set by then.
-    """
+def _clock_rate(sessions: Sequence[str] = (), spans_s: Sequence[Sequence[float]] = ()) -> Effect:
+    """Return a clock at a wrong rate that is set when each session begins; see `_since_set`."""
+    known = dict(zip(sessions, map(list, spans_s), strict=True))
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        if span_s is None:
-            since = _since_set(at, sessions, spans_s)
-        else:
-            first, last = span_s
-            since = np.clip(at.numbers("time"), first, last) - first
+        since = _since_set(at, known)
         x, y = hour_angle_shift(at)
         return stack(at, (since * x, since * y))
 
-    once = span_s is not None
     return Effect(
         "clock_rate",
         "the clock runs at a wrong rate (above zero it loses): check what keeps it to time, as NTP",
@@ -153,7 +126,7 @@ def _clock_rate(
         (Coefficient("clock_rate", "s/d", SIDEREAL / DAY_S),),
         basis,
         common="array",
-        variant=_ONCE if once else _EACH_SESSION,
+        variant="set each session",
         profile=_clock_rates,
         acts_in=SKY,
         in_arrays=HELD,
@@ -164,29 +137,21 @@ def _clock_rate(
             "d (t - t0) cos phi sin A",
         ),
         driver=THE_HOUR,
-        changes_with="time" if once else "",
-        member=_told(sessions, spans_s, span_s),
+        member={"sessions": list(known), "spans_s": list(known.values())} if known else {},
         make=_clock_rate,
     )
 
 
-def _told(
-    sessions: Sequence[str], spans_s: Spans, span_s: Sequence[float] | None
-) -> dict[str, Any]:
-    """Return what a file holds of when the clock was set."""
-    if span_s is not None:
-        return {"span_s": list(span_s)}
-    each = [list(one) for one in spans_s]
-    return {"sessions": list(sessions), "spans_s": each} if sessions else {}
-
-
 def _clock_rates(at: Circumstances) -> tuple[Effect, ...]:
-    """Return a clock that was set each session.
+    """Return a clock that was set when each session of some recordings began.
 
-    One that was set once can be part of a model and is not tried: with its one coefficient it is
-    found in place of a weak step of the tilt.
+    One that was set once is not tried: with its one coefficient it would be found in place of a
+    weak step of the tilt.
     """
-    return (_clock_rate(*_session_spans(at)),)
+    time, session = at.numbers("time"), _sessions(at)
+    names = np.unique(session[np.isfinite(time)]).tolist()
+    each = [time[session == name] for name in names]
+    return (_clock_rate(names, [[float(np.nanmin(t)), float(np.nanmax(t))] for t in each]),)
 
 
 EFFECTS = (
