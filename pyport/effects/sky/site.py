@@ -137,6 +137,7 @@ def _clock_rate(sessions: Sequence[str] = (), spans_s: Sequence[Sequence[float]]
             "d (t - t0) cos phi sin A",
         ),
         driver=THE_HOUR,
+        looks_back=True,
         member={"sessions": list(known), "spans_s": list(known.values())} if known else {},
         make=_clock_rate,
     )
