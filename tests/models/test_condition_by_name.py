@@ -103,7 +103,8 @@ def test_the_unit_of_a_column_that_has_none_is_said_in_words(model, tmp_path):
     ("unit", "said"),
     [
         ("arcsec/truss_north_temp", "arcsec per unit of truss_north_temp"),
-        *((one, one) for one in ("arcsec", "arcsec/K", "arcsec/(m/s)", "arcsec/deg", "", "s/d")),
+        *((one, one) for one in ("arcsec", "arcsec/K", "arcsec/(m/s)", "arcsec/deg", "", "deg")),
+        ("s/d", "s/d"),
     ],
 )
 def test_units_in_words(unit, said):

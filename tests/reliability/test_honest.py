@@ -179,8 +179,8 @@ def test_one_elevation_hides_nothing():
     assert report_of(done).determines_nothing is None
 
 
-def test_of_one_direction_no_model_is_told_and_the_report_begins_with_that():
-    """A zero of either axis is told from one; with few readings that they are few is all."""
+def test_one_direction_shows_no_model_and_the_report_begins_with_that():
+    """It shows the zero of either axis; of few readings it is said that they are few."""
     made = recordings(200, 1)
     one = replace(made, at=replace(made.at, az=np.full(200, 1.7), el=np.full(200, 0.8)))
     altaz = load("altaz")

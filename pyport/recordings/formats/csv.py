@@ -24,6 +24,7 @@ from pyport.recordings.raw import Raw, TextColumn
 from pyport.recordings.schema import Table
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n?|\n)|[^\r\n]+")
+
 #: From so many bytes on Arrow is worth its import: a tenth of a second, and four where there is
 #: pandas, which it imports too.
 LEAST_BYTES = 2**22
