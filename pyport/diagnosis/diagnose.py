@@ -68,8 +68,7 @@ class Diagnosis:
     unseen
         Residuals behind `heldout`.
     dropped
-        Effects that the search found and that do not predict unseen data, and the change with time
-        that came nearest to being one.
+        Effects that the search found and that do not predict unseen data.
     steps
         The turns of the search, each with everything that was tried in it.
     two_axes
@@ -153,7 +152,6 @@ def diagnose(
     outcome, dropped = (_unsearched(problem, few), ()) if few else searched(problem, tell)
     if few is None and not outcome.chosen:
         outcome = _nothing_stands(outcome)
-    nearest = _nearest(outcome)
     problem, weighed = outcome.problem, outcome.weighed
     alone = weigh_model(problem, (), searching=False) if outcome.chosen else weighed
     before = joint.fit(problem, alone, ())
@@ -175,13 +173,13 @@ def diagnose(
         noisy=tuple(scenes.noisy_antennas(problem, scene.floor)),
         heldout=held.compared(np.ones(len(problem.residual), bool), weighed.covariance.floor),
         unseen=held,
-        dropped=(*dropped, *([nearest] if nearest else [])),
+        dropped=dropped,
         steps=outcome.steps,
         two_axes=() if few else disagreements(problem, weighed, outcome.chosen),
         combinations=scene.combinations,
         too_few=few,
         misread=_misread(problem, weighed, after, refit),
-        nearest=nearest,
+        nearest=_nearest(outcome),
     )
 
 

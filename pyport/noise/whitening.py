@@ -115,11 +115,7 @@ class Whitening:
         if not self.drifts:
             inner = means / np.sqrt(self.variance)[:, None]
         else:
-            from celerite2 import driver
-
-            d, *triangle = _triangle(self.variance, self.part.time, self.drifts)
-            z = np.ascontiguousarray(means / np.sqrt(d)[:, None])
-            inner = driver.solve_upper(*triangle, z, np.empty_like(z))
+            inner = self._factors.times("solve_upper", means / self._factors.root[:, None])
         if self.share is None:
             return np.asarray(inner)
         share = self.share[:, None]
@@ -137,15 +133,12 @@ class Whitening:
         if not self.drifts:
             outer = pooled * np.sqrt(self.variance)[:, None]
         else:
-            from celerite2 import driver
-
-            d, *triangle = _triangle(self.variance, self.part.time, self.drifts)
-            outer = driver.matmul_upper(*triangle, pooled, pooled.copy()) * np.sqrt(d)[:, None]
+            outer = self._factors.times("matmul_upper", pooled) * self._factors.root[:, None]
         outer = self._without_mean(outer, 0.5)
-        if self.own is None or self.noise.within == 0:
+        if self.own is None or self.share is None or self.noise.within == 0:
             return outer, None
-        root, total = np.sqrt(self.own)[:, None], np.bincount(self.part.pointing, self.own)
-        return outer, estimators / root - root * (pooled / total[:, None])[self.part.pointing]
+        root, share = np.sqrt(self.own)[:, None], self.share[:, None]
+        return outer, (estimators - share * pooled[self.part.pointing]) / root
 
     def log_determinant(self) -> float:
         """Return the logarithm of the determinant of the means' covariance."""
@@ -165,6 +158,10 @@ class Whitening:
         return np.asarray(white + directions @ (by[:, None] * (directions.T @ white)))
 
     @cached_property
+    def _factors(self) -> _Factors:
+        return _factors(self.variance, self.part.time, self.drifts)
+
+    @cached_property
     def _centring(self) -> tuple[Array, Array]:
         """Return by what a centred drift differs from one that may have a mean.
 
@@ -179,12 +176,9 @@ class Whitening:
         """
         if not self.noise.centred or not self.drifts:
             return np.zeros((len(self.variance), 0)), np.zeros(0)
-        from celerite2 import driver
-
         one = np.ones((len(self.variance), 1))
-        d, *triangle = _triangle(self.variance, self.part.time, self.drifts)
-        above = driver.matmul_upper(*triangle, one, one.copy()) * d[:, None]
-        whole = driver.matmul_lower(*triangle, above, above.copy())[:, 0]
+        above = self._factors.times("matmul_upper", one) * self._factors.d[:, None]
+        whole = self._factors.times("matmul_lower", above)[:, 0]
         mean = (whole - self.variance) / len(self.variance)
         columns = np.stack([one[:, 0], mean], axis=1)
         white = factor(columns, self.variance, self.part.time, self.drifts)[1]
@@ -234,23 +228,37 @@ def factor(
     compiled = kernel.whiten(columns, variance, time, drifts)
     if compiled is not None:
         return compiled
-    from celerite2 import driver
-
-    d, *triangle = _triangle(variance, time, drifts)
-    z = np.ascontiguousarray(columns)
-    z = driver.solve_lower(*triangle, z, np.empty_like(z))
-    z /= np.sqrt(d)[:, None]
-    return d, z
+    factors = _factors(variance, time, drifts)
+    return factors.d, factors.times("solve_lower", columns) / factors.root[:, None]
 
 
-def _triangle(
-    variance: Array, time: Array | None, drifts: Sequence[tuple[float, float]]
-) -> tuple[Array, Array | None, Array, Array, Array]:
-    """Return the diagonal of the covariance's factors L D L', and what makes L.
+@dataclass(frozen=True)
+class _Factors:
+    """The factors L D L' of a covariance, d (n,) the diagonal of D and `lower` what makes L.
 
     The covariance of Ornstein-Uhlenbeck processes is semiseparable
     (Foreman-Mackey et al. 2017, AJ 154, 220).
     """
+
+    d: Array
+    lower: tuple[Array | None, Array, Array, Array]
+
+    @cached_property
+    def root(self) -> Array:
+        """Return the root of D, (n,)."""
+        return np.sqrt(self.d)
+
+    def times(self, how: str, columns: Array) -> Array:
+        """Return L or its transpose, or the inverse of one, times columns (n, K)."""
+        from celerite2 import driver
+
+        given = np.ascontiguousarray(columns)
+        return np.asarray(getattr(driver, how)(*self.lower, given, given.copy()))
+
+
+def _factors(
+    variance: Array, time: Array | None, drifts: Sequence[tuple[float, float]]
+) -> _Factors:
     from celerite2 import driver
 
     n, terms = len(variance), len(drifts)
@@ -259,4 +267,4 @@ def _triangle(
     ones = np.ones((n, terms))
     d, w = np.empty(n), np.empty((n, terms))
     driver.factor(time, rate, variance + power.sum(axis=1), power, ones, d, w)
-    return d, time, rate, power, w
+    return _Factors(d, (time, rate, power, w))

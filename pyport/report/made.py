@@ -74,7 +74,9 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
             ON_SKY,
         ),
         combinations=() if open_ else tuple(map(combination_of, diagnosis.combinations)),
-        dropped=tuple(Dropped(**vars(one)) for one in diagnosis.dropped),
+        dropped=tuple(
+            Dropped(**vars(one)) for one in (*diagnosis.dropped, diagnosis.nearest) if one
+        ),
         two_axes=tuple(_two_axes(one, mount.names) for one in diagnosis.two_axes),
         antennas=_antennas(diagnosis),
         not_testable={one.effect: one.reason for one in diagnosis.untestable},
