@@ -141,6 +141,10 @@ FIRST_REACH = 6.0
 #: distinguished from the bulk. Smaller: two normals split the bulk between them. Larger: outliers
 #: of five sigma have no mixture.
 LEAST_GROSS = 3.0
+#: [share] Of the readings that may be gross errors. Where more seem so, few readings lie on the fit
+#: and the rest about it: Student's t has such tails. Smaller: a bad session is no mixture. Larger:
+#: 14 of 24 readings that a fit goes through pass for sound ones, and all else for gross errors.
+MOST_GROSS = 0.25
 #: [usual scatter] Beyond which a reading left out, missed by both fits, is a gross error, and an
 #: antenna counts in no rms. No prediction can be judged by either. Smaller: heavy tails are not
 #: counted. Larger: one gross error decides what predicts better.

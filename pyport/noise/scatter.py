@@ -19,7 +19,7 @@ from scipy.special import gammaln
 from pyport.angles import Array
 from pyport.effects.circumstances import mostly_known
 from pyport.recordings.schema import Recordings, Stack, group
-from pyport.thresholds import ENOUGH_SQUARES, LEAST_GROSS
+from pyport.thresholds import ENOUGH_SQUARES, LEAST_GROSS, MOST_GROSS
 
 #: Degrees of freedom of Student's t that are weighed against each other; the last is normal.
 DEGREES = np.array([2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, np.inf])
@@ -119,7 +119,7 @@ def _gross_errors(deviation: Array, scale: float) -> tuple[Tails, float, float]:
         total = np.logaddexp(sound, other)
         share = np.exp(sound - total)
         new = float(np.sqrt(share @ square / max(float(share.sum()), 1e-300)))
-        gross = float(np.clip((1 - share).mean(), 1e-6, 0.45))
+        gross = float(np.clip((1 - share).mean(), 1e-6, MOST_GROSS))
         wide = float(np.sqrt((1 - share) @ square / max(float((1 - share).sum()), 1e-300)))
         done = abs(new - scale) <= SETTLED * scale
         scale = max(new, 1e-300)

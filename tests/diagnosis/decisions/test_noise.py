@@ -259,6 +259,19 @@ def test_gross_errors_scatter_by_three_times_at_least():
     assert 3.5 < found.width < 5.0
 
 
+@pytest.mark.parametrize(("share", "far", "gross"), [(0.2, 20, 0.2), (0.4, 6, 0.0)])
+def test_gross_errors_are_a_quarter_of_all_at_most(share, far, gross):
+    """A fit of many columns goes through most of few readings: the others are no gross errors."""
+    count = 40
+    sound = np.random.default_rng(4).permutation(normal(count))
+    deviation = np.where(np.arange(count) < share * count, far * np.sign(sound), sound)
+
+    found, size = scatter.tails(deviation)
+
+    assert found.gross == pytest.approx(gross, abs=0.01)
+    assert (size > 1.2) == (gross == 0)
+
+
 @pytest.mark.parametrize(
     ("draw", "inverse", "gross"),
     [
