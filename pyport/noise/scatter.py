@@ -99,7 +99,7 @@ def tails(deviation: Array) -> tuple[Tails, float]:
         likelihood[n] = float(one.sum()) - len(deviation) * np.log(scale[n])
     mixed, size, among = _gross_errors(deviation, start)
     # One number more than Student's t has: the share of gross errors and their scale.
-    if among - 0.5 * np.log(len(deviation)) > likelihood.max():
+    if mixed.gross < MOST_GROSS and among - 0.5 * np.log(len(deviation)) > likelihood.max():
         return mixed, size
     chance = np.exp(likelihood - likelihood.max())
     chance /= chance.sum()

@@ -259,7 +259,7 @@ def test_gross_errors_scatter_by_three_times_at_least():
     assert 3.5 < found.width < 5.0
 
 
-@pytest.mark.parametrize(("share", "far", "gross"), [(0.2, 20, 0.2), (0.4, 6, 0.0)])
+@pytest.mark.parametrize(("share", "far", "gross"), [(0.2, 20, 0.2), (0.4, 20, 0.0)])
 def test_gross_errors_are_a_quarter_of_all_at_most(share, far, gross):
     """A fit of many columns goes through most of few readings: the others are no gross errors."""
     count = 40
@@ -268,7 +268,7 @@ def test_gross_errors_are_a_quarter_of_all_at_most(share, far, gross):
 
     found, size = scatter.tails(deviation)
 
-    assert found.gross == pytest.approx(gross, abs=0.01)
+    assert found.gross == pytest.approx(gross, abs=0.03)
     assert (size > 1.2) == (gross == 0)
 
 
