@@ -117,9 +117,9 @@ class Effect:
     change_of
         The id of the effect whose coefficients change, on an alt-azimuth mount: such a change is
         one of a term that the model has, and no second name for that term.
-    part_of
-        The id of the change that draws this one as well, with more coefficients: it is looked for
-        where that stands.
+    consists_of
+        The ids, on an alt-azimuth mount, of the changes that this one makes together: it is looked
+        for where one of them stands.
     member
         What distinguishes this member of its family, as numbers, texts and lists of them, so
         that a file can hold it; empty where there is no choice.
@@ -170,7 +170,7 @@ class Effect:
     driver: str | None = None
     changes_with: str = ""
     change_of: str = ""
-    part_of: str = ""
+    consists_of: tuple[str, ...] = ()
     member: Mapping[str, Any] = field(default_factory=dict, compare=False)
     make: Callable[..., Effect] | None = field(default=None, compare=False)
     pattern: str = ""

@@ -153,21 +153,40 @@ def test_only_steps_have_a_moment_to_move():
 @pytest.mark.slow
 def test_a_clock_that_is_late_from_a_night_on_is_no_tilt():
     """One second, half a tilt to the east and half a zero of azimuth, named with its size."""
-    late = 15 * (np.arange(300) >= 160)
-
-    def across(at):
-        return late * (
-            np.sin(LATITUDE) * np.cos(at.el) - np.cos(LATITUDE) * np.sin(at.el) * np.cos(at.az)
-        )
-
-    made = recordings(
-        300, 4, x=across, y=lambda at: late * np.cos(LATITUDE) * np.sin(at.az), **nights(300, 160)
-    )
-    (found,) = diagnose(made, load("altaz")).findings
+    found = late(np.arange(300) >= 160, nights(300, 160))
 
     assert (found.effect, found.verdict) == ("epoch_clock", "named")
     assert found.parameters[0].value == pytest.approx(1, abs=3 * found.parameters[0].sigma)
     assert found.parameters[0].unit == "s"
+
+
+@pytest.mark.slow
+def test_a_clock_that_loses_through_eight_nights_is_no_step():
+    """A second in each of them, though the last night is later than the first by a week."""
+    night = np.arange(480) // 60
+    time = 1.2e9 + 86400 * night + 120.0 * np.arange(480)
+    found = late((time - time[0]) / 86400, {"session": night.astype(str), "time": time})
+
+    assert (found.effect, found.variant, found.verdict) == ("clock_rate", "set once", "named")
+    assert found.parameters[0].value == pytest.approx(1, abs=3 * found.parameters[0].sigma)
+    assert found.parameters[0].unit == "s/d"
+
+
+def late(seconds, labels):
+    """Return the only finding in recordings (n,) with a clock that is late by some seconds (n,)."""
+    shift = 15 * seconds
+    made = recordings(
+        len(shift),
+        4,
+        x=lambda at: (
+            shift
+            * (np.sin(LATITUDE) * np.cos(at.el) - np.cos(LATITUDE) * np.sin(at.el) * np.cos(at.az))
+        ),
+        y=lambda at: shift * np.cos(LATITUDE) * np.sin(at.az),
+        **labels,
+    )
+    (found,) = diagnose(made, load("altaz")).findings
+    return found
 
 
 def reset(mount, size_arcsec=15.0):

@@ -269,13 +269,25 @@ def test_sun_is_tried_late_only_where_it_can_be_computed():
     assert variants("thermal_tilt")[-1] == "while the Sun is up, 3 h late"
 
 
-def test_a_clock_is_tried_as_set_each_session():
-    """Set once it would be found in place of weak steps."""
+def test_a_clock_is_tried_as_set_each_session_and_as_set_once():
+    """In one session both are the same."""
     names = AT.columns["session"]
     alone = AT.take(names == names[0])
-    assert variants("clock_rate") == ["set each session"]
+    assert variants("clock_rate") == ["set each session", "set once"]
     assert variants("clock_rate", alone) == ["set each session"]
     assert variants("clock_rate", without(AT, "session")) == ["set each session"]
+
+
+def test_a_clock_that_was_set_once_goes_on_for_ever():
+    """From the first reading, whatever its session; it is a part of a tilt that changes."""
+    _, once = CATALOGUE["clock_rate"].variants(AT)
+    late = AT.take(np.flatnonzero(AT.columns["time"] > np.median(AT.columns["time"])))
+    since = late.columns["time"] - AT.columns["time"].min()
+    turned = CATALOGUE["clock"].columns(late)
+
+    for own, of_constant in zip(once.columns(late), turned, strict=True):
+        np.testing.assert_allclose(own[:, 0], of_constant[:, 0] * since)
+    assert (once.consists_of, once.changes_with) == (("epoch_tilt", "epoch_azimuth_zero"), "time")
 
 
 def test_a_clock_goes_on_in_its_session_and_starts_anew_in_another():

@@ -126,6 +126,8 @@ def _rivals(step: Step, taken: Collection[str]) -> list[CandidateFit]:
             break
         if not effect.physical or effect.id in taken or effect.id in found:
             continue
+        if effect.consists_of and step.winner.candidate.effect.on_altaz not in effect.consists_of:
+            continue
         if fits_physics(trial):
             found[effect.id] = trial
     return list(found.values())

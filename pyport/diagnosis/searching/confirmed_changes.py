@@ -75,12 +75,14 @@ class Changes:
         moved = [one for one in every if one.trial.evidence > least]
         beside = waves[0].beside if waves else None
         sure_of = partial(self._sure_of, beside=beside, in_pairs=in_pairs)
-        found = side_by_side(sure_of, [one for one in moved if not one.effect.part_of])
+        found = side_by_side(sure_of, [one for one in moved if not one.effect.consists_of])
         standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
-        parts = [
-            one for one in moved if one.effect.part_of in standing and _is_all_of_it(one, moved)
+        wholes = [
+            one
+            for one in moved
+            if standing.intersection(one.effect.consists_of) and _is_all_of_it(one, moved)
         ]
-        return [*found, *side_by_side(sure_of, parts), *waves]
+        return [*found, *side_by_side(sure_of, wholes), *waves]
 
     def _waves(self, above: float) -> list[Contender]:
         """Return the wave that is proposed, if any."""
@@ -152,11 +154,11 @@ class Changes:
         return (Chosen(best, "all"), worth) if worth > CONVINCING else None
 
 
-def _is_all_of_it(part: Contender, moved: Sequence[Contender]) -> bool:
-    """Tell whether a part of another change does what all of it does, beside still noise.
+def _is_all_of_it(one: Contender, moved: Sequence[Contender]) -> bool:
+    """Tell whether what consists of other changes does what each does, beside still noise.
 
     A clock moves the tilt and the zero of azimuth together. One that fits the zero alone moves
     the tilt off, which noise whose nights lean differently forgives.
     """
-    whole = [one for one in moved if one.effect.on_altaz == part.effect.part_of]
-    return part.trial.evidence >= max(one.trial.evidence for one in whole)
+    parts = [each for each in moved if each.effect.on_altaz in one.effect.consists_of]
+    return one.trial.evidence >= max(each.trial.evidence for each in parts)

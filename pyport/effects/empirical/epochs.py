@@ -285,9 +285,10 @@ _CLOCK: Effect = Effect(
     pattern="along the hour angle, in both axes, from one session to another",
     needs=("session", "latitude_deg"),
     formula=("a clock error in each session, or since one",) * 2,
-    # A clock error is a lean of the axis to the east and a zero of azimuth.
+    # A clock error is a lean of the axis to the east.
     change_of="tilt",
-    part_of="epoch_tilt",
+    # And of a zero of azimuth: on a mount that turns as the sky does it is nothing but that.
+    consists_of=("epoch_tilt",),
     changes_with="session",
     make=_made(lambda: _CLOCK),
 )

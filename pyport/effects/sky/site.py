@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,16 +111,20 @@ def _since_set(at: Circumstances, spans_s: Mapping[str, Sequence[float]]) -> Arr
     return since
 
 
-def _clock_rate(sessions: Sequence[str] = (), spans_s: Sequence[Sequence[float]] = ()) -> Effect:
-    """Return a clock at a wrong rate that is set when each session begins; see `_since_set`."""
+def _clock_rate(
+    sessions: Sequence[str] = (),
+    spans_s: Sequence[Sequence[float]] = (),
+    since_s: float | None = None,
+) -> Effect:
+    """Return a clock at a wrong rate: set when each session begins, see `_since_set`, or once."""
     known = dict(zip(sessions, map(list, spans_s), strict=True))
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
-        since = _since_set(at, known)
+        since = _since_set(at, known) if since_s is None else at.numbers("time") - since_s
         x, y = hour_angle_shift(at)
         return stack(at, (since * x, since * y))
 
-    return Effect(
+    each_session = Effect(
         "clock_rate",
         "the clock runs at a wrong rate (above zero it loses): check what keeps it to time, as NTP",
         _SMART,
@@ -141,18 +146,32 @@ def _clock_rate(sessions: Sequence[str] = (), spans_s: Sequence[Sequence[float]]
         member={"sessions": list(known), "spans_s": list(known.values())} if known else {},
         make=_clock_rate,
     )
+    if since_s is None:
+        return each_session
+    # Beside nights that lean its one coefficient takes weak steps of the tilt.
+    return replace(
+        each_session,
+        variant="set once",
+        looks_back=False,
+        changes_with="time",
+        change_of="tilt",
+        consists_of=("epoch_tilt", "epoch_azimuth_zero"),
+        member={"since_s": since_s},
+    )
 
 
 def _clock_rates(at: Circumstances) -> tuple[Effect, ...]:
-    """Return a clock that was set when each session of some recordings began.
-
-    One that was set once is not tried: with its one coefficient it would be found in place of a
-    weak step of the tilt.
-    """
+    """Return a clock that was set when each session of some recordings began, and one set once."""
     time, session = at.numbers("time"), _sessions(at)
     names = np.unique(session[np.isfinite(time)]).tolist()
-    each = [time[session == name] for name in names]
-    return (_clock_rate(names, [[float(np.nanmin(t)), float(np.nanmax(t))] for t in each]),)
+    spans = [
+        [float(np.nanmin(own)), float(np.nanmax(own))]
+        for own in (time[session == name] for name in names)
+    ]
+    each_session = _clock_rate(names, spans)
+    if len(spans) < 2:
+        return (each_session,)
+    return each_session, _clock_rate(since_s=min(spans)[0])
 
 
 EFFECTS = (
