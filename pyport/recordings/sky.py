@@ -112,9 +112,12 @@ def to_j2000(place: Place, of: Equinox) -> Place:
 #: they are a table's: a raster has nearly all, places in random order at one elevation a third,
 #: a source that is followed none.
 RASTER = 0.5
+#: The share of steps at which azimuth turns beyond which rising elevations are a table's: places
+#: in random order turn at two thirds of them, a source that is followed at none.
+TO_AND_FRO = 1 / 3
 #: Header keys under which it is said what stands for what, and what is too short to be used.
 SESSIONS, ORDER, TIMES, CELLS = "sessions_from", "order_from", "times_from", "cells_from"
-SHORT = "sessions_too_short"
+SHORT, TIMELESS = "sessions_too_short", "no_time"
 
 
 def with_nights(recordings: Recordings) -> Recordings:
@@ -122,7 +125,8 @@ def with_nights(recordings: Recordings) -> Recordings:
 
     Without a session the nights between gaps in time are sessions. A row without a time has that
     of the nearest row of the file. Where most have none, or all that an antenna recorded have one,
-    the order of the rows, in the column `order`, stands for it. Blank cells of a column that is
+    the order of the rows, in the column `order`, stands for it, unless that is the order of their
+    places. Blank cells of a column that is
     smooth in time are taken from the rows before and after. What was derived stands in `meta`.
     """
     at = recordings.at
@@ -141,10 +145,12 @@ def with_nights(recordings: Recordings) -> Recordings:
         else:
             del columns["time"]
             why = "most having no time"
-    if "time" not in columns and not _sorted(recordings):
+    if "time" not in columns and _sorted(recordings):
+        meta[TIMELESS] = f"{why}, and the rows stand in the order of their places"
+    elif "time" not in columns:
         columns["order"] = np.argsort(np.argsort(recordings.line, kind="stable")).astype(float)
         meta[ORDER] = f"the order of the rows, {why}"
-    elif "time" in columns and "session" not in at:
+    elif "session" not in at:
         nights = _nights(columns["time"])
         if len(np.unique(nights)) > 1:
             columns["session"] = nights
@@ -243,7 +249,8 @@ def _sorted(recordings: Recordings) -> bool:
     """Tell whether the rows stand in the order of their places: a table's order is no time's.
 
     Along the lines of a grid one of azimuth and elevation goes on in one direction and the other
-    stands still. A source that is followed moves in both.
+    stands still. Sorted by elevation a table goes to and fro in azimuth. A source that is followed
+    moves in both, and turns in neither.
     """
     order = np.argsort(recordings.line, kind="stable")
     steps = np.sign(np.diff([recordings.at.az[order], recordings.at.el[order]]))
@@ -251,7 +258,9 @@ def _sorted(recordings: Recordings) -> bool:
         return False
     goes_on = (steps[:, 1:] == steps[:, :-1]) & (steps[:, 1:] != 0)
     stands = (steps[:, 1:] == 0) & (steps[:, :-1] == 0)
-    return bool(np.mean((goes_on & stands[::-1]).any(axis=0)) > RASTER)
+    along_lines = np.mean((goes_on & stands[::-1]).any(axis=0)) > RASTER
+    turns = np.mean(steps[0, 1:] * steps[0, :-1] < 0) > TO_AND_FRO
+    return bool(along_lines or (turns and len({*steps[1]} - {0.0}) == 1))
 
 
 def _nights(time: Array) -> Array:

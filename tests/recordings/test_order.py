@@ -41,6 +41,23 @@ def stars() -> tuple[Array, Array]:
     return rng.uniform(0, 360, 80), rng.uniform(10, 85, 80)
 
 
+def upward() -> tuple[Array, Array]:
+    """Return directions sorted by elevation."""
+    az, el = stars()
+    return az, np.sort(el)
+
+
+def rising() -> tuple[Array, Array]:
+    """Return one source as it rises."""
+    az, el = followed()
+    return az[:20], el[:20]
+
+
+def spiral() -> tuple[Array, Array]:
+    """Return a sweep that goes up as it turns."""
+    return np.linspace(0, 3000, 80) % 360, np.linspace(10, 85, 80)
+
+
 def ring() -> tuple[Array, Array]:
     """Return directions of one elevation, in any order."""
     return np.random.default_rng(2).uniform(0, 360, 80), np.full(80, 45.0)
@@ -54,12 +71,15 @@ def ring() -> tuple[Array, Array]:
         (followed, True),
         (stars, True),
         (ring, True),
+        (upward, False),
+        (rising, True),
+        (spiral, True),
     ],
 )
-def test_order_stands_for_time_unless_the_rows_run_along_a_grid(
+def test_order_stands_for_time_unless_the_rows_stand_in_the_order_of_places(
     tmp_path: Path, places: Callable[[], tuple[Array, Array]], *, in_order: bool
 ) -> None:
-    """Lines of a grid along one coordinate are a table's; a source moves in both."""
+    """Lines of a grid, and elevations sorted, are a table's; a source moves in both."""
     az, el = places()
     path = tmp_path / "places.csv"
     lines = [f"{a:.6f},{e:.6f},1.0,2.0" for a, e in zip(az, el, strict=True)]
@@ -67,6 +87,7 @@ def test_order_stands_for_time_unless_the_rows_run_along_a_grid(
     recordings = with_nights(read(path))
     assert np.isfinite(clock(recordings.at)).any() == in_order
     assert ("order_from" in recordings.meta) == in_order
+    assert ("no_time" in recordings.meta) != in_order
 
 
 def timed(time: Array) -> Recordings:

@@ -21,6 +21,7 @@ from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.effects.circumstances import NIGHT_GAP_S
+from pyport.recordings.sky import clock
 from pyport.thresholds import (
     CARRIERS,
     ENOUGH,
@@ -194,10 +195,14 @@ def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
     if driver != THE_HOUR and not goes_with_the_hour(scene, driver):
         return None
     what = "what drives it" if driver == THE_HOUR else driver
+    at = scene.problem.recordings.at
+    if "time" in at or "session" in at:
+        where, more = "these recordings are of one night", "observe in a second night"
+    else:
+        where = "nothing says that these recordings are of more than one night"
+        more = "record when each pointing was made, or in which night"
     return Refusal(
-        f"these recordings are of one night, in which {what} went with the hour: whatever else did "
-        "looks the same",
-        "observe in a second night",
+        f"{where}, in which {what} went with the hour: whatever else did looks the same", more
     )
 
 
@@ -261,7 +266,7 @@ def night_numbers(scene: Scene) -> NDArray[np.intp]:
 def nights(scene: Scene) -> int:
     """Return in how many nights there are enough pointings; of longer runs each day counts.
 
-    Where no times are known sessions stand for nights.
+    Where no times are known sessions stand for nights; without those it is one as far as is known.
     """
     time = _times(scene)
     if time is None:
@@ -275,9 +280,12 @@ def nights(scene: Scene) -> int:
 
 
 def goes_with_the_hour(scene: Scene, column: str) -> bool:
-    """Tell whether a smooth curve in time draws a column; where no times are known it may be so."""
-    time = _times(scene)
-    if time is None or len(time) < NIGHT_ORDER + 2 or np.ptp(time) == 0:
+    """Tell whether a smooth curve draws a column in time, or else in the order of the rows.
+
+    Where neither is known, or of too few rows, it may be so.
+    """
+    time = clock(scene.problem.recordings.at)
+    if not np.isfinite(time).all() or len(time) < NIGHT_ORDER + 2 or np.ptp(time) == 0:
         return True
     values = np.asarray(scene.problem.recordings.at.column(column), float)
     known = np.isfinite(values)

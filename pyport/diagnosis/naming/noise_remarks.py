@@ -12,7 +12,7 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.least_squares import robust
 from pyport.noise import outliers
 from pyport.recordings.raw import BLANK
-from pyport.recordings.sky import CELLS, ORDER, SESSIONS, SHORT, TIMES
+from pyport.recordings.sky import CELLS, ORDER, SESSIONS, SHORT, TIMELESS, TIMES
 from pyport.thresholds import FEWEST, REFUTES
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _HEADER = {
     SHORT: "Sessions are too short to be distinguished and are not used: ",
     SESSIONS: "Sessions are taken from ",
     ORDER: "Time is taken from ",
+    TIMELESS: "Drifts and nights are not known: ",
     BLANK: "Taken for blank: ",
     CELLS: "Blank cells are taken from the rows before and after: ",
     TIMES: "Times that are not recorded are taken from ",

@@ -558,6 +558,22 @@ def test_what_went_with_the_hour_needs_a_second_night(nights, noise, refused):
     assert (guards._one_night(scene, CATALOGUE["temperature"]) is not None) == refused
 
 
+@pytest.mark.parametrize(
+    ("nights", "known", "said"),
+    [(1, "time", "are of one night"), (1, "order", "of more than one night"), (6, "order", None)],
+)
+def test_the_order_of_the_rows_tells_what_went_with_the_hour(nights, known, said):
+    """Where no times are known; whether it is one night nothing says then."""
+    phase = np.linspace(-1, 1, 60)
+    when, values = 1e9 + 9 * HOURS * phase, np.cos(nights * np.pi * phase)
+    scene = scene_of(when)
+    scene.problem.recordings.at = Columns(60, **{known: when, "temperature_c": values})
+    found = guards._one_night(scene, CATALOGUE["temperature"])
+
+    assert (found is None) == (said is None)
+    assert found is None or said in found.reason
+
+
 @pytest.mark.parametrize(("size", "refused"), [(1.0, False), (0.0, True)])
 def test_what_belongs_to_a_source_must_come_back_with_it(size, refused):
     """An offset on one night is none of the catalogue's."""
