@@ -252,7 +252,8 @@ _OPTIONS = (
     option(
         "--columns",
         "Columns by other names: 'az_deg=AZd, d_el_arcsec=-dEl, session=id|date', by number "
-        "(az_deg=8), or a MAP.toml of `pyport look`; or NAME,NAME for a CSV without a header.",
+        "(az_deg=8), ... for all others as they are called; or a MAP.toml of `pyport look`; or "
+        "NAME,NAME for a CSV without a header.",
         callback=_columns,
         metavar="MAP",
     ),

@@ -136,6 +136,21 @@ def test_a_wrong_map_is_one_line(log, text, said):
     assert any(one in printed for one in said.split("|")) or said in printed
 
 
+def test_three_dots_take_all_other_columns_as_they_are_called(tmp_path):
+    """As the refusal of a count of days proposes it."""
+    path = tmp_path / "days.csv"
+    path.write_text("az_deg,el_deg,d_xel_arcsec,d_el_arcsec,mjd,focus_mm\n10,40,1,2,59000.5,3.5\n")
+    refused = run("look", path)
+    way = refused.split("--columns '")[1].split("'")[0]
+    found = read(path, FileOptions(mapping=mapped.parse(way)))
+
+    assert way == "time_utc=mjd|mjd, ..."
+    assert found.at.column("time")[0] == Time(59000.5, format="mjd").unix
+    assert found.at.column("focus_mm").tolist() == [3.5]
+    assert "mjd" not in found.at
+    np.testing.assert_allclose(np.degrees(found.at.el), [40])
+
+
 def test_look_proposes_a_map_that_every_command_takes(log, tmp_path):
     """From the names, kept in a small file, and read back."""
     kept = tmp_path / "map.toml"

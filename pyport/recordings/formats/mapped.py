@@ -57,6 +57,8 @@ from pyport.recordings.raw import (
 )
 from pyport.toml_text import toml_spelled
 
+#: In a map: and all other columns as they are called.
+REST = "..."
 _FORMAT = re.compile(r"\([^()]*\)$")
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
 _MJD_OF_1970, _JD_OF_1970 = 40587.0, 2440587.5
@@ -86,18 +88,24 @@ def mapped(raw: Raw, columns: Mapping[str, str], names: Sequence[str] = ()) -> R
     """
     found: dict[str, NDArray[Any]] = {}
     called = dict(zip(raw.columns, names or raw.columns, strict=False))
+    left = dict(raw.columns)
     for ours, theirs in columns.items():
+        if ours == REST:
+            continue
         _check(ours)
         name, _, part = theirs.partition("|")
         negative = name.startswith("-")
         key = _found(raw, ours, name.lstrip("-").strip(), called)
         _refuse_other_unit(raw, ours, theirs, key, called.get(key, ""))
         cells = np.asarray(raw.columns[key])
+        left.pop(key, None)
         if part:
             if part.strip() not in PARTS:
                 raise BadInput(f"--columns {ours}={theirs}: expected one of {', '.join(PARTS)}")
             cells = _each(raw, ours, cells, PARTS[part.strip()], _EXPECTED[part.strip()])
         found[ours] = _each(raw, ours, cells, _negated, "a number") if negative else cells
+    if REST in columns:
+        found = {**{called[key]: np.asarray(cells) for key, cells in left.items()}, **found}
     return replace(raw, columns=found)
 
 
@@ -215,6 +223,9 @@ def parse(text: str) -> dict[str, str]:
         return load(Path(text))
     found = {}
     for one in text.split(","):
+        if one.strip() == REST:
+            found[REST] = REST
+            continue
         ours, equals, theirs = one.partition("=")
         if not equals or not ours.strip() or not theirs.strip():
             raise BadInput(f"--columns {one.strip()[:40]!r}, expected NAME=NAME HERE")
