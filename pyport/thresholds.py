@@ -142,9 +142,9 @@ FIRST_REACH = 6.0
 #: of five sigma have no mixture.
 LEAST_GROSS = 3.0
 #: [share] Of the readings that may be gross errors. Where more seem so, few readings lie on the fit
-#: and the rest about it: Student's t has such tails. Smaller: a bad session is no mixture. Larger:
+#: and the rest about it: Student's t has such tails. Smaller: a bad night of four is none. Larger:
 #: 14 of 24 readings that a fit goes through pass for sound ones, and all else for gross errors.
-MOST_GROSS = 0.25
+MOST_GROSS = 1 / 3
 #: [usual scatter] Beyond which a reading left out, missed by both fits, is a gross error, and an
 #: antenna counts in no rms. No prediction can be judged by either. Smaller: heavy tails are not
 #: counted. Larger: one gross error decides what predicts better.

@@ -129,13 +129,15 @@ def among(problem: Problem, own: Effect) -> float:
     """Return what it costs that an effect is one of many.
 
     Changes with time are among each other, a source's place is among them too, and all else is
-    among all else.
+    among all else. What consists of other changes is looked for where they stand: they do not pay
+    for it.
     """
     alike = [
         effect
         for effect in problem.named
         if confounded(problem, effect) == confounded(problem, own)
         and (own.belongs_to or not effect.belongs_to)
+        and (own.consists_of or not effect.consists_of)
     ]
     return 2 * float(np.log(max(len(alike), 1)))
 

@@ -260,7 +260,7 @@ def test_gross_errors_scatter_by_three_times_at_least():
 
 
 @pytest.mark.parametrize(("share", "far", "gross"), [(0.2, 20, 0.2), (0.4, 20, 0.0)])
-def test_gross_errors_are_a_quarter_of_all_at_most(share, far, gross):
+def test_gross_errors_are_a_third_of_all_at_most(share, far, gross):
     """A fit of many columns goes through most of few readings: the others are no gross errors."""
     count = 40
     sound = np.random.default_rng(4).permutation(normal(count))

@@ -835,13 +835,18 @@ def test_in_an_array_the_noise_of_the_turn_counts(monkeypatch, antennas, scope, 
 
 
 def test_an_effect_pays_for_being_one_of_many():
-    """A change for the kinds of change, a source for itself too, any other for all lasting."""
-    some = tuple(candidate(name) for name in ("epoch_tilt", "drift", "source_position", *NAMES))
+    """A change for the kinds of change, a source for itself too, any other for all lasting.
+
+    A clock for all changes; no change pays for it.
+    """
+    names = ("epoch_tilt", "drift", "source_position", *NAMES, "epoch_clock")
+    some = tuple(candidate(name) for name in names)
     problem = problem_with(candidates=some)
 
     assert confirming.among(problem, some[0].effect) == pytest.approx(2 * np.log(2))
     assert confirming.among(problem, some[2].effect) == pytest.approx(2 * np.log(3))
     assert confirming.among(problem, some[3].effect) == pytest.approx(2 * np.log(len(NAMES)))
+    assert confirming.among(problem, some[-1].effect) == pytest.approx(2 * np.log(3))
 
 
 @pytest.mark.parametrize(
