@@ -9,6 +9,7 @@ import pytest
 
 import pyport
 from pyport.recordings import read
+from pyport.recordings.notes import times
 from pyport.recordings.raw import FileOptions
 
 LATITUDE_DEG, LONGITUDE_DEG, ROWS = 50.5, 6.9, 60
@@ -239,6 +240,20 @@ def test_sources_that_stand_elsewhere_by_different_amounts_are_no_clock(tmp_path
     """Of 15 deg they may differ by a tenth: planets, or names that were given twice, differ."""
     notes = over_nights(tmp_path / "nights.csv", 1.0, spread_deg=spread_deg)
     assert bool(notes) == said
+
+
+def test_of_many_rows_some_are_looked_at(tmp_path, monkeypatch):
+    """Evenly chosen, no more than so many, and they say what all of them do."""
+    most, looked_at, places = 2 * ROWS, [], times._places
+    monkeypatch.setattr(times, "MOST_ROWS", most)
+    monkeypatch.setattr(
+        times, "_places", lambda found, *more: looked_at.append(len(found)) or places(found, *more)
+    )
+
+    (note,) = over_nights(tmp_path / "nights.csv", 1.0)
+
+    assert note.endswith("its times may be 60 min late")
+    assert most / 2 < looked_at[0] <= most
 
 
 def test_near_the_pole_nothing_is_said_of_clocks(tmp_path):
