@@ -126,8 +126,8 @@ def with_nights(recordings: Recordings) -> Recordings:
     Without a session the nights between gaps in time are sessions. A row without a time has that
     of the nearest row of the file. Where most have none, or all that an antenna recorded have one,
     the order of the rows, in the column `order`, stands for it, unless that is the order of their
-    places. Blank cells of a column that is
-    smooth in time are taken from the rows before and after. What was derived stands in `meta`.
+    places. Blank cells of a column that is smooth in time are taken from the rows before and after.
+    What was derived stands in `meta`.
     """
     at = recordings.at
     columns, meta = dict(at.columns), dict(recordings.meta)
