@@ -279,7 +279,7 @@ def test_a_clock_is_tried_as_set_each_session_and_as_set_once():
 
 
 def test_a_clock_that_was_set_once_goes_on_for_ever():
-    """From the first reading, whatever its session; it is a part of a tilt that changes."""
+    """From the first reading, whatever its session: a tilt and a zero of azimuth that change."""
     _, once = CATALOGUE["clock_rate"].variants(AT)
     late = AT.take(np.flatnonzero(AT.columns["time"] > np.median(AT.columns["time"])))
     since = late.columns["time"] - AT.columns["time"].min()
