@@ -5,7 +5,7 @@ is made here: the same items give the same answer to the last digit, however
 many workers there are and whichever of them die on the way.
 
 Linear algebra keeps to one thread: on matrices as small as ours several only wait for each other.
-Whole estimates of noise that do not ask each other run side by side instead.
+So do estimates of noise, which are many short calls; only whole searches run side by side.
 """
 
 from __future__ import annotations
@@ -50,17 +50,13 @@ def _controller(*, scipy: bool) -> ThreadpoolController:  # noqa: ARG001 - it br
     return ThreadpoolController()
 
 
-def side_by_side(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
-    """Return what a function makes of each item, by as many threads as there are cores.
-
-    The answers are those of one thread, in the items' order. A process among others, each of which
-    has a core, goes through them one by one.
-    """
-    return list(in_order(work, items))
-
-
 def in_order(work: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-    """Yield what `side_by_side` returns; who stops half-way has no more begun than cores can do."""
+    """Yield what a function makes of each item, by as many threads as there are cores.
+
+    The answers are those of one thread, in the items' order; who stops half-way has no more begun
+    than cores can do. A process among others, each of which has a core, goes through them one by
+    one.
+    """
     wanted = list(items)
     several = min(len(wanted), _cores())
     if several < 2 or multiprocessing.parent_process() is not None:

@@ -17,7 +17,7 @@ def test_answers_come_in_the_order_of_the_items(monkeypatch, cores):
         meet.wait(timeout=10)
         return 2 * item
 
-    assert workers.side_by_side(work, iter(range(4))) == [0, 2, 4, 6]
+    assert list(workers.in_order(work, iter(range(4)))) == [0, 2, 4, 6]
 
 
 def test_what_a_thread_raises_is_raised(monkeypatch):
@@ -25,4 +25,4 @@ def test_what_a_thread_raises_is_raised(monkeypatch):
     monkeypatch.setattr(workers, "_cores", lambda: 2)
 
     with pytest.raises(ZeroDivisionError):
-        workers.side_by_side(lambda item: 1 / item, [1, 0])
+        list(workers.in_order(lambda item: 1 / item, [1, 0]))

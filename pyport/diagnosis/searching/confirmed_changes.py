@@ -24,7 +24,6 @@ from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import best_shown
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
-from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING
 
 
@@ -75,14 +74,14 @@ class Changes:
         moved = [one for one in every if one.trial.evidence > least]
         beside = waves[0].beside if waves else None
         sure_of = partial(self._sure_of, beside=beside, in_pairs=in_pairs)
-        found = side_by_side(sure_of, [one for one in moved if not one.effect.consists_of])
+        found = [sure_of(one) for one in moved if not one.effect.consists_of]
         standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
         wholes = [
             one
             for one in moved
             if standing.intersection(one.effect.consists_of) and _is_all_of_it(one, moved)
         ]
-        return [*found, *side_by_side(sure_of, wholes), *waves]
+        return [*found, *map(sure_of, wholes), *waves]
 
     def _waves(self, above: float) -> list[Contender]:
         """Return the wave that is proposed, if any."""

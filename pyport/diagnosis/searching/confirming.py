@@ -16,7 +16,6 @@ from pyport.least_squares.gram import spanned
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import TURNS, estimate
 from pyport.runs.stages import stage
-from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING
 
 
@@ -77,7 +76,7 @@ def _gained(
     value, after = problem.residual, (*others, one)
     noises = [
         noise(problem, like, searching=False),
-        *side_by_side(lambda chosen: _noise_alike(problem, chosen, like), (after, others)),
+        *(_noise_alike(problem, chosen, like) for chosen in (after, others)),
     ]
     if noises[-1].departures:
         # What walks on from night to night may have been taken for nights that depart.

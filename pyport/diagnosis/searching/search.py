@@ -17,7 +17,7 @@ from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
 from pyport.diagnosis.weighing import projection, weigh
-from pyport.runs.workers import in_order, side_by_side
+from pyport.runs.workers import in_order
 from pyport.thresholds import (
     CONVINCING,
     IMPERFECTION,
@@ -86,7 +86,7 @@ def _standing(now: Outcome, tell: Callable[[str], None]) -> Outcome:
     """Drop what the noise, estimated with it and without it, can do as well; the weakest first."""
     before = now
     while now.chosen:
-        sure = side_by_side(partial(_standing_of, now), now.chosen)
+        sure = [_standing_of(now, one) for one in now.chosen]
         weakest = min(range(len(sure)), key=lambda n: sure[n])
         if sure[weakest] > CONVINCING:
             break

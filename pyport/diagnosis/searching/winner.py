@@ -23,7 +23,6 @@ from pyport.diagnosis.searching.contenders import (
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
-from pyport.runs.workers import side_by_side
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
 
 
@@ -107,11 +106,10 @@ def _first(
     if moved:
         # What was there all along may pass for a change, and a change for it: both compete by
         # what the noise cannot do.
-        found = side_by_side(lambda one: evidence_anew(one, chosen), lasting)
         lasting = [
             _at_least(one, anew)
-            for anew, one in zip(found, lasting, strict=True)
-            if anew > CONVINCING
+            for one in lasting
+            if (anew := evidence_anew(one, chosen)) > CONVINCING
         ]
     for one in sorted([*moved, *lasting], key=_rank)[:MOST_TRIED]:
         if confounded(one.problem, one.effect):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -34,7 +33,6 @@ from pyport.noise.estimation.frame import Frame, floors_of
 from pyport.noise.estimation.likelihood import Departing
 from pyport.noise.estimation.pooling import moderated
 from pyport.noise.series import Noise, Possible, Series
-from pyport.runs.workers import side_by_side
 from pyport.thresholds import (
     ENOUGH_SQUARES,
     FEWEST,
@@ -100,7 +98,7 @@ def estimate(
     for beyond in reach:
         found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found, possible=given.possible)
-        drafts = side_by_side(partial(drifts.drafted, covariance, beyond), enumerate(starts))
+        drafts = [drifts.drafted(covariance, beyond, n, start) for n, start in enumerate(starts)]
         starts = [one.best for one in drafts]
         noises = drifts.noises(drafts, averaged=averaged)
         covariance = replace(covariance, noises=tuple(noises), starts=tuple(starts))
@@ -128,10 +126,9 @@ class _Drifts:
     grid: Grid
 
     def drafted(
-        self, covariance: Covariance, beyond: float, which: tuple[int, int | None]
+        self, covariance: Covariance, beyond: float, n: int, start: int | None
     ) -> Draft:
         """Return how likely each drift of a series is: of its number and the best one known."""
-        n, start = which
         part = self.given.parts[n]
         rows = part.rows
         return draft(
