@@ -184,9 +184,13 @@ class Problem:
         """Return for each series the columns of all lasting candidates that are not empty in it.
 
         What changes with time, or belongs to sources, is not among them: the noise holds what
-        nights, drifts and sources do, and such an effect has to stand out of that.
+        nights, drifts and sources do, and such an effect has to stand out of that. So has one that
+        begins anew with each session, as a drift may.
         """
-        return self.shown_by([one for one in self.candidates if not confounded(self, one.effect)])
+        effects = [(one, one.effect) for one in self.candidates]
+        return self.shown_by(
+            [one for one, e in effects if not (confounded(self, e) or e.begins_anew)]
+        )
 
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""

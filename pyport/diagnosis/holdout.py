@@ -75,10 +75,11 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
     fold = np.zeros(len(time), np.intp)
-    for session in np.unique(sessions):
+    for number, session in enumerate(np.unique(sessions)):
         rows = np.flatnonzero(sessions == session)
         rank = np.unique(time[rows], return_inverse=True)[1]
-        fold[rows] = rank * BLOCKS // (rank.max() + 1)
+        # What each session begins with is left out of one session here, of another there.
+        fold[rows] = (rank * BLOCKS // (rank.max() + 1) + number) % BLOCKS
     what = "time" if "time" in at else "rows"
     scheme = f"leave blocks of {what} out, five in each session"
     if departing:

@@ -194,6 +194,11 @@ class Effect:
         return self.changes_with in ("session", "order")
 
     @property
+    def begins_anew(self) -> bool:
+        """Tell whether it begins anew with each session and goes with the time since then."""
+        return self.looks_back and self.driver == THE_HOUR
+
+    @property
     def precision(self) -> Array:
         """Return what is known of each coefficient beforehand, 1 / variance or zero, shape (k,)."""
         if not self.prior:

@@ -148,6 +148,42 @@ def test_time_of_day_and_sun_go_with_the_hour():
     assert follows["tilt follows sun_el_deg"] == THE_HOUR
 
 
+def settling(at):
+    """Return what a session begins with and loses."""
+    return [one for one in CATALOGUE["driven_term"].variants(at) if "beginning" in one.variant]
+
+
+def test_what_a_session_begins_with_settles_in_several_times():
+    """Of each term; where there is one session only it is a drift."""
+    found = settling(AT)
+    names = AT.columns["session"]
+    alone = AT.take(names == names[0])
+    since = AT.columns["time"] - [AT.columns["time"][names == one].min() for one in names]
+
+    assert {one.variant.split(" follows")[0] for one in found} == {
+        *("tilt", "sag_cosine", "elevation_zero", "collimation"),
+    }
+    assert [one.member["settles_h"] for one in found] == 4 * [0.5] + 4 * [1.0] + 4 * [2.0]
+    for one in found:
+        if one.member["term"] == "elevation_zero":
+            died = np.exp(-since / one.member["settles_h"] / 3600)
+            np.testing.assert_allclose(one.columns(AT)[1][:, 0], died)
+    assert settling(alone) == settling(without(AT, "session")) == []
+
+
+def test_what_settles_comes_back_from_a_file():
+    """With when the sessions began; a session that it does not know begins with its first row."""
+    one = settling(AT)[0]
+    late = AT.take(np.flatnonzero(AT.columns["session"] == AT.columns["session"][-1])[3:])
+    again = one.make(**one.member)
+    unknown = one.make(**{**one.member, "sessions": [], "spans_s": []})
+
+    assert again.variant == one.variant
+    assert one.looks_back
+    np.testing.assert_array_equal(again.columns(late)[0], one.columns(late)[0])
+    assert np.abs(unknown.columns(late)[1]).max() > np.abs(one.columns(late)[1]).max()
+
+
 def test_sun_is_computed_where_it_was_not_recorded():
     """The Sun's height comes from the time and the site."""
     at = without(AT, "sun_el_deg")

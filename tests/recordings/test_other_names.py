@@ -151,6 +151,15 @@ def test_three_dots_take_all_other_columns_as_they_are_called(tmp_path):
     np.testing.assert_allclose(np.degrees(found.at.el), [40])
 
 
+def test_three_dots_take_no_name_that_stands_there_twice(tmp_path):
+    """One of the two columns would be lost."""
+    path = tmp_path / "twice.csv"
+    path.write_text("az,el_deg,d_el_arcsec,focus_mm,focus_mm\n10,40,1,3.5,4.5\n")
+
+    with pytest.raises(BadInput, match="two columns are called 'focus_mm', expected one"):
+        read(path, FileOptions(mapping=mapped.parse("az_deg=az, ...")))
+
+
 def test_look_proposes_a_map_that_every_command_takes(log, tmp_path):
     """From the names, kept in a small file, and read back."""
     kept = tmp_path / "map.toml"

@@ -20,7 +20,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
-from pyport.effects.circumstances import NIGHT_GAP_S
+from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S
 from pyport.recordings.sky import clock
 from pyport.thresholds import (
     CARRIERS,
@@ -96,10 +96,6 @@ def smallest_seen(limits: dict[str, float]) -> str | None:
         f"an offset of {known[name] / ARCSEC:.2g} arcsec rms would have been seen in half of such "
         f"recordings ({name.replace('_', ' ')}, what they show best), a smaller one not"
     )
-
-
-#: A day [s].
-DAY_S = 86400.0
 
 
 @dataclass(frozen=True)

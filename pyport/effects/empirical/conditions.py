@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from pyport.angles import DEG, Array
 from pyport.columns import COLUMNS
 from pyport.effects.base import THE_HOUR, Circumstances, MissingColumn
 from pyport.effects.circumstances import DAY_S, mostly_known
+from pyport.effects.sessions import since_begun, spans_of
 from pyport.effects.telescope.rotation import (
     LEAST_ARC,
     OFFSETS_AND_SIZES,
@@ -42,6 +44,12 @@ _BY_AIR = {
     "temperature_c": (*_BEYOND_TEMPERATURE, OF_AIR),
     "pressure_hpa": (*_OF_MOUNT, OF_AIR),
 }
+
+#: In what time what changes when a session begins, as the dome opens or drives warm up, dies away
+#: [h]. In a night, what any time between twenty minutes and four hours draws, one of these draws to
+#: a cosine of 0.97.
+SETTLES_H = (0.5, 1.0, 2.0)
+_BEGINNING = "the beginning of the session"
 
 #: Columns that are no condition: places, times of a scan, and how it was made.
 _NO_CONDITION = frozenset(
@@ -101,24 +109,35 @@ class Driver:
     labels: tuple[str, ...] = ("",)  #: what is added to a coefficient's name for each of them
     terms: tuple[str, ...] = _OF_MOUNT  #: which of the terms may follow it
     follows: str = THE_HOUR  #: the `driver` of the effects
-    #: What is taken off the values; None for a median of the recordings at hand, or nothing.
-    centre: float | None = None
-    late: tuple[str, float] = (AIR, 0)  #: how the temperature acts, and how many hours late
+    changes: str = ""  #: when it changes, where that is more than that it does
+    #: What a file states of it besides its name: what is taken off the values, how late it acts.
+    #: See `driver_of`.
+    stated: Mapping[str, Any] = field(default_factory=dict)
+    looks_back: bool = False  #: whether its values depend on the rows before
 
 
 def tried(at: Circumstances) -> list[Driver]:
-    """Return the conditions worth trying, and the ways in which the air's temperature acts late."""
+    """Return the conditions worth trying, how the air acts late, and what settles in a session."""
     found = drivers(at)
-    air = next((one.centre for one in found if one.follows == "temperature_c"), None)
-    return found if air is None else found + [_late(*way, air) for way in ways(at) if way[0] != AIR]
+    settling = [_settling(hours, spans) for spans in _begun(at) for hours in SETTLES_H]
+    air = [one.stated["centre"] for one in found if one.follows == "temperature_c"]
+    return found + [_late(*way, air[0]) for way in ways(at) if air and way[0] != AIR] + settling
 
 
 def driver_of(
-    follows: str, centre: float | None = None, way: str = AIR, lag_h: float = 0
+    follows: str,
+    centre: float | None = None,
+    way: str = AIR,
+    lag_h: float = 0,
+    settles_h: float | None = None,
+    sessions: Sequence[str] = (),
+    spans_s: Sequence[Sequence[float]] = (),
 ) -> Driver:
     """Return the condition that a file states: see `Effect.member`."""
     if way != AIR:
         return _late(way, lag_h, centre or 0.0)
+    if settles_h is not None:
+        return _settling(settles_h, dict(zip(sessions, map(list, spans_s), strict=True)))
     if follows == _TIME_OF_DAY.name:
         return _TIME_OF_DAY
     if follows == _SUN:
@@ -178,7 +197,7 @@ def _about(name: str, centre: float, terms: tuple[str, ...] = _OF_MOUNT) -> Driv
         lambda at: (at.numbers(name) - centre,),
         terms=terms,
         follows=name,
-        centre=centre,
+        stated={"centre": centre},
     )
 
 
@@ -191,8 +210,32 @@ def _late(way: str, lag_h: float, centre: float) -> Driver:
         lambda at: (acting_c(at, way, lag_h) - offset,),
         terms=_BEYOND_TEMPERATURE,
         follows="temperature_c",
-        centre=centre,
-        late=(way, lag_h),
+        stated={"follows": "temperature_c", "centre": centre, "way": way, "lag_h": lag_h},
+        looks_back=True,
+    )
+
+
+def _begun(at: Circumstances) -> list[dict[str, list[float]]]:
+    """Return when each session began and ended [s], where there are several."""
+    spans = spans_of(at) if _varies(at, "time") else {}
+    return [spans] if len(spans) > 1 else []
+
+
+def _settling(hours: float, spans: Mapping[str, Sequence[float]]) -> Driver:
+    """Return what is one when a session begins and dies away in some hours."""
+    return Driver(
+        f"{_BEGINNING}, settling in {hours:g} h",
+        "",
+        lambda at: (np.exp(-since_begun(at, spans) / (3600 * hours)),),
+        ("_at_the_beginning",),
+        changes=f"when a session begins, and settles in {hours:g} h",
+        stated={
+            "follows": _BEGINNING,
+            "settles_h": hours,
+            "sessions": list(spans),
+            "spans_s": list(spans.values()),
+        },
+        looks_back=True,
     )
 
 
@@ -227,7 +270,8 @@ def _height(at: Circumstances) -> Array:
 
 
 def _above_sun(centre: float) -> Driver:
-    return Driver(_SUN, "deg", lambda at: (_height(at) - centre,), centre=centre)
+    stated = {"centre": centre}
+    return Driver(_SUN, "deg", lambda at: (_height(at) - centre,), stated=stated)
 
 
 def _varies(at: Circumstances, name: str) -> bool:

@@ -21,7 +21,6 @@ from pyport.effects.base import (
 from pyport.effects.empirical.conditions import OF_AIR, OF_TEMPERATURE, Driver, driver_of, tried
 from pyport.effects.sky.atmosphere import refraction
 from pyport.effects.telescope.geometry import collimation, elevation_zero, sag_cosine, tilt
-from pyport.effects.telescope.thermal import AIR
 
 _GREVE = "Greve & Bremer 2010, Thermal Design and Thermal Behaviour of Radio Telescopes"
 
@@ -51,7 +50,7 @@ def driven(term: str, driver: Driver) -> Effect:
     unit = f"arcsec/{driver.unit}" if driver.unit else "arcsec"
     return Effect(
         "driven_term",
-        f"{words} as {driver.name} changes",
+        f"{words} {driver.changes or f'as {driver.name} changes'}",
         _GREVE,
         tuple(Coefficient(f"{name}{label}", unit) for label in driver.labels for name in names),
         basis,
@@ -66,10 +65,8 @@ def driven(term: str, driver: Driver) -> Effect:
         ),
         driver=driver.follows,
         change_of=term,
-        looks_back=driver.late[0] != AIR,
-        member={"term": term, "follows": driver.follows if driver.late[1] else driver.name}
-        | ({} if driver.centre is None else {"centre": driver.centre})
-        | ({"way": driver.late[0], "lag_h": driver.late[1]} if driver.late[1] else {}),
+        looks_back=driver.looks_back,
+        member={"term": term, "follows": driver.name, **driver.stated},
         make=_made,
     )
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import (
@@ -20,7 +19,8 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S
+from pyport.effects.circumstances import DAY_S
+from pyport.effects.sessions import since_begun, spans_of
 from pyport.effects.sky.frame import SIDEREAL, hour_angle_shift, ut1_minus_utc
 
 _SMART = "Smart, Textbook on Spherical Astronomy, ch. II: differentials of az and el"
@@ -88,48 +88,21 @@ def _clocks(at: Circumstances) -> tuple[Effect, ...]:
     return constant, _clock(_OMITTED_UT1)
 
 
-def _sessions(at: Circumstances) -> NDArray[np.str_]:
-    """Return the session of each row, shape (n,): one where none are recorded."""
-    return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
-
-
-def _since_set(at: Circumstances, spans_s: Mapping[str, Sequence[float]]) -> Array:
-    """Return the time since the session of each row began [s], shape (n,).
-
-    `spans_s`: when known sessions began and ended. Another session, or one of that name at another
-    time, began with its own first row.
-    """
-    time, session = at.numbers("time"), _sessions(at)
-    since = np.full(len(at), np.nan)
-    for name in np.unique(session[np.isfinite(time)]):
-        own = session == name
-        began = float(np.nanmin(time[own]))
-        first, last = spans_s.get(str(name), (began, began))
-        # What follows within a night's gap belongs to the same night, and its clock was not set.
-        same = first <= began < last + NIGHT_GAP_S
-        since[own] = time[own] - (first if same else began)
-    return since
-
-
 def _clock_rate(
     sessions: Sequence[str] = (),
     spans_s: Sequence[Sequence[float]] = (),
     since_s: float | None = None,
 ) -> Effect:
-    """Return a clock at a wrong rate: set when each session begins, see `_since_set`, or once."""
+    """Return a clock at a wrong rate: set once, or when each session begins."""
+    if since_s is not None:
+        return _set_once(since_s)
     known = dict(zip(sessions, map(list, spans_s), strict=True))
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        since = _since_set(at, known) if since_s is None else at.numbers("time") - since_s
-        x, y = hour_angle_shift(at)
-        return stack(at, (since * x, since * y))
-
-    each_session = Effect(
+    return Effect(
         "clock_rate",
         "the clock runs at a wrong rate (above zero it loses): check what keeps it to time, as NTP",
         _SMART,
         (Coefficient("clock_rate", "s/d", SIDEREAL / DAY_S),),
-        basis,
+        lambda at: _late(at, since_begun(at, known)),
         common="array",
         variant="set each session",
         profile=_clock_rates,
@@ -146,11 +119,14 @@ def _clock_rate(
         member={"sessions": list(known), "spans_s": list(known.values())} if known else {},
         make=_clock_rate,
     )
-    if since_s is None:
-        return each_session
+
+
+def _set_once(since_s: float) -> Effect:
+    """Return a clock that goes wrong from some moment on [s]."""
     # Beside nights that lean its one coefficient takes weak steps of the tilt.
     return replace(
-        each_session,
+        _clock_rate(),
+        basis=lambda at: _late(at, at.numbers("time") - since_s),
         variant="set once",
         looks_back=False,
         changes_with="time",
@@ -160,18 +136,19 @@ def _clock_rate(
     )
 
 
+def _late(at: Circumstances, since: Array) -> tuple[Array, Array]:
+    """Return the offset for each second of hour angle that a clock loses in a second (n,)."""
+    x, y = hour_angle_shift(at)
+    return stack(at, (since * x, since * y))
+
+
 def _clock_rates(at: Circumstances) -> tuple[Effect, ...]:
     """Return a clock that was set when each session of some recordings began, and one set once."""
-    time, session = at.numbers("time"), _sessions(at)
-    names = np.unique(session[np.isfinite(time)]).tolist()
-    spans = [
-        [float(np.nanmin(own)), float(np.nanmax(own))]
-        for own in (time[session == name] for name in names)
-    ]
-    each_session = _clock_rate(names, spans)
+    spans = spans_of(at)
+    each_session = _clock_rate(list(spans), list(spans.values()))
     if len(spans) < 2:
         return (each_session,)
-    return each_session, _clock_rate(since_s=min(spans)[0])
+    return each_session, _set_once(min(began for began, _ in spans.values()))
 
 
 EFFECTS = (

@@ -44,6 +44,7 @@ from pyport.recordings.formats.cells import (
     unit_missed,
 )
 from pyport.recordings.formats.sheet import Sheet, sheet
+from pyport.recordings.formats.tables import first_double
 from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import (
     EARLIEST_S,
@@ -105,6 +106,9 @@ def mapped(raw: Raw, columns: Mapping[str, str], names: Sequence[str] = ()) -> R
             cells = _each(raw, ours, cells, PARTS[part.strip()], _EXPECTED[part.strip()])
         found[ours] = _each(raw, ours, cells, _negated, "a number") if negative else cells
     if REST in columns:
+        twice = first_double(called[key] for key in left)
+        if twice is not None:
+            raise raw.error(f"--columns: two columns are called {twice!r}, expected one")
         found = {**{called[key]: np.asarray(cells) for key, cells in left.items()}, **found}
     return replace(raw, columns=found)
 

@@ -1,0 +1,43 @@
+"""How long a session lasts: when its clock was set, its dome opened, its drives switched on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pyport.angles import Array
+from pyport.effects.circumstances import NIGHT_GAP_S, Circumstances
+
+
+def _sessions(at: Circumstances) -> NDArray[np.str_]:
+    """Return the session of each row, shape (n,): one where none are recorded."""
+    return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
+
+
+def spans_of(at: Circumstances) -> dict[str, list[float]]:
+    """Return when each session with times began and ended [s]."""
+    time, session = at.numbers("time"), _sessions(at)
+    found = {}
+    for name in np.unique(session[np.isfinite(time)]).tolist():
+        own = time[session == name]
+        found[name] = [float(np.nanmin(own)), float(np.nanmax(own))]
+    return found
+
+
+def since_begun(at: Circumstances, known: Mapping[str, Sequence[float]]) -> Array:
+    """Return the time since the session of each row began [s], shape (n,).
+
+    `known`: when sessions of recordings before began and ended. Another session, or one of that
+    name at another time, began with its own first row.
+    """
+    time, session = at.numbers("time"), _sessions(at)
+    since = np.full(len(at), np.nan)
+    for name, (began, _) in spans_of(at).items():
+        first, last = known.get(name, (began, began))
+        own = session == name
+        # What follows within a night's gap belongs to the same night.
+        same = first <= began < last + NIGHT_GAP_S
+        since[own] = time[own] - (first if same else began)
+    return since
