@@ -81,6 +81,27 @@ def test_refraction_that_the_temperature_changes_is_no_bent_structure():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_what_each_session_begins_with_and_loses_is_no_drift(seed):
+    """Eight arcseconds of elevation that die away in an hour, in nights that differ."""
+
+    def settling(at, rng):
+        nights, number = np.unique(at.column("session"), return_inverse=True)
+        began = [at.column("time")[number == n].min() for n in range(len(nights))]
+        since_h = (at.column("time") - np.array(began)[number]) / 3600
+        return 0 * at.el, 8 * np.exp(-since_h) + rng.normal(0, 2, len(nights))[number]
+
+    given = drawn(360, 6, seed, 2.0, settling)
+    del given.at.columns["temperature_c"]
+    (found,) = diagnose(given, load("altaz")).findings
+
+    assert (found.effect, found.members) == ("driven_term", ("driven_term",))
+    assert "zero follows the beginning of the session, settling in" in found.variant
+    assert "settles in" in found.sentence
+    assert found.heldout.after < found.heldout.before
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [12, 15])
 def test_a_step_among_nights_that_the_temperature_moves(seed):
     """Either alone the noise does as well; together they are found, with their sizes."""

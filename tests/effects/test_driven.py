@@ -5,10 +5,13 @@ import pytest
 from effects.sky import campaign, replaced, without
 
 from pyport.diagnosis.candidates import design
+from pyport.diagnosis.case import confounded
+from pyport.diagnosis.preparing import prepare
 from pyport.effects import CATALOGUE, MissingColumn
 from pyport.effects.base import THE_HOUR
 from pyport.effects.empirical.conditions import MOST_DRIVERS, drivers, untried
 from pyport.effects.telescope.thermal import ways
+from pyport.formats.models import load
 from pyport.recordings.schema import Recordings, stack
 
 AT = campaign(120)
@@ -206,3 +209,16 @@ def test_every_member_is_paid_for():
 
     assert {one.choices for one in found} == {len(found)}
     assert not any("sheet" in name or "temperature" in name for name in tried)
+
+
+def test_noise_may_hold_what_begins_anew_with_each_session():
+    """As it holds nights and drifts: of all that lasts, that alone is not kept out of it."""
+    nothing = np.full(120, np.nan)
+    given = Recordings(AT, *np.zeros((2, 120)), nothing, nothing, np.arange(120), "a.csv")
+    problem = prepare(given, load("altaz"))
+    lasting = [one for one in problem.candidates if not confounded(problem, one.effect)]
+    anew = [one for one in lasting if one.effect.begins_anew]
+    wide, own = (problem.shown_by(some)[1].shape[1] for some in (lasting, anew))
+
+    assert {one.effect.id for one in anew} == {"clock_rate", "driven_term"}
+    assert problem.possible[1].shape[1] == wide - own

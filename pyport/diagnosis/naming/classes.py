@@ -10,7 +10,7 @@ import numpy as np
 
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.trial import CandidateFit
-from pyport.effects import degeneracies
+from pyport.effects import Effect, degeneracies
 from pyport.least_squares.gram import inverted
 from pyport.thresholds import (
     ALIKE,
@@ -100,7 +100,12 @@ def name(winner: CandidateFit, trials: Sequence[CandidateFit], beside: Projectio
 def _another_term(winner: CandidateFit, rival: CandidateFit) -> bool:
     """Tell whether a rival of the winner's family follows another condition, or is another term."""
     one, other = winner.candidate.effect, rival.candidate.effect
-    return one.id == other.id and (one.driver, one.change_of) != (other.driver, other.change_of)
+    return one.id == other.id and _driven(one) != _driven(other)
+
+
+def _driven(effect: Effect) -> tuple[str, str | None]:
+    """Return which term changes, and the condition that it follows."""
+    return effect.change_of, effect.member.get("follows", effect.driver)
 
 
 def _another_order(winner: CandidateFit, rival: CandidateFit) -> float:

@@ -125,9 +125,7 @@ class _Drifts:
     floors: dict[bool, float]
     grid: Grid
 
-    def drafted(
-        self, covariance: Covariance, beyond: float, n: int, start: int | None
-    ) -> Draft:
+    def drafted(self, covariance: Covariance, beyond: float, n: int, start: int | None) -> Draft:
         """Return how likely each drift of a series is: of its number and the best one known."""
         part = self.given.parts[n]
         rows = part.rows

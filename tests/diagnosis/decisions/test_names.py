@@ -49,11 +49,13 @@ def test_what_explains_nothing_joins_no_class(evidence, inside):
     [
         ("sag_cosine", "pressure_hpa", "sag_cosine follows pressure_hpa"),
         ("tilt", "yoke_temp_c", "tilt follows yoke_temp_c"),
-        ("tilt", "pressure_hpa", None),
+        ("tilt", "sun_el_deg", "tilt follows sun_el_deg"),
+        ("tilt", "the same", None),
     ],
 )
+@pytest.mark.parametrize("own", ["pressure_hpa", "the time of day"])
 def test_of_driven_terms_another_term_and_another_condition_count(
-    term, condition, told, evidence, other
+    own, term, condition, told, evidence, other
 ):
     """Within odds of fifty to one; the same term of the same condition is no other."""
 
@@ -61,8 +63,8 @@ def test_of_driven_terms_another_term_and_another_condition_count(
         effect = driven.driven(what, conditions.driver_of(which, 0.0))
         return Candidate(effect, np.arange(1), (0,), 24)
 
-    winner = trial(of=follows("tilt", "pressure_hpa"), evidence=100.0)
-    rival = trial(of=follows(term, condition), evidence=evidence)
+    winner = trial(of=follows("tilt", own), evidence=100.0)
+    rival = trial(of=follows(term, own if told is None else condition), evidence=evidence)
 
     found = classes.name(winner, [winner, rival], beside())
     assert found.members == ("driven_term",)
