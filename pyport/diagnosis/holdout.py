@@ -14,6 +14,7 @@ from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import HeldOut
 from pyport.diagnosis.searching.changes import columns_anew
 from pyport.diagnosis.weighing import WhitenedData, whitened
+from pyport.effects.base import THE_HOUR
 from pyport.least_squares import robust
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
@@ -75,11 +76,12 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
         scans = np.unique(np.stack([sessions, time]), axis=1, return_inverse=True)[1].ravel()
         return Folds("leave whole scans out, ten folds", _dealt(scans, rng))
     fold = np.zeros(len(time), np.intp)
+    # What goes with the hour would be unknown where all sessions lacked the same hour.
+    by_hour = any(one.candidate.effect.driver == THE_HOUR for one in choices)
     for number, session in enumerate(np.unique(sessions)):
         rows = np.flatnonzero(sessions == session)
         rank = np.unique(time[rows], return_inverse=True)[1]
-        # What each session begins with is left out of one session here, of another there.
-        fold[rows] = (rank * BLOCKS // (rank.max() + 1) + number) % BLOCKS
+        fold[rows] = (rank * BLOCKS // (rank.max() + 1) + number * by_hour) % BLOCKS
     what = "time" if "time" in at else "rows"
     scheme = f"leave blocks of {what} out, five in each session"
     if departing:

@@ -84,12 +84,15 @@ def test_what_belongs_to_a_session_is_tested_within_it(choice, departing, counts
     assert len(np.unique(found.fold)) == 5
 
 
-def test_blocks_are_of_time_and_even():
-    """Each session is cut into five stretches; two sessions do not lose the same one at a time."""
-    found = holdout.folds(problem(rows=100, sessions=2), weighed(), ())
+@pytest.mark.parametrize(
+    ("effect", "apart"), [("clock_rate", 1), ("temperature", 0), ("refraction", 0)]
+)
+def test_blocks_are_of_time_and_even(effect, apart):
+    """Each session is cut into five; of what goes with the hour they lack different ones."""
+    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (chosen(effect),))
 
     assert found.fold[:50].tolist() == np.repeat(np.arange(5), 10).tolist()
-    assert found.fold[50:].tolist() == ((found.fold[:50] + 1) % 5).tolist()
+    assert found.fold[50:].tolist() == ((found.fold[:50] + apart) % 5).tolist()
 
 
 @pytest.mark.parametrize("rows", [100, 7])
