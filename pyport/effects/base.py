@@ -195,8 +195,8 @@ class Effect:
 
     @property
     def begins_anew(self) -> bool:
-        """Tell whether it begins anew with each session and goes with the time since then."""
-        return self.looks_back and self.driver == THE_HOUR
+        """Tell whether a term changes with the time since each session began, as by a drift."""
+        return self.looks_back and self.driver == THE_HOUR and self.change_of != ""
 
     @property
     def precision(self) -> Array:
