@@ -220,5 +220,5 @@ def test_noise_may_hold_what_begins_anew_with_each_session():
     anew = [one for one in lasting if one.effect.begins_anew]
     wide, own = (problem.shown_by(some)[1].shape[1] for some in (lasting, anew))
 
-    assert {one.effect.id for one in anew} == {"driven_term"}
+    assert {one.effect.member["follows"] for one in anew} == {"the beginning of the session"}
     assert problem.possible[1].shape[1] == wide - own
