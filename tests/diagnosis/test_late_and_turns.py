@@ -48,17 +48,21 @@ def told(given):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_a_zero_that_follows_the_rate_of_the_air_is_named_after_the_temperature(seed):
+@pytest.mark.parametrize(
+    ("seed", "beside"),
+    [(0, []), (1, ["elevation_zero follows the beginning of the session, settling in 2 h"])],
+)
+def test_a_zero_that_follows_the_rate_of_the_air_is_named_after_the_temperature(seed, beside):
     """Air less steel, four arcseconds for each kelvin, in four nights: not the hour, no drift.
 
-    How warm the steel was as the nights began is not recorded; what that did may be found as well.
+    How warm the steel was as a night began is not recorded. Where all four nights agree by chance,
+    what that did is found as well, and is one finding too many.
     """
     (first, *others) = told(made(500, seed, 4, y=lambda air, steel: 4 * (air - steel)))
 
     assert (first[0], first[2]) == ("temperature", "named")
     assert "thin parts against thick ones" in first[1]
-    assert all("follows the beginning of the session" in variant for _, variant, _ in others)
+    assert [variant for _, variant, _ in others] == beside
 
 
 @pytest.mark.slow
