@@ -129,9 +129,9 @@ REFUTES = 4.0
 #: a known size against its error. Chance gives it once in 22. Smaller: nights that saw nothing
 #: count. Larger: nights that saw it do not.
 SEEN = 2.0
-#: [sigma] By which a finding must lower the rms of data left out, where FEWEST stretches or more
-#: tell the error. A fall within its error shows nothing. Smaller: a seventh of the claims where
-#: nothing is hidden stays. Larger: at 2 one right finding in fourteen is lost.
+#: [sigma] By which a finding must lower the rms of data left out, where three blocks, or FEWEST
+#: whole sessions, tell the error. A fall within its error shows nothing. Smaller: a seventh of the
+#: claims where nothing is hidden stays. Larger: at 2 one right finding in fourteen is lost.
 PAYS = 1.0
 #: [sigma] Where the biweight of the first look reaches zero, antennas of arrays alike. Normal
 #: readings keep their weight; the tails are estimated afterwards. Smaller: tails are cut before

@@ -21,7 +21,7 @@ from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import BLOCKS, CLIP, FOLDS, GROSS, MOST_FOLDS, SEVERAL
+from pyport.thresholds import BLOCKS, CLIP, FEWEST, FOLDS, GROSS, MOST_FOLDS, SEVERAL
 
 #: Stretches left out that tell how far a held-out rms may be off.
 FEWEST_STRETCHES = 3
@@ -34,12 +34,14 @@ class Folds:
     """A partition of the readings (m,) into folds, and what it is called.
 
     `departing` says whether what a session or source departs by, as its other readings show it,
-    belongs to a prediction.
+    belongs to a prediction. From `fewest` stretches on their scatter can refute what was found:
+    of whole sessions, each off by what nobody predicts, it takes more.
     """
 
     scheme: str
     fold: Codes
     departing: bool = False
+    fewest: int = FEWEST_STRETCHES
 
 
 def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> Folds:
@@ -61,8 +63,9 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
     if len(np.unique(sessions)) >= SEVERAL and not (own or epochs or departing):
         count = len(np.unique(sessions))
         if count <= MOST_FOLDS:
-            return Folds("leave one session out", sessions)
-        return Folds("leave whole sessions out, twenty folds", sessions * MOST_FOLDS // count)
+            return Folds("leave one session out", sessions, fewest=FEWEST)
+        whole = sessions * MOST_FOLDS // count
+        return Folds("leave whole sessions out, twenty folds", whole, fewest=FEWEST)
     rng = np.random.default_rng(problem.seed)
     at = problem.recordings.at
     time = clock(at)[problem.stack.row]

@@ -23,7 +23,7 @@ from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short
 from pyport.diagnosis.weighing import projection, weigh, weigh_model
 from pyport.runs.stages import stage
-from pyport.thresholds import FEWEST, NOT_EXCLUDED, OUT_OF_REACH, PAYS, SEEN
+from pyport.thresholds import NOT_EXCLUDED, OUT_OF_REACH, PAYS, SEEN
 
 #: Members of a family, and rivals that follow a condition, tried beside noise of their own at most.
 MOST_NOISES = 3
@@ -178,7 +178,7 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
         partition = holdout.folds(problem, weighed, (one,))
         found = unseen(problem, (weighed, weighed), outcome.others(one), chosen, partition)
         before, after = found.rms()
-        if before - after <= PAYS * (found.fall_sigma(found.counted, FEWEST) or 0.0):
+        if before - after <= PAYS * (found.fall_sigma(found.counted, partition.fewest) or 0.0):
             by = 100 * abs(before - after) / max(before, 1e-300)
             how = f"worse with it, by {by:.2g} per cent"
             if before > after:

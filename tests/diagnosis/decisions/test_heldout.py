@@ -252,7 +252,14 @@ def test_what_one_fit_cannot_predict_is_not_counted(monkeypatch):
 
 
 def settled(
-    monkeypatch, rms, evidences, error=None, stretches=20, sigmas=(9.0, 9.0, 9.0), prior=()
+    monkeypatch,
+    rms,
+    evidences,
+    error=None,
+    stretches=20,
+    sigmas=(9.0, 9.0, 9.0),
+    prior=(),
+    partition=None,
 ):
     """Return what is to be dropped; rms by what is left of the choices, "" for the model alone."""
     names = ("refraction", "skew", "tilt")[: len(evidences)]
@@ -270,7 +277,8 @@ def settled(
 
     monkeypatch.setattr(settling, "unseen", of)
     monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
-    monkeypatch.setattr(settling.holdout, "folds", lambda *_: None)
+    partition = partition or SimpleNamespace(fewest=3)
+    monkeypatch.setattr(settling.holdout, "folds", lambda *_: partition)
     monkeypatch.setattr(settling.joint, "fit", lambda *_: None)
     own, weighed = len(problem_with().base), SimpleNamespace(covariance=None)
     monkeypatch.setattr(settling.joint, "distance", lambda _fit, n: sigmas[n - own])
@@ -342,21 +350,27 @@ def test_how_far_coefficients_together_are_from_zero(values, covariance, excess,
 
 
 @pytest.mark.parametrize(
-    ("error", "stretches", "dropped"),
+    ("error", "sessions", "stretches", "dropped"),
     [
-        (0.19, 20, None),
-        (0.21, 20, "refraction"),
-        (0.12, 20, None),
-        (0.35, 20, "refraction"),
-        (0.35, 8, "refraction"),
-        (0.35, 7, None),
+        (0.19, 10, 20, None),
+        (0.21, 10, 20, "refraction"),
+        (0.12, 10, 20, None),
+        (0.35, 10, 8, "refraction"),
+        (0.35, 10, 7, None),
+        (0.35, 30, 7, None),
+        (0.35, 1, 5, "refraction"),
+        (0.35, 1, 2, None),
     ],
 )
-def test_a_finding_must_pay_by_more_than_its_error(monkeypatch, error, stretches, dropped):
-    """The rms falls by 0.2; where few stretches tell its error any fall will do."""
+def test_a_finding_must_pay_by_more_than_its_error(
+    monkeypatch, error, sessions, stretches, dropped
+):
+    """The rms falls by 0.2; where few sessions, or blocks, tell its error any fall will do."""
     rms = {"refraction": 1.0, "": 1.2}
+    partition = holdout.folds(problem(sessions=sessions), weighed(), (chosen(),))
 
-    assert settled(monkeypatch, rms, (30.0,), error, stretches) == dropped
+    found = settled(monkeypatch, rms, (30.0,), error, stretches, partition=partition)
+    assert found == dropped
 
 
 def test_without_findings_nothing_is_dropped(monkeypatch):
