@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from pyport.angles import ARCMIN, DEG, HOUR, RADIANS_PER
@@ -230,6 +230,16 @@ SPELLED = {
 RESERVED = {"time": TIME, "scan_rate": SCAN_RATE}
 #: Columns by what they are called without a unit, where one comes beside the numbers.
 QUANTITIES = {one.spoken: one for one in COLUMNS if one.spoken}
+
+
+def first_double(names: Iterable[str]) -> str | None:
+    """Return the first name that stands there a second time."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            return name
+        seen.add(name)
+    return None
 
 
 def shown(name: str) -> tuple[str, str, float]:

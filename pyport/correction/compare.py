@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances, MissingColumn
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.models.conditions import Columns, Value
 from pyport.recordings.schema import Recordings, as_input
 from pyport.recordings.sky import with_nights

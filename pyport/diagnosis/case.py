@@ -187,10 +187,12 @@ class Problem:
         nights, drifts and sources do, and such an effect has to stand out of that. So has one that
         begins anew with each session, as a drift may.
         """
-        effects = [(one, one.effect) for one in self.candidates]
-        return self.shown_by(
-            [one for one, e in effects if not (confounded(self, e) or e.begins_anew)]
-        )
+        lasting = [
+            one
+            for one in self.candidates
+            if not (confounded(self, one.effect) or one.effect.begins_anew)
+        ]
+        return self.shown_by(lasting)
 
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""

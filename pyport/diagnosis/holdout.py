@@ -84,7 +84,8 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
     for number, session in enumerate(np.unique(sessions)):
         rows = np.flatnonzero(sessions == session)
         rank = np.unique(time[rows], return_inverse=True)[1]
-        fold[rows] = (rank * BLOCKS // (rank.max() + 1) + number * by_hour) % BLOCKS
+        first = number if by_hour else 0
+        fold[rows] = (rank * BLOCKS // (rank.max() + 1) + first) % BLOCKS
     what = "time" if "time" in at else "rows"
     scheme = f"leave blocks of {what} out, five in each session"
     if departing:

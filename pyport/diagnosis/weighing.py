@@ -143,7 +143,7 @@ def weigh_alike(problem: Problem, chosen: Sequence[Chosen], known: Covariance) -
     return weigh(problem, chosen)
 
 
-def in_order(chosen: Sequence[Chosen]) -> list[Chosen]:
+def by_columns(chosen: Sequence[Chosen]) -> list[Chosen]:
     """Return choices in the order of their columns: rounding must not tell who came first."""
     return sorted(chosen, key=lambda one: (tuple(one.candidate.columns), one.scope))
 
@@ -162,7 +162,7 @@ def noise(problem: Problem, chosen: Sequence[Chosen], *, searching: bool = True)
     """
     key = key_of(chosen, searching=searching)
     if key not in problem.known:
-        design = problem.expanded([*problem.base, *in_order(chosen)])
+        design = problem.expanded([*problem.base, *by_columns(chosen)])
         shapes = problem.possible if searching else None
         covariance = estimate(problem.residual, design, problem.frame, shapes)
         # The choices are kept as long as the key that their identities make.

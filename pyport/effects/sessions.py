@@ -12,8 +12,13 @@ from pyport.effects.circumstances import NIGHT_GAP_S, Circumstances
 
 
 def _sessions(at: Circumstances) -> NDArray[np.str_]:
-    """Return the session of each row, shape (n,): one where none are recorded."""
-    return at.column("session").astype(str) if "session" in at else np.full(len(at), "")
+    """Return the session of each row, shape (n,): the night where none are recorded."""
+    if "session" in at:
+        return at.column("session").astype(str)
+    time = at.numbers("time")
+    order, night = np.argsort(time, kind="stable"), np.zeros(len(at), np.intp)
+    night[order[1:]] = np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)
+    return night.astype(str)
 
 
 def spans_of(at: Circumstances) -> dict[str, list[float]]:
@@ -30,14 +35,15 @@ def since_begun(at: Circumstances, known: Mapping[str, Sequence[float]]) -> Arra
     """Return the time since the session of each row began [s], shape (n,).
 
     `known`: when sessions of recordings before began and ended. Another session, or one of that
-    name at another time, began with its own first row.
+    name at another time, began with its own first row. Nights stand for sessions that are not
+    recorded.
     """
-    time, session = at.numbers("time"), _sessions(at)
+    time, session, named = at.numbers("time"), _sessions(at), "session" in at
     since = np.full(len(at), np.nan)
     for name, (began, _) in spans_of(at).items():
-        first, last = known.get(name, (began, began))
         own = session == name
+        spans = [span for other, span in known.items() if other == name or not named]
         # What follows within a night's gap belongs to the same night.
-        same = first <= began < last + NIGHT_GAP_S
-        since[own] = time[own] - (first if same else began)
+        same = (first for first, last in spans if first <= began < last + NIGHT_GAP_S)
+        since[own] = time[own] - next(same, began)
     return since

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.fitting.fit import Fit
 from pyport.fitting.soundness import largest_offset
 from pyport.noise.coefficients import solve

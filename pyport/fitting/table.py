@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pyport.angles import ARCSEC
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.errors import BadInput
 from pyport.fitting import soundness
 from pyport.fitting.combinations import Combination, of_fit

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pyport import __version__
 from pyport.angles import ARCSEC, Array
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import sha256

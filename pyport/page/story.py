@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.models.complete import has_before
 from pyport.models.model import Model

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
 from pyport.recordings.schema import as_input, counted

@@ -14,7 +14,7 @@ from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.words import spoken
 from pyport.effects.base import THE_HOUR
 from pyport.effects.empirical import fields
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.effects.empirical.fields import Bumps
 from pyport.mounts import ALTAZ
 from pyport.plots import pictures

@@ -10,7 +10,7 @@ import pyport
 from pyport.cli import pyport as program
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.words import number
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.errors import BadInput
 
 FOLLOWING = """

@@ -11,7 +11,7 @@ from pyport.angles import ARCSEC, handy
 from pyport.diagnosis.disagreements import Disagreement, Halves
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
-from pyport.effects.empirical.conditions import unit_in_words
+from pyport.effects.empirical.drivers import unit_in_words
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ

@@ -10,7 +10,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.trial import at_best, shown
-from pyport.diagnosis.weighing import in_order, key_of, noise
+from pyport.diagnosis.weighing import by_columns, key_of, noise
 from pyport.effects import Effect
 from pyport.least_squares.gram import spanned
 from pyport.noise.covariance import Covariance
@@ -29,7 +29,7 @@ def _noise_alike(
     """
     key = (departing, *key_of(like, searching=False), *key_of(chosen, searching=False))
     if key not in problem.known:
-        design = problem.expanded([*problem.base, *in_order(chosen)])
+        design = problem.expanded([*problem.base, *by_columns(chosen)])
         frame = problem.frame if departing else replace(problem.frame, departures=())
         known = noise(problem, like, searching=False)
         # What an effect leaves behind passes from departures to drift and back.

@@ -18,7 +18,8 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
-from pyport.effects.empirical.conditions import OF_AIR, OF_TEMPERATURE, Driver, driver_of, tried
+from pyport.effects.empirical.conditions import OF_AIR, tried
+from pyport.effects.empirical.drivers import OF_TEMPERATURE, Driver, driver_of
 from pyport.effects.sky.atmosphere import refraction
 from pyport.effects.telescope.geometry import collimation, elevation_zero, sag_cosine, tilt
 

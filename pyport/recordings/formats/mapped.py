@@ -32,6 +32,7 @@ from pyport.columns import (
     SCAN_RATE,
     TIME,
     angle_of,
+    first_double,
 )
 from pyport.errors import BadInput
 from pyport.files import write_file
@@ -44,7 +45,6 @@ from pyport.recordings.formats.cells import (
     unit_missed,
 )
 from pyport.recordings.formats.sheet import Sheet, sheet
-from pyport.recordings.formats.tables import first_double
 from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import (
     EARLIEST_S,

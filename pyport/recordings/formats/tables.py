@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import reprlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import RADIANS_PER
-from pyport.columns import ANGLES
+from pyport.columns import ANGLES, first_double
 from pyport.errors import BadInput
 from pyport.files import write_whole
 from pyport.recordings.formats.cells import in_its_unit
@@ -182,16 +182,6 @@ def is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed
             pyarrow.types.is_large_binary,
         )
     )
-
-
-def first_double(names: Iterable[str]) -> str | None:
-    """Return the first name that stands there a second time."""
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            return name
-        seen.add(name)
-    return None
 
 
 def _arrow_cells(column: Any) -> NDArray[Any] | TextColumn:  # noqa: ANN401 - pyarrow is not typed

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
+from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of, first_double
 from pyport.errors import BadInput
 from pyport.files import is_spelled
-from pyport.recordings.formats.tables import first_double, is_text, refused
+from pyport.recordings.formats.tables import is_text, refused
 from pyport.recordings.naming import refuse_columns
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.

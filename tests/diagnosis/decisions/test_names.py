@@ -14,7 +14,7 @@ from pyport.diagnosis.naming import verdict as resampling
 from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.naming.verdict import judged
 from pyport.effects import CATALOGUE, Coefficient
-from pyport.effects.empirical import conditions, driven
+from pyport.effects.empirical import driven, drivers
 from pyport.effects.telescope import encoders
 
 
@@ -60,7 +60,7 @@ def test_of_driven_terms_another_term_and_another_condition_count(
     """Within odds of fifty to one; the same term of the same condition is no other."""
 
     def follows(what, which):
-        effect = driven.driven(what, conditions.driver_of(which, 0.0))
+        effect = driven.driven(what, drivers.driver_of(which, 0.0))
         return Candidate(effect, np.arange(1), (0,), 24)
 
     winner = trial(of=follows("tilt", own), evidence=100.0)
