@@ -248,12 +248,11 @@ def best_shown(
     covariance: Covariance,
     chosen: Sequence[Chosen],
     candidates: Sequence[Candidate],
-) -> tuple[Candidate, float]:
-    """Return the candidate that shows best beside the model, and its evidence, its price paid."""
+) -> Candidate:
+    """Return the candidate that shows best beside the model, its price paid."""
     seen = shown_beside(problem, covariance, chosen, candidates)
     worth = [
         at_best(*each)[0] - one.price if len(each[0]) else -np.inf
         for each, one in zip(seen, candidates, strict=True)
     ]
-    best = int(np.argmax(worth))
-    return candidates[best], float(worth[best])
+    return candidates[int(np.argmax(worth))]

@@ -264,7 +264,7 @@ def _anew(problem: Problem, covariance: Covariance, others: Sequence[Chosen], on
         return Anew(problem.expanded([one]))
     if confounded(problem, effect):
         covariance = still_noise(problem, covariance)
-    best, _ = best_shown(problem, covariance, others, family)
+    best = best_shown(problem, covariance, others, family)
     if any(each is one.candidate for each in family):
         return Anew(problem.expanded([Chosen(best, one.scope)]))
     wider, refined, *_ = refine(problem, covariance, others, Chosen(best, one.scope))

@@ -8,20 +8,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from pyport.diagnosis.case import Chosen, Problem, confounded
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.searching.changes import proposed
-from pyport.diagnosis.searching.confirming import confirmed
-from pyport.diagnosis.searching.contenders import (
-    Contender,
-    evidence_anew,
-    joined,
-    refined,
-    waves_of,
-)
+from pyport.diagnosis.searching.contenders import Contender, evidence_anew, refined, waves_of
 from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.trial import CandidateFit
-from pyport.diagnosis.weighing import best_shown
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
 from pyport.thresholds import CONVINCING
@@ -49,31 +41,23 @@ class Changes:
     trials: Sequence[CandidateFit]
     banned: Collection[str] = ()
 
-    def alone(self, above: float) -> list[Contender]:
+    def nearest(self) -> Contender | None:
+        """Return the change that is likelier than not and does not convince; None where none is."""
+        likely = [one for one in self.confirmed(-np.inf) if 0 < one.trial.evidence <= CONVINCING]
+        return max(likely, key=lambda one: one.trial.evidence, default=None)
+
+    def confirmed(self, above: float) -> list[Contender]:
         """Return each with its evidence beside noise estimated anew.
 
         Those that promise more than `above` beside noise that holds still.
         """
-        return self._confirmed(above, in_pairs=False)
-
-    @cached_property
-    def in_pairs(self) -> list[Contender]:
-        """Return each, with the evidence of a lasting effect beside it where it needs that."""
-        return self._confirmed(-np.inf, in_pairs=True)
-
-    def nearest(self) -> Contender | None:
-        """Return the change that is likelier than not and does not convince; None where none is."""
-        likely = [one for one in self.in_pairs if 0 < one.trial.evidence <= CONVINCING]
-        return max(likely, key=lambda one: one.trial.evidence, default=None)
-
-    def _confirmed(self, above: float, *, in_pairs: bool) -> list[Contender]:
         waves = self._waves(above)
         # What wins must be distinguished from a wave: its columns stand in the case of every one.
         every = self._refined_in(waves[0].problem) if waves else self._refined
         least = max(CONVINCING, above)
         moved = [one for one in every if one.trial.evidence > least]
         beside = waves[0].beside if waves else None
-        sure_of = partial(self._sure_of, beside=beside, in_pairs=in_pairs)
+        sure_of = partial(self._sure_of, beside)
         found = [sure_of(one) for one in moved if not one.effect.consists_of]
         standing = {one.effect.on_altaz for one in found if one.trial.evidence > CONVINCING}
         wholes = [
@@ -105,52 +89,11 @@ class Changes:
         still, best = self._proposed
         return [refined(problem, still, self.chosen, trial) for trial in best]
 
-    def _sure_of(self, one: Contender, *, beside: Projection | None, in_pairs: bool) -> Contender:
+    def _sure_of(self, beside: Projection | None, one: Contender) -> Contender:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = evidence_anew(one, self.chosen)
-        if sure <= CONVINCING and in_pairs:
-            one, sure = self._beside_it(one, sure)
         trial = replace(one.trial, evidence=sure, gain=sure)
         return replace(one, trial=trial, beside=beside, sure=sure)
-
-    def _beside_it(self, change: Contender, sure: float) -> tuple[Contender, float]:
-        """Return a change, and its evidence with that of the lasting effect that shows best there.
-
-        Two that either alone the noise does as well it may not do together: a step among nights
-        that the weather moves, too, at its best moment beside what the weather does.
-        """
-        found = self._best_beside(change)
-        if found is None:
-            return change, sure
-        other, worth = found
-        still, _ = self._proposed
-        moved = refined(change.problem, still, (*self.chosen, other), change.trial)
-        worlds = [(change, sure)]
-        if moved.effect.parameter != change.effect.parameter:
-            worlds.append((moved, evidence_anew(moved, self.chosen)))
-        best, most = change, sure
-        for one, alone in worlds:
-            if alone + worth > CONVINCING:
-                after = joined(one.problem, self.chosen, one.chosen)
-                added = confirmed(one.problem, after, other, other.candidate.price)
-                if added > CONVINCING and alone + added > most:
-                    best, most = one, alone + added
-        return best, most
-
-    def _best_beside(self, change: Contender) -> tuple[Chosen, float] | None:
-        """Return the lasting effect that shows best beside a change, and its evidence there."""
-        problem, after = change.problem, joined(change.problem, self.chosen, change.chosen)
-        lasting = [
-            one.candidate
-            for one in self.trials
-            if one.candidate.effect.physical
-            and one.scope == "all"
-            and not confounded(problem, one.candidate.effect)
-        ]
-        if not lasting:
-            return None
-        best, worth = best_shown(problem, self._proposed[0], after, lasting)
-        return (Chosen(best, "all"), worth) if worth > CONVINCING else None
 
 
 def _is_all_of_it(one: Contender, moved: Sequence[Contender]) -> bool:

@@ -73,8 +73,7 @@ def winner_of(
     Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for where `changes` are given. One that promises less than a lasting
-    effect gains waits until that effect has failed, one that only convinces together with a lasting
-    effect until nothing else stands.
+    effect gains waits until that effect has failed.
     """
     lasting = lasting_effects(problem, weighed, chosen, trials, banned, least, beside)
     if changes is not None:
@@ -84,9 +83,9 @@ def winner_of(
     lasting = [one for one in lasting if one.trial.evidence > CONVINCING]
     if changes is None:
         return _first(weighed, chosen, [], lasting)
-    found = _first(weighed, chosen, _convincing(changes.alone(lead)), lasting)
-    if found is None:
-        moved = _convincing(changes.in_pairs)
+    found = _first(weighed, chosen, _convincing(changes.confirmed(lead)), lasting)
+    if found is None and lasting:
+        moved = _convincing(changes.confirmed(-np.inf))
         found = _first(weighed, chosen, moved, lasting) if moved else None
     return found
 

@@ -343,15 +343,14 @@ def winning(
     drives=(),
     sure=99.0,
     unseen=lambda _: True,
-    pairs=(),
     **options,
 ):
-    """Return what wins a turn among lasting effects, changes, and changes that need a pair."""
+    """Return what wins a turn among lasting effects and changes."""
 
-    def alone(above):
+    def confirmed(above):
         return [one for one in moved if one.trial.gain > above]
 
-    options.setdefault("changes", SimpleNamespace(alone=alone, in_pairs=[*moved, *pairs]))
+    options.setdefault("changes", SimpleNamespace(confirmed=confirmed))
     monkeypatch.setattr(winner, "lasting_effects", lambda *_: list(lasting))
     monkeypatch.setattr(winner, "_of_drives", lambda *_: list(drives))
     monkeypatch.setattr(
@@ -364,17 +363,9 @@ def winning(
     return winner.winner_of(problem_with(), WEIGHED, (), (), 0.0, beside=None, banned=(), **options)
 
 
-def changed(above=None):
-    """Return the changes of a turn that convince: in pairs, or alone and above something."""
-    found = Changes(problem_with(), None, (), ())
-    return winner._convincing(found.in_pairs if above is None else found.alone(above))
-
-
-def of_turn(trials):
-    """Return the changes of a turn beside noise that holds still."""
-    found = Changes(problem_with(), None, (), trials)
-    vars(found)["_proposed"] = None, []
-    return found
+def changed(above=-np.inf):
+    """Return the changes of a turn that convince, and promise more than something."""
+    return winner._convincing(Changes(problem_with(), None, (), ()).confirmed(above))
 
 
 def turn(*args, **options):
@@ -551,20 +542,14 @@ def test_changes_are_looked_for_where_they_are_asked_for(monkeypatch):
     assert turn(monkeypatch, (), [won("epoch_tilt")], changes=None) is None
 
 
-@pytest.mark.parametrize(
-    ("lasting", "moved", "wins"),
-    [
-        ([], [], "epoch_tilt"),
-        ([], [won("epoch_sag", 8.0)], "epoch_sag"),
-        ([won("refraction", 9.0)], [], "refraction"),
-        ([won("skew", 5.0)], [], "epoch_tilt"),
-    ],
-)
-def test_pairs_are_tried_where_nothing_else_stands(monkeypatch, lasting, moved, wins):
-    """What stands by itself joins; the change is looked at again beside it."""
-    pairs = [won("epoch_tilt", 60.0, gain=90.0)]
+@pytest.mark.parametrize(("passes", "wins"), [(True, "refraction"), (False, "epoch_tilt")])
+def test_a_change_that_promises_less_waits_until_the_lasting_effect_has_failed(
+    monkeypatch, passes, wins
+):
+    """On data left out, for instance."""
+    lasting, moved = [won("refraction", 90.0)], [won("epoch_tilt", 60.0, gain=60.0)]
 
-    assert turn(monkeypatch, lasting, moved, pairs=pairs) == wins
+    assert turn(monkeypatch, lasting, moved, unseen=lambda _: passes) == wins
 
 
 @pytest.mark.parametrize(
@@ -588,110 +573,30 @@ def test_a_short_wave_is_looked_for_by_itself(monkeypatch, sure, least, banned, 
 
 
 @pytest.mark.parametrize(
-    ("sure", "more", "found"),
-    [
-        (6.5, 0.0, True),
-        (5.5, 0.0, False),
-        (3.5, 0.0, False),
-        (11.0, 0.0, True),
-        (11.0, 9.0, True),
-        (-1.0, 9.0, True),
-        (-5.0, 9.0, False),
-    ],
+    ("sure", "found"), [(6.5, True), (5.5, False), (3.5, False), (11.0, True), (-1.0, False)]
 )
-def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, more, found):
-    """Its evidence is then that of the worlds with it and without; what fails may have company."""
+def test_a_change_is_confirmed_by_odds_of_twenty_to_one(monkeypatch, sure, found):
+    """Its evidence is then that of the worlds with it and without."""
     monkeypatch.setattr(
         confirmed_changes, "proposed", lambda *_: (None, [trial("epoch_tilt", 40.0)])
     )
     monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_tilt", 40.0))
     monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: sure)
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
-    monkeypatch.setattr(Changes, "_beside_it", lambda _, one, sure: (one, sure + more))
-    moved = changed()
 
-    joint = sure if sure > 6 else sure + more
-    assert [one.trial.evidence for one in moved] == ([joint] if found else [])
-    alone = [one.trial.evidence for one in changed(-np.inf)]
-    assert alone == ([sure] if sure > 6 else [])
-
-
-@pytest.mark.parametrize(
-    ("shown", "sure", "more"),
-    [
-        ({"temperature": 17.0, "refraction": 9.0}, 18.0, 10.0),
-        ({"temperature": 17.0, "refraction": 19.0}, 18.0, -9.0),  # another shows better
-        ({"temperature": 17.0}, 5.0, -9.0),  # the noise does that as well
-        ({"temperature": 13.0}, 18.0, -9.0),  # both together promise too little
-        ({"temperature": 5.0}, 18.0, -9.0),  # nothing shows
-        ({}, 18.0, -9.0),
-    ],
-)
-def test_beside_a_change_counts_the_lasting_effect_that_shows_best(monkeypatch, shown, sure, more):
-    """When it is confirmed there; another change is none, nor what one antenna has alone."""
-    change, moved = (
-        won(of=replace(of, effect=replace(of.effect, parameter=since)))
-        for of, since in ((candidate("epoch_offset"), one) for one in (1.2e9, 1.3e9))
-    )
-    trials = [trial(one) for one in shown]
-    trials += [trial("epoch_tilt"), trial("azimuth_scale", scope="antenna")]
-    monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
-    monkeypatch.setattr(
-        confirmed_changes,
-        "best_shown",
-        lambda *given: max(
-            ((one, shown[one.effect.id]) for one in given[-1]), key=lambda pair: pair[1]
-        ),
-    )
-    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: moved)
-    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: -8.0)
-
-    def confirmed(_, others, one, __):
-        assert others in ((change.chosen,), (moved.chosen,))
-        return sure if one.candidate.effect.id == "temperature" else -5.0
-
-    monkeypatch.setattr(confirmed_changes, "confirmed", confirmed)
-    best, found = of_turn(trials)._beside_it(change, -9.0)
-
-    assert found == more
-    assert best is (moved if more > 0 else change)
+    assert [one.trial.evidence for one in changed()] == ([sure] if found else [])
 
 
 @pytest.mark.parametrize(
     ("sure", "near"), [((0.5, 5.0), 1), ((0.5, -0.5), 0), ((-0.5, -3.0), None), ((5.5, 6.5), 0)]
 )
-def test_the_nearest_change_is_likelier_than_not(sure, near):
+def test_the_nearest_change_is_likelier_than_not(monkeypatch, sure, near):
     """The best of those that do not convince."""
-    found = of_turn(())
-    vars(found)["in_pairs"] = [won("epoch_tilt", one) for one in sure]
+    some = [won("epoch_tilt", one) for one in sure]
+    monkeypatch.setattr(Changes, "confirmed", lambda *_: some)
+    found = Changes(problem_with(), None, (), ()).nearest()
 
-    assert found.nearest() is (None if near is None else found.in_pairs[near])
-
-
-@pytest.mark.parametrize(("worth", "shows"), [(6.5, True), (5.5, False)])
-def test_what_shows_beside_a_change_convinces(monkeypatch, worth, shows):
-    """Else the change stands alone."""
-    monkeypatch.setattr(confirmed_changes, "joined", lambda _, __, new: (new,))
-    monkeypatch.setattr(confirmed_changes, "best_shown", lambda *given: (given[-1][0], worth))
-    trials = [trial("temperature")]
-    found = of_turn(trials)._best_beside(won("epoch_offset"))
-
-    assert (found is not None) == shows
-
-
-def test_a_change_that_does_not_move_is_not_confirmed_again(monkeypatch):
-    """What is known of it counts, with that of the lasting effect."""
-    change = won("epoch_offset")
-    other = Chosen(candidate("temperature"), "all")
-    monkeypatch.setattr(Changes, "_best_beside", lambda *_: (other, 17.0))
-    monkeypatch.setattr(confirmed_changes, "joined", lambda *_: ())
-    monkeypatch.setattr(confirmed_changes, "refined", lambda *_: won("epoch_offset"))
-    monkeypatch.setattr(confirmed_changes, "evidence_anew", lambda *_: pytest.fail("asked again"))
-    monkeypatch.setattr(confirmed_changes, "confirmed", lambda *_: 18.0)
-    best, found = of_turn(())._beside_it(change, -8.0)
-
-    assert best is change
-    assert found == 10.0
+    assert found is (None if near is None else some[near])
 
 
 @pytest.mark.parametrize(
@@ -783,7 +688,6 @@ def test_a_clock_changes_where_a_tilt_does(monkeypatch, tilts, clocks, asked):
         return tilts if name == "epoch_tilt" else 30.0
 
     monkeypatch.setattr(confirmed_changes, "evidence_anew", sure)
-    monkeypatch.setattr(Changes, "_beside_it", lambda _, one, sure: (one, sure))
     monkeypatch.setattr(confirmed_changes.oscillations, "proposed", lambda *_: None)
     changed()
 
