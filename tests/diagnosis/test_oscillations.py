@@ -306,6 +306,38 @@ def test_nights_at_equal_intervals_leave_the_period_open():
     assert sigma["unequal"] < 0.001 * 1800 < 0.01 * 1800 < sigma["equal"]
 
 
+@pytest.mark.parametrize("seed", [0, 4, 11])
+def test_of_periods_that_nights_leave_open_the_likeliest_is_found(seed):
+    """Nine days apart they fit a wave of five sigma to any of eight periods, nearly as well.
+
+    To find the best of them each has to be met at its top, which the sums of a search miss by a
+    twentieth.
+    """
+    night, rng = np.repeat(np.arange(5), 60), np.random.default_rng(seed)
+    time = 1.2e9 + night * 9 * 86400 + np.sort(rng.uniform(0, 14 * 3600, (5, 60))).ravel()
+    wave = lambda _: 12 * np.sin(2 * np.pi * (time - 1.2e9) / 2700)  # noqa: E731
+    session = np.char.add("s", night.astype(str))
+    given = recordings(300, seed, x=wave, time=time, session=session)
+    problem = prepare(given, load("altaz"), seed=1)
+    one = oscillations.proposed(problem, weigh(problem).covariance, ())
+
+    assert wave_fits.period_of(one.candidate.effect) == pytest.approx(2700, abs=0.5)
+
+
+def test_the_error_of_a_period_holds_what_else_it_may_be(monkeypatch):
+    """By its odds: of two as likely a half of their distance squared, however many are tried."""
+    tops = {1800.0: (1800.0, 1.0, 50.0), 1830.0: (1830.0, 1.0, 50.0), 1900.0: (1900.0, 1.0, 0.0)}
+    waves = SimpleNamespace(scan=SimpleNamespace(time=np.array([0.0, 1e6])))
+    monkeypatch.setattr(wave_fits, "_waves", lambda *_: waves)
+    monkeypatch.setattr(wave_fits, "view_of", lambda *_: None)
+    monkeypatch.setattr(wave_fits, "near_best", lambda *_: [1830.0, *([1900.0] * 10)])
+    monkeypatch.setattr(wave_fits, "top", lambda _, grid: tops[round(float(grid[5]), 6)])
+    period, sigma, evidence = wave_fits.likeliest_period(None, None, (), oscillation(1800.0))
+
+    assert (period, evidence) == (1800.0, 50.0)
+    assert sigma == pytest.approx(np.hypot(1.0, 30 / np.sqrt(2)), rel=1e-6)
+
+
 @pytest.mark.slow
 def test_nothing_is_said_of_an_axis_that_was_not_measured():
     """A wandering wave of elevations alone has an amplitude there, and no line."""

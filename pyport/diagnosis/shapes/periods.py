@@ -32,7 +32,10 @@ LONGEST_PIECE_S = 86400.0
 #: Frequencies times sessions at which coherence through a campaign is given up: it is too long.
 MOST_PHASES = 50_000_000
 #: Periods of a wave whose phase holds that are looked at closely.
-MOST_PERIODS = 6
+MOST_PERIODS = 12
+#: Share of its gain that a wave may lack there: a twentieth between two frequencies, as much by
+#: sums that know the amplitudes in the mean only.
+LOST = 0.1
 #: Periods of a profile that are tried for one of a sine: its shortest waves turn faster.
 FINER = 2
 #: Size at which all profiles are looked at, and how many of them at every size.
@@ -224,6 +227,7 @@ def near_best(scan: Scan, view: View) -> list[float]:
         return []
     frequency, gain = found.frequency, found.gain
     high = np.flatnonzero((gain[1:-1] >= gain[:-2]) & (gain[1:-1] > gain[2:])) + 1
-    high = high[(frequency[high] >= 1 / scan.longest) & (gain[high] > gain.max() - 2 * CONVINCING)]
+    least = (1 - LOST) * gain.max() - 2 * CONVINCING
+    high = high[(frequency[high] >= 1 / scan.longest) & (gain[high] > least)]
     best = high[np.argsort(-gain[high])][:MOST_PERIODS]
     return [1 / float(one) for one in frequency[best]]

@@ -139,7 +139,8 @@ def likeliest_period(
     period, sigma, evidence = max(found, key=lambda one: one[2])
     chance = np.exp(np.array([one[2] - evidence for one in found]) / 2)
     apart = np.array([one[0] - period for one in found])
-    return period, float(np.hypot(sigma, np.sqrt(np.mean(chance * apart**2)))), evidence
+    open_ = float(np.average(apart**2, weights=chance))
+    return period, float(np.hypot(sigma, np.sqrt(open_))), evidence
 
 
 def likeliest_direction(
