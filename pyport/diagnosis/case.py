@@ -204,6 +204,11 @@ class Problem:
             found.append(own[:, own.any(axis=0)])
         return tuple(found)
 
+    def axes_of(self, candidate: Candidate) -> frozenset[bool]:
+        """Return in offsets of which axes a candidate acts, the second one true."""
+        acting = self.picked(candidate.columns).any(axis=1)
+        return frozenset(np.unique(self.stack.is_y[acting]).tolist())
+
     def part(self, chosen: Chosen) -> Part:
         """Return the columns of a choice and who shares their coefficients."""
         return Part(chosen.candidate.columns, self.blocks.groups(chosen.scope))

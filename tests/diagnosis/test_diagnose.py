@@ -41,6 +41,17 @@ def test_refraction_that_was_left_out_is_found_with_its_constant():
 
 
 @pytest.mark.slow
+def test_what_is_strong_in_one_axis_hides_nothing_in_the_other():
+    """A wave of the azimuth encoder of 200 arcsec, and 30 of cot E along elevation."""
+    wave = lambda at: 200 * np.sin(3 * at.az) * np.cos(at.el)  # noqa: E731 - an offset
+    found = run(recordings(300, 2, x=wave, y=lambda at: 30 / np.tan(at.el))).findings
+
+    assert [one.where.axes for one in found] == [("xel",), ("el",)]
+    assert found[0].effect == "azimuth_harmonics"
+    assert "refraction" in found[1].members
+
+
+@pytest.mark.slow
 def test_a_nodding_telescope_is_named_with_its_harmonic():
     """A third harmonic of azimuth in elevation comes back with k = 3 and its size."""
     found = run(recordings(600, 2, y=lambda at: 6 * np.sin(3 * at.az)))

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.searching.confirmed_changes import Changes
@@ -16,6 +17,7 @@ from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
+from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.runs.workers import in_order
 from pyport.thresholds import (
@@ -127,14 +129,12 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         winner, nearest = None, None
         if len(now.steps) < MOST_FINDINGS:
             changes = Changes(problem, weighed.covariance, chosen, trials, now.banned)
-            strongest = max((step.winner.gain for step in now.steps), default=0.0)
-            least = IMPERFECTION * strongest
             winner = winner_of(
                 problem,
                 weighed,
                 chosen,
                 trials,
-                least,
+                partial(_imperfect, now),
                 beside=beside,
                 banned=now.banned,
                 changes=changes,
@@ -159,6 +159,23 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
         now = _exchanged(then, tell)
+
+
+def _imperfect(now: Outcome, candidate: Candidate) -> float:
+    """Return the evidence that what stands may leave to a candidate, its shape a little wrong.
+
+    In the axes that both act in.
+    """
+    own = now.problem.axes_of(candidate)
+    gains = [
+        step.winner.gain for step in now.steps if own & now.problem.axes_of(step.chosen.candidate)
+    ]
+    return IMPERFECTION * max(gains, default=0.0)
+
+
+def _better_than(own: CandidateFit, _: Candidate) -> float:
+    """Return the evidence that is convincingly more than what a choice has."""
+    return own.evidence + CONVINCING
 
 
 def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) -> Outcome:
@@ -186,7 +203,7 @@ def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
             now.weighed,
             others,
             trials,
-            own.evidence + CONVINCING,
+            partial(_better_than, own),
             beside=beside,
             banned=now.banned,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +24,9 @@ from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
+
+#: Evidence that a candidate must exceed.
+Least = Callable[[Candidate], float]
 
 
 def trials_of(problem: Problem, beside: Projection) -> list[CandidateFit]:
@@ -62,7 +65,7 @@ def winner_of(
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
-    least: float,
+    least: Least,
     *,
     beside: Projection,
     banned: Collection[str],
@@ -70,7 +73,7 @@ def winner_of(
 ) -> Contender | None:
     """Return the effect most worth its coefficients that also predicts unseen data better.
 
-    Nothing wins whose evidence is no more than `least`, or that is `banned`, or that the noise,
+    Nothing wins whose evidence is no more than the `least`, or that is `banned`, or that the noise,
     estimated anew, does as well. Steps and edges compete with their moment and curve refined. What
     changes with time is looked for where `changes` are given. One that promises less than a lasting
     effect gains waits until that effect has failed.
@@ -137,7 +140,7 @@ def _of_drives(
     problem: Problem,
     weighed: WhitenedData,
     chosen: tuple[Chosen, ...],
-    least: float,
+    least: Least,
     banned: Collection[str],
 ) -> list[Contender]:
     """Return the short wave of a drive that is proposed, if any and worth more than the least."""
@@ -145,7 +148,7 @@ def _of_drives(
     return [
         each
         for each in waves_of(problem, chosen, one)
-        if each.trial.evidence > least and each.effect.id not in banned
+        if each.trial.evidence > least(each.chosen.candidate) and each.effect.id not in banned
     ]
 
 
@@ -155,7 +158,7 @@ def lasting_effects(
     chosen: tuple[Chosen, ...],
     trials: Sequence[CandidateFit],
     banned: Collection[str],
-    least: float,
+    least: Least,
     beside: Projection,
 ) -> list[Contender]:
     """Return the best lasting effects above the least evidence, edges where they fit best.
@@ -172,7 +175,7 @@ def lasting_effects(
             one = refined(problem, weighed.covariance, chosen, trial)
         # In an array each pays for itself: its odds are those of the turn.
         shared = together(trial, several) if problem.blocks.antennas == 1 else 0.0
-        if one.trial.evidence > least:
+        if one.trial.evidence > least(trial.candidate):
             found.append(replace(one, price=one.price - shared))
     found.sort(key=_rank)
     tried = classes.distinct(beside, (one.trial for one in found), MOST_TRIED)
@@ -194,7 +197,7 @@ def together(trial: CandidateFit, several: Sequence[CandidateFit]) -> float:
 
 
 def _worth(
-    problem: Problem, trials: Sequence[CandidateFit], least: float, banned: Collection[str]
+    problem: Problem, trials: Sequence[CandidateFit], least: Least, banned: Collection[str]
 ) -> list[CandidateFit]:
     """Return the named trials that are worth a closer look, the best first.
 
@@ -206,15 +209,16 @@ def _worth(
         for t in trials
         if t.candidate.effect.physical
         and not confounded(problem, t.candidate.effect)
-        and t.evidence > least
         and t.candidate.effect.id not in banned
+        and t.evidence > least(t.candidate)
     ]
     named.sort(key=lambda trial: -round(trial.evidence, classes.TIE))
     sound = [trial for trial in named if classes.fits_physics(trial)]
-    best = sound[0].evidence if sound else least
     leader = next((t for t in named if classes.seen(t)), None)
-    if leader is not None and leader.evidence > best + LEADS:
-        return [leader, *sound]
+    if leader is not None:
+        best = sound[0].evidence if sound else least(leader.candidate)
+        if leader.evidence > best + LEADS:
+            return [leader, *sound]
     return sound
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
+
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import evidence_anew
@@ -43,8 +45,8 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     weighed = weigh(problem)
     beside = projection(problem, weighed, ())
     trials = trials_of(problem, beside)
-    changes = Changes(problem, weighed.covariance, (), trials).in_pairs
-    lasting = lasting_effects(problem, weighed, (), trials, (), 0.0, beside)
+    changes = Changes(problem, weighed.covariance, (), trials).confirmed(-np.inf)
+    lasting = lasting_effects(problem, weighed, (), trials, (), lambda _: 0.0, beside)
     sure = [one.sure for one in changes] + [
         min(evidence_anew(one, ()), one.trial.evidence) for one in lasting
     ]
