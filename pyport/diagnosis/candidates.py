@@ -128,7 +128,7 @@ def design(
     candidates
         One for each member of each family.
     untestable
-        Effects for which the recordings lack something.
+        Effects for which the recordings lack something, each once: none of its members shows.
     """
     blocks: list[Array] = []
     candidates: list[Candidate] = []
@@ -145,21 +145,24 @@ def design(
         except MissingColumn as lack:
             untestable.append(Untestable(effect.id, f"needs {lack.column}"))
             continue
+        first, reasons = start, []
         for variant, basis in zip(variants, bases, strict=True):
             kept = np.flatnonzero(np.any(basis != 0, axis=0) & np.all(np.isfinite(basis), axis=0))
             if len(kept) == 0:
-                untestable.append(Untestable(effect.id, "it moves nothing that was measured here"))
+                reasons.append("it moves nothing that was measured here")
                 continue
             own = basis[:, kept]
             share = np.linalg.norm(own - drawn @ (drawn.T @ own)) / np.linalg.norm(own)
             if RANK_TOLERANCE < share <= VISIBLE:
-                untestable.append(Untestable(effect.id, "the fitted terms draw nearly all of it"))
+                reasons.append("the fitted terms draw nearly all of it")
                 continue
             blocks.append(own)
             places = np.arange(start, start + len(kept))
             which = tuple(int(one) for one in kept)
             candidates.append(Candidate(variant, places, which, len(variants)))
             start += len(kept)
+        if start == first and reasons:
+            untestable.append(Untestable(effect.id, reasons[0]))
     columns = np.concatenate(blocks, axis=1) if blocks else np.zeros((len(stack), 0))
     return columns, candidates, untestable
 

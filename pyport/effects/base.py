@@ -149,6 +149,10 @@ class Effect:
     belongs_to
         The label of what is wrong, such as `source`, where that is not the telescope: it must
         come back with the label from one night to another.
+    wants
+        What would have to be recorded for the name to stand alone; "" where nothing is lacking.
+    reversed
+        What it is where its coefficient is below zero, which its cause does not explain.
     prior
         How far each coefficient may be from where it starts, as one sigma of a normal, in
         internal units: what is known of it before any recordings. Empty where nothing is.
@@ -177,6 +181,8 @@ class Effect:
     means: Mapping[str, str] = field(default_factory=dict)
     belongs_to: str = ""
     looks_back: bool = False
+    wants: str = ""
+    reversed: str = ""
     prior: tuple[float, ...] = field(default=(), compare=False)
     in_arrays: str = ""
     acts_in: str = ""

@@ -1,7 +1,8 @@
 """Pointings: readings of one moment and place, however often and with whatever last digits given.
 
 Readings of one pointing share its error. Were they taken for several pointings, telling a
-measurement twice would make it surer.
+measurement twice would make it surer. So do exposures that follow one another while the telescope
+tracks, where no column says which of them are of one source.
 """
 
 from __future__ import annotations
@@ -16,6 +17,11 @@ from pyport.recordings.schema import Recordings, group
 SAME_S, SAME_PLACE = 1.0, 0.02 * DEG
 #: The same where nothing tells the moment: what tracking passes through in a quarter of a second.
 SAME_TIMELESS = 0.001 * DEG
+#: Exposures without a slew between them are one visit of a place: so many at most, in so long [s].
+#: What is longer is a record of tracking.
+MOST_EXPOSURES, LONGEST_VISIT_S = 10, 300.0
+#: What the sky turns by [rad/s].
+SIDEREAL = 2 * np.pi / 86164.09
 
 
 def pointings(recordings: Recordings) -> Codes:
@@ -31,7 +37,12 @@ def pointings(recordings: Recordings) -> Codes:
     reach = np.where(known, SAME_PLACE, SAME_TIMELESS)
     height = np.where(known, 0.0, np.round(at.el / SAME_TIMELESS))
     order = np.lexsort((at.el, at.az, height, clock, code))
-    first = order[_starts(code[order], clock[order], at.az[order], at.el[order], reach[order])]
+    start = _starts(code[order], clock[order], at.az[order], at.el[order], reach[order])
+    if "source" not in at:
+        turned = at.side if at.mount.turns_over else np.zeros(len(at))
+        alone = np.where(known, turned, np.nan)[order]
+        start = _visits(start, code[order], clock[order], at.az[order], at.el[order], alone)
+    first = order[start]
     keys = np.stack([code[first], at.az[first], at.el[first], clock[first]], axis=1)
     found = np.empty(len(at), np.intp)
     found[order] = np.unique(keys, axis=0, return_inverse=True)[1].ravel()
@@ -73,3 +84,23 @@ def _starts(code: Codes, clock: Array, az: Array, el: Array, reach: Array) -> Co
                 first = row
             start[row] = first
     return start
+
+
+def _visits(start: Codes, code: Codes, clock: Array, az: Array, el: Array, side: Array) -> Codes:
+    """Return where in their order the visit of each row starts, from where its pointing does.
+
+    A visit goes on while nothing moves by more than the sky turns, in time and on one `side` of the
+    pier; NaN where no time is known.
+    """
+    first = np.unique(start)
+    before, after = first[:-1], first[1:]
+    turn = np.abs((az[after] - az[before] + np.pi) % (2 * np.pi) - np.pi)
+    away = np.hypot(turn * np.cos(el[after]), el[after] - el[before])
+    tracks = away <= SIDEREAL * (clock[after] - clock[before]) + SAME_PLACE
+    goes_on = tracks & (code[after] == code[before]) & (side[after] == side[before])
+    visit = np.cumsum(np.concatenate([[True], ~goes_on])) - 1
+    begins = np.flatnonzero(np.diff(visit, prepend=-1))
+    length = clock[first[np.append(begins[1:], len(first)) - 1]] - clock[first[begins]]
+    brief = (np.bincount(visit) <= MOST_EXPOSURES) & (length <= LONGEST_VISIT_S)
+    begun = np.where(brief[visit], first[begins][visit], first)
+    return begun[np.searchsorted(first, start)]

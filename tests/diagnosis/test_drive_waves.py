@@ -273,7 +273,29 @@ def test_on_a_grid_a_wave_has_its_like(k, grid_deg, like):
 @pytest.mark.parametrize(("grid_deg", "open_"), [(0.0, False), (10.0, True), (0.5, False)])
 def test_a_like_that_is_too_short_is_none(grid_deg, open_):
     """Drives have no waves that nobody looks for."""
-    assert (waves.alias(azimuth_harmonics(12), grid_deg) is not None) == open_
+    assert (waves.alias(azimuth_harmonics(12), way(grid_deg)) is not None) == open_
+
+
+def way(grid_deg=0.0, angles=()):
+    """Return what is known of a drive's angles: their grid, and where they are."""
+    angles = np.asarray(angles if len(angles) else 137.508 * np.arange(400))
+    scan = SimpleNamespace(time=angles, sign=np.ones(len(angles)))
+    return SimpleNamespace(step=grid_deg, scan=scan)
+
+
+@pytest.mark.parametrize(("jitter_deg", "open_"), [(1.0, True), (2.6, True), (3.6, False)])
+def test_rings_as_far_apart_as_the_crests_of_a_wave_leave_it_open(jitter_deg, open_):
+    """What is the same at each of them draws it, though none lies at its place exactly.
+
+    Plays of a drive in elevation were named teeth of it, of the distance of the run's rings.
+    """
+    rings = np.repeat(20 + 15.0 * np.arange(5), 400)
+    angles = rings + jitter_deg * np.random.default_rng(1).standard_normal(len(rings))
+    like = waves.alias(azimuth_harmonics(24), way(0.0, angles))
+
+    assert (like is not None) == open_
+    assert like is None or "about 15 deg apart" in like
+    assert waves.alias(azimuth_harmonics(36), way(0.0, angles)) is None
 
 
 @pytest.mark.parametrize(("from_deg", "size", "seed"), [(50, 20, 4), (55, 25, 5), (60, 40, 7)])

@@ -226,7 +226,7 @@ def test_an_oscillation_that_loses_to_a_step_is_told_from_it(monkeypatch):
     )
     changes = Changes(problem, weighed.covariance, (), trials)
     wins = winner.winner_of(
-        problem, weighed, (), trials, lambda _: 0.0, beside=beside, banned=(), changes=changes
+        problem, weighed, (), trials, lambda *_: 0.0, beside=beside, banned=(), changes=changes
     )
     (rival,) = (one for one in wins.rivals if one.candidate.effect.id == OSCILLATION)
     own = problem.stack.columns(rival.candidate.effect, problem.recordings.at)

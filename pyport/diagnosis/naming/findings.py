@@ -81,13 +81,14 @@ def _checks(
 
     A wave looks like another on a grid, or like a bend.
     """
-    problem, chosen, like = scene.problem, scene.joint.choices[choice], None
+    problem, chosen = scene.problem, scene.joint.choices[choice]
     effect = chosen.candidate.effect
+    like = effect.wants or None
     checks = halves(problem, scene.weighed, scene.joint, choice)
     if effect.id == OSCILLATION:
         checks.append(waves.own_period(scene, chosen))
     if drive_waves.is_short(effect):
-        like = waves.alias(effect, drive_waves.way_of(problem, effect).step)
+        like = waves.alias(effect, drive_waves.way_of(problem, effect))
         checks.append(waves.throughout(scene, chosen))
     elif waves.may_be_a_bend(effect):
         unbent, like = bend_of(effect.id)
@@ -141,7 +142,7 @@ def _single(
             effect, parameters, where, together, mounts, problem.recordings.at.mount.names
         )
         if named
-        else words.UNKNOWN,
+        else words.nameless(effect, called, few=few),
         where=where,
         parameters=tuple(parameters),
         evidence=evidence_of(step),

@@ -193,7 +193,7 @@ def _one_night(scene: Scene, effect: Effect) -> Refusal | None:
     what = "what drives it" if driver == THE_HOUR else driver
     at = scene.problem.recordings.at
     if "time" in at or "session" in at:
-        where, more = "these recordings are of one night", "observe in a second night"
+        where, more = "these recordings are of one night or day", "observe in a second night"
     else:
         where = "nothing says that these recordings are of more than one night"
         more = "record when each pointing was made, or in which night"

@@ -24,18 +24,30 @@ from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED, VISI
 #: Order of the curve by which the amplitude of a wave may change along an angle: a third of the
 #: range with the wave and two thirds without show in it.
 ORDER = 3
+#: Share of the power of a wave that a constant draws where angles gather in rings, from which on it
+#: is no name alone: thirty pointings all over a circle reach it once in four hundred.
+RINGS = 0.2
+#: What is said of a bend where too few readings lie on either side of any.
+_NO_BEND = Check(passed=True, words="no bend could be seen")
 #: So many times its period is what an oscillation may be an overtone of, and overtones of each.
 MULTIPLES, OVERTONES = 5, 3
 
 
-def alias(effect: Effect, grid_deg: float) -> str | None:
-    """Return what would distinguish a wave from its like on a grid of a step [deg]; None without.
+def alias(effect: Effect, way: drive_waves.Way) -> str | None:
+    """Return what would distinguish a wave from its like where its angles lie; None without.
 
-    One that is too short to be looked for is none.
+    On a grid that is another wave, none too short to be looked for; where they gather in rings as
+    far apart as its crests it is what is the same at every ring, and a little off beside them.
     """
+    turns, grid_deg = float(effect.member["k"]), way.step
+    if drive_waves.in_rings(way, turns) > RINGS:
+        return (
+            f"observe between the rings, about {360 / turns:.3g} deg apart, that the angles gather "
+            "in: there what is no wave draws nearly the same"
+        )
     if not grid_deg:
         return None
-    like = 360 / grid_deg - effect.member["k"]
+    like = 360 / grid_deg - turns
     if like > 360 / SHORTEST_DEG:
         return None
     return (
@@ -123,13 +135,15 @@ def bend(scene: Scene, kind: str) -> tuple[Check, str | None]:
     from_rad = levels_of(at.axes, effect) * DEG
     beyond = (is_y & (angle > from_rad)).sum(axis=0)
     from_rad = from_rad[(beyond >= FEWEST) & (is_y.sum() - beyond >= FEWEST)]
+    if len(from_rad) == 0:
+        return _NO_BEND, None
     rises = [angle - from_rad, np.sin(angle) - np.sin(from_rad)]
     bends = is_y * (angle > from_rad) * np.stack(rises)
     information, alone, moments = ground.products(np.concatenate(bends, axis=1))
     power, length = np.diag(information), np.diag(alone)
     seen = np.flatnonzero(power > VISIBLE**2 * length)
     if len(seen) == 0:
-        return Check(passed=True, words="no bend could be seen"), None
+        return _NO_BEND, None
     best = seen[[np.argmax(moments[seen] ** 2 / power[seen])]]
     lead = at_best(power[best], moments[best])[0] - 2 * float(np.log(len(power))) - held
     where = f"{from_rad[best[0] % len(from_rad)] / DEG:.0f} deg of {at.mount.second.name}"

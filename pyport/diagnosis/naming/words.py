@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pyport.fitting.combinations import Combination
 
 
-UNKNOWN = "something is left that no effect of the catalogue explains"
+_LEFT = "something is left that"
 #: What to do about a misfit without a name, where its form says more than where it is.
 WATCH = {
     "levels": "observe one source by turns with one value and another",
@@ -39,6 +39,13 @@ def since(effect: Effect) -> str | None:
     if effect.changes_with != "session" or effect.parameter is None:
         return None
     return f"{np.datetime64(round(effect.parameter), 's')}Z"
+
+
+def nameless(effect: Effect, called: Name, *, few: bool) -> str:
+    """Return why a finding has no name: none fits, or there are not `few` that do."""
+    if effect.physical and not few:
+        return f"{_LEFT} {len(called.members)} effects draw alike: {', '.join(called.members)}"
+    return f"{_LEFT} no effect of the catalogue explains"
 
 
 def watch(effect: Effect) -> str:
@@ -86,8 +93,10 @@ def sentence(
     """
     called = dict(zip(("xel", "el"), names, strict=True))
     axes = " and ".join(called[axis] for axis in where.axes)
-    said = f"{effect.pattern or effect.sentence} (seen in {axes})"
-    cause = meaning(effect, mounts)
+    pattern, cause = effect.pattern or effect.sentence, meaning(effect, mounts)
+    if effect.reversed and all(p.value < -SEEN * p.sigma for p in parameters):
+        pattern, cause = f"{pattern}, with the opposite sign", effect.reversed
+    said = f"{pattern} (seen in {axes})"
     if together is not None:
         return f"{said}: {cause}; {together.sentence}"
     shown = parameters if len(parameters) <= _SHOWN else sorted(parameters, key=_chance)[:_SHOWN]

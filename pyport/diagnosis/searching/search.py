@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -134,7 +134,7 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
                 weighed,
                 chosen,
                 trials,
-                partial(_imperfect, now),
+                partial(_imperfect, now.steps),
                 beside=beside,
                 banned=now.banned,
                 changes=changes,
@@ -161,19 +161,17 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         now = _exchanged(then, tell)
 
 
-def _imperfect(now: Outcome, candidate: Candidate) -> float:
+def _imperfect(steps: Sequence[Step], problem: Problem, candidate: Candidate) -> float:
     """Return the evidence that what stands may leave to a candidate, its shape a little wrong.
 
     In the axes that both act in.
     """
-    own = now.problem.axes_of(candidate)
-    gains = [
-        step.winner.gain for step in now.steps if own & now.problem.axes_of(step.chosen.candidate)
-    ]
+    own = problem.axes_of(candidate)
+    gains = [step.winner.gain for step in steps if own & problem.axes_of(step.chosen.candidate)]
     return IMPERFECTION * max(gains, default=0.0)
 
 
-def _better_than(own: CandidateFit, _: Candidate) -> float:
+def _better_than(own: CandidateFit, _problem: Problem, _candidate: Candidate) -> float:
     """Return the evidence that is convincingly more than what a choice has."""
     return own.evidence + CONVINCING
 

@@ -25,8 +25,8 @@ from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
 
-#: Evidence that a candidate must exceed.
-Least = Callable[[Candidate], float]
+#: Evidence that a candidate of a case must exceed.
+Least = Callable[[Problem, Candidate], float]
 
 
 def trials_of(problem: Problem, beside: Projection) -> list[CandidateFit]:
@@ -148,7 +148,8 @@ def _of_drives(
     return [
         each
         for each in waves_of(problem, chosen, one)
-        if each.trial.evidence > least(each.chosen.candidate) and each.effect.id not in banned
+        if each.trial.evidence > least(each.problem, each.chosen.candidate)
+        and each.effect.id not in banned
     ]
 
 
@@ -175,7 +176,7 @@ def lasting_effects(
             one = refined(problem, weighed.covariance, chosen, trial)
         # In an array each pays for itself: its odds are those of the turn.
         shared = together(trial, several) if problem.blocks.antennas == 1 else 0.0
-        if one.trial.evidence > least(trial.candidate):
+        if one.trial.evidence > least(problem, trial.candidate):
             found.append(replace(one, price=one.price - shared))
     found.sort(key=_rank)
     tried = classes.distinct(beside, (one.trial for one in found), MOST_TRIED)
@@ -210,13 +211,13 @@ def _worth(
         if t.candidate.effect.physical
         and not confounded(problem, t.candidate.effect)
         and t.candidate.effect.id not in banned
-        and t.evidence > least(t.candidate)
+        and t.evidence > least(problem, t.candidate)
     ]
     named.sort(key=lambda trial: -round(trial.evidence, classes.TIE))
     sound = [trial for trial in named if classes.fits_physics(trial)]
     leader = next((t for t in named if classes.seen(t)), None)
     if leader is not None:
-        best = sound[0].evidence if sound else least(leader.candidate)
+        best = sound[0].evidence if sound else least(problem, leader.candidate)
         if leader.evidence > best + LEADS:
             return [leader, *sound]
     return sound

@@ -122,6 +122,13 @@ def step_of(angle: Array, weight: Array) -> float:
     return float(np.polyfit(counted, angle, 1)[0])
 
 
+def in_rings(way: Way, turns: float) -> float:
+    """Return the share of a wave's power that is the same at all its angles, as in rings."""
+    weight = way.scan.sign**2
+    wave = weight @ np.exp(1j * DEG * turns * way.scan.time)
+    return float(abs(wave) ** 2 / weight.sum() ** 2)
+
+
 def _waves(angle: Array, pull: Array, shortest: float) -> tuple[Array, Array]:
     """Return frequencies [1/deg] down to a shortest period, and squares of a pull times a wave."""
     width = shortest / BINS

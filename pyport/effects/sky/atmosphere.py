@@ -149,6 +149,7 @@ def mean_refraction(name: str, altitude: ArrayLike, iterations: int = ITERATIONS
     return arcmin * ARCMIN
 
 
+_TOO_MUCH = "more refraction was taken off than there is"
 _MANGUM = "Mangum & Wallace 2015, PASP 127, 74"
 
 #: Below this elevation cot E leaves what refraction does; the basis is held there. [rad]
@@ -199,6 +200,7 @@ def formula_of_refraction(name: str) -> Effect:
         make=_refraction,
         acts_in=SKY,
         pattern="in elevation, growing toward the horizon",
+        reversed=_TOO_MUCH,
     )
 
 
@@ -230,6 +232,7 @@ _COTANGENT = Effect(
     make=_refraction,
     acts_in=SKY,
     pattern="in elevation, growing toward the horizon",
+    reversed=_TOO_MUCH,
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,10 +145,15 @@ def _recorded(column: str, times: int) -> Effect:
     return _turning(name, lambda at: scale * at.numbers(column), member)
 
 
+#: What the circle in the field's angle lacks: nothing says that anything turns there.
+_ROTATOR = "record the angle of what turns the image: where nothing does it is something else"
+
+
 def _by_the_field(sense: int) -> Effect:
     """Return the circle in the parallactic angle; at sense -1 it is fixed to the sky."""
     name = f"{'-' if sense < 0 else ''}parallactic angle"
-    return _turning(name, lambda at: sense * parallactic_angle(at), {"times": sense})
+    circle = _turning(name, lambda at: sense * parallactic_angle(at), {"times": sense})
+    return replace(circle, wants=_ROTATOR)
 
 
 def _turnings(at: Circumstances) -> tuple[Effect, ...]:

@@ -46,7 +46,7 @@ def examine(case: nulls.Case) -> dict[str, Any]:
     beside = projection(problem, weighed, ())
     trials = trials_of(problem, beside)
     changes = Changes(problem, weighed.covariance, (), trials).confirmed(-np.inf)
-    lasting = lasting_effects(problem, weighed, (), trials, (), lambda _: 0.0, beside)
+    lasting = lasting_effects(problem, weighed, (), trials, (), lambda *_: 0.0, beside)
     sure = [one.sure for one in changes] + [
         min(evidence_anew(one, ()), one.trial.evidence) for one in lasting
     ]

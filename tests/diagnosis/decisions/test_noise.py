@@ -11,6 +11,7 @@ from diagnosis.decisions.stubs import candidate
 from pyport.angles import DEG
 from pyport.diagnosis.case import Problem
 from pyport.effects import Circumstances
+from pyport.mounts import KINDS
 from pyport.noise import common_mode, scatter
 from pyport.noise.coefficients import tempered
 from pyport.noise.covariance import Covariance
@@ -730,8 +731,8 @@ def test_the_common_mode_is_as_large_as_it_was_drawn():
     ],
 )
 def test_readings_within_a_second_at_a_place_are_one_pointing(seconds, degrees, one):
-    """At most 0.02 deg apart."""
-    given = recordings(2, time=1e9 + np.array([0.0, seconds]))
+    """At most 0.02 deg apart; of a named source, which tells what exposures share."""
+    given = recordings(2, time=1e9 + np.array([0.0, seconds]), source=np.array(["one", "one"]))
     at = replace(given.at, az=np.zeros(2), el=np.array([0.7, 0.7 + degrees * DEG]))
 
     assert (len(np.unique(pointings(replace(given, at=at)))) == 1) == one
@@ -746,6 +747,62 @@ def test_without_times_only_the_same_place_is_one_pointing(degrees, one):
     at = replace(given.at, az=np.array([0.0, degrees * DEG]) / np.cos(0.7), el=np.full(2, 0.7))
 
     assert (len(np.unique(pointings(replace(given, at=at)))) == 1) == one
+
+
+TURN_S, STEP_S = 7.292e-5, 25.0
+
+
+def tracked(exposures, stars=20, step_s=STEP_S, slew_s=90.0, drift_rad=0.0, **columns):
+    """Return exposures of stars one after the other, as the telescope tracks them."""
+    star, shot = (one.ravel() for one in np.indices((stars, exposures)))
+    rng = np.random.default_rng(3)
+    az, el = (rng.uniform(*span, stars)[star] for span in ((0, 6), (0.5, 1.2)))
+    given = recordings(
+        stars * exposures,
+        time=1e9 + star * (slew_s + (exposures - 1) * step_s) + shot * step_s,
+        session=np.full(stars * exposures, "one"),
+        **columns,
+    )
+    el = el + shot * step_s * (0.9 * TURN_S + drift_rad / STEP_S)
+    return replace(given, at=replace(given.at, az=az, el=el))
+
+
+@pytest.mark.parametrize(
+    ("exposures", "step_s", "drift_deg", "visits"),
+    [
+        (3, 25.0, 0.0, 20),
+        (10, 25.0, 0.0, 20),
+        (11, 25.0, 0.0, 220),
+        (3, 149.0, 0.0, 20),
+        (3, 151.0, 0.0, 60),
+        # What moves by more than the sky turns was slewed.
+        (3, 25.0, 0.025, 20),
+        (3, 25.0, 0.04, 60),
+    ],
+)
+def test_exposures_of_a_star_without_a_slew_are_one_pointing(exposures, step_s, drift_deg, visits):
+    """Ten at most, in five minutes: what is longer is a record of tracking."""
+    given = tracked(exposures, step_s=step_s, drift_rad=drift_deg * DEG)
+
+    assert len(np.unique(pointings(given))) == visits
+
+
+def test_exposures_of_named_sources_are_pointings_of_their_own():
+    """What they share is the source's; and each scan direction is by itself."""
+    named = tracked(3, source=np.repeat(np.arange(20).astype(str), 3))
+    scanned = tracked(4, scan_direction=np.tile([1.0, -1.0], 40))
+
+    assert len(np.unique(pointings(named))) == 60
+    assert len(np.unique(pointings(scanned))) == 40
+
+
+def test_exposures_on_either_side_of_the_pier_are_two_visits():
+    """Between them the mount turned over."""
+    side = np.tile(["east", "east", "west"], 20)
+    given = tracked(3, pier_side=side)
+    given = replace(given, at=replace(given.at, mount=KINDS["german"]))
+
+    assert len(np.unique(pointings(given))) == 40
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_a_further_finding_must_exceed_what_a_strong_one_leaves(monkeypatch, gai
     start = outcome(step(strong), step(weak), axes_of=lambda one: frozenset(ACTS_IN[one.effect.id]))
     asked, _ = walked(monkeypatch, start, 0.5, [])
 
-    assert asked[0].least(candidate(name)) == pytest.approx(least)
+    assert asked[0].least(start.problem, candidate(name)) == pytest.approx(least)
 
 
 def test_a_search_ends_at_eight_findings(monkeypatch):
@@ -220,7 +220,7 @@ def test_a_choice_is_exchanged_for_one_twenty_times_likelier(monkeypatch, ahead,
     better = won("refraction", 30.0 + ahead)
 
     def winner_of(_setup, _weighed, _others, _trials, least, **_):
-        return better if better.trial.evidence > least(better.chosen.candidate) else None
+        return better if better.trial.evidence > least(None, better.chosen.candidate) else None
 
     monkeypatch.setattr(search, "trials_of", lambda *_: [])
     monkeypatch.setattr(search, "alone", lambda *_: trial("sag_sine", 30.0))
@@ -309,7 +309,7 @@ def fixed(evidence, times):
 def test_a_wrong_size_leads_only_by_far(evidence, times, leads):
     """By ten beside the best other, which has thirty, and bent by no more than twice."""
     found = winner._worth(
-        problem_with(), [trial("sag_sine", 30.0), fixed(evidence, times)], lambda _: 0.0, ()
+        problem_with(), [trial("sag_sine", 30.0), fixed(evidence, times)], lambda *_: 0.0, ()
     )
 
     assert (found[0].candidate.effect.id == "annual_aberration") == leads
@@ -323,7 +323,7 @@ def test_the_search_asks_no_change_no_shape_and_nothing_banned():
         trial("skew", 20.0),
         trial("sag_sine", 9.0),
     ]
-    found = winner._worth(problem_with(), trials, lambda _: 10.0, ("skew",))
+    found = winner._worth(problem_with(), trials, lambda *_: 10.0, ("skew",))
 
     assert [one.candidate.effect.id for one in found] == ["refraction"]
 
@@ -374,7 +374,7 @@ def winning(
         winner, "predicts", lambda _s, _w, _b, after, _g: unseen(after[-1].candidate.effect.id)
     )
     return winner.winner_of(
-        problem_with(), WEIGHED, (), (), lambda _: 0.0, beside=None, banned=(), **options
+        problem_with(), WEIGHED, (), (), lambda *_: 0.0, beside=None, banned=(), **options
     )
 
 
@@ -431,7 +431,7 @@ def test_four_curves_are_tried_whatever_their_formulas(monkeypatch):
         share=lambda *some: float({one.candidate.effect.id for one in some} <= alike)
     )
     trials = [one.trial for one in RANKED]
-    found = winner.lasting_effects(problem_with(), WEIGHED, (), trials, (), lambda _: 0.0, same)
+    found = winner.lasting_effects(problem_with(), WEIGHED, (), trials, (), lambda *_: 0.0, same)
 
     assert [one.trial.candidate.effect.id for one in found] == [NAMES[n] for n in (0, 2, 3, 4)]
 
@@ -458,7 +458,7 @@ def test_one_of_several_alike_is_likelier_than_that_one(
     monkeypatch.setattr(winner.classes, "distinct", lambda _, trials, __: list(trials))
     own, other = trial("refraction", 20.0), trial("skew", evidence, scope=scope)
     given = problem_with(blocks=SimpleNamespace(antennas=antennas))
-    found = winner.lasting_effects(given, WEIGHED, (), [own, other], (), lambda _: 0.0, None)
+    found = winner.lasting_effects(given, WEIGHED, (), [own, other], (), lambda *_: 0.0, None)
 
     (mine,) = (one for one in found if one.trial is own)
     assert mine.price == pytest.approx(3.0 - less)
@@ -581,7 +581,7 @@ def test_a_short_wave_is_looked_for_by_itself(monkeypatch, sure, least, banned, 
     wave = won("azimuth_harmonics", 20.0)
     monkeypatch.setattr(winner.drive_waves, "proposed", lambda *_: wave.chosen)
     monkeypatch.setattr(winner, "waves_of", lambda *_: [wave])
-    drives = winner._of_drives(problem_with(), WEIGHED, (), lambda _: least, banned)
+    drives = winner._of_drives(problem_with(), WEIGHED, (), lambda *_: least, banned)
     found = turn(monkeypatch, drives=drives, sure=sure)
 
     assert (found is not None) == wins
