@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.angles import Array
+from pyport.angles import DEG, Array
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Problem, measurements
@@ -38,6 +38,8 @@ from pyport.runs.workers import one_thread
 from pyport.thresholds import CONVINCING
 
 TINY = 1e-200
+#: What would have to be as large as this [rad] cannot be seen: nothing points so far off.
+NO_OFFSET = 10 * DEG
 
 
 @dataclass(frozen=True)
@@ -266,7 +268,7 @@ def _limits(problem: Problem, outcome: Outcome) -> dict[str, float]:
         size = float(np.sqrt(gain * (columns**2).sum() / (known * touched)))
         sizes.setdefault(own.effect.id, []).append(size)
     limits = {name: float(np.median(each)) for name, each in sizes.items()}
-    return {name: size for name, size in limits.items() if np.isfinite(size)}
+    return {name: size for name, size in limits.items() if size < NO_OFFSET}
 
 
 def _departing(problem: Problem, effect: Effect) -> tuple[int, float]:

@@ -157,6 +157,16 @@ class Circumstances:
         both = np.einsum("abn,bn...->an...", self.turn, np.stack(np.broadcast_arrays(x, y)))
         return both[0], both[1]
 
+    def along_sky(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return offsets along the mount's axes, shape (n,), as those across and along elevation.
+
+        The inverse of `along_axes`.
+        """
+        if self.turn is None:
+            return x, y
+        across, along = np.einsum("abn,an->bn", self.turn, np.stack([x, y]))
+        return across, along
+
     @cached_property
     def turn(self) -> Array | None:
         """Return what turns offsets across and along elevation into those along the axes.

@@ -162,9 +162,14 @@ def pier_flip(at: Circumstances) -> tuple[Array, Array]:
     declination axis then counts in the opposite sense.
     """
     side = np.where(at.column(PIER_SIDE) == OVER, -1.0, 1.0)
-    if np.ptp(side) == 0:
-        raise MissingColumn("both sides of the pier")
     return stack(at, (side * np.cos(at.el), 0), (0, side))
+
+
+def _flips(at: Circumstances) -> tuple[Effect, ...]:
+    """Return the flip where it may be looked for: on one side it is the zeros."""
+    if len(np.unique(at.column(PIER_SIDE) == OVER)) < 2:
+        raise MissingColumn("both sides of the pier")
+    return (EFFECTS[-1],)
 
 
 EFFECTS = (
@@ -197,6 +202,7 @@ EFFECTS = (
         _TPOINT,
         (Coefficient("pier_flip_hour_angle"), Coefficient("pier_flip_declination")),
         pier_flip,
+        profile=_flips,
         needs=("pier_side",),
         formula=("+-a cos D", "b, the sign by the side of the pier"),
         acts_in=AXES,

@@ -262,7 +262,9 @@ def rest_of(
     try:
         x, y = (
             one - other
-            for one, other in zip(model.offsets(at), file.model("held").offsets(at), strict=True)
+            for one, other in zip(
+                model.offsets_on_sky(at), file.model("held").offsets_on_sky(at), strict=True
+            )
         )
     except BadInput as error:
         if path is None:

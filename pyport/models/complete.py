@@ -264,6 +264,9 @@ def _line(one: Value, wide: int, widths: Sequence[int]) -> str:
 
 
 def decimals(one: Value) -> int:
-    """Return so many decimals that the error has two digits, as the page has."""
-    size = one.sigma or abs(one.value)
-    return max(0, min(9, 1 - math.floor(math.log10(size)))) if size > 0 else 3
+    """Return so many decimals that the error has two digits, as the page has.
+
+    What was held is known to its last digit, and has six.
+    """
+    size, digits = (one.sigma, 2) if one.sigma else (abs(one.value), 6)
+    return max(0, min(9, digits - 1 - math.floor(math.log10(size)))) if size > 0 else 3

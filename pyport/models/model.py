@@ -214,10 +214,7 @@ class Model:
         BadInput
             A term needs a column, or coefficients for a label, that are not there.
         """
-        if at.site is None and self.site is not None:
-            at = replace(at, site=self.site)
-        if at.mount is ALTAZ and self.mount is not ALTAZ:
-            at = replace(at, mount=self.mount)
+        at = self._placed(at)
         x, y = np.zeros(len(at)), np.zeros(len(at))
         if self.given is not None and at.fine is None:
             x, y = self.given(at)
@@ -228,6 +225,30 @@ class Model:
                 more_x, more_y = term.offsets(at)
                 x, y = x + more_x, y + more_y
         return x, y
+
+    def offsets_on_sky(self, at: Circumstances) -> tuple[Array, Array]:
+        """Return `offsets` across and along elevation [rad], on whatever mount.
+
+        Raises
+        ------
+        BadInput
+            As `offsets`; or the mount's axes depend on a latitude that is not there.
+        """
+        at = self._placed(at)
+        x, y = self.offsets(at)
+        try:
+            return at.along_sky(x, y)
+        except MissingColumn as lack:
+            said = f"the model's mount, {at.mount.sentence}, {lack}, which is not there"
+            raise BadInput(said) from None
+
+    def _placed(self, at: Circumstances) -> Circumstances:
+        """Return circumstances at the model's site and on its mount, where they tell none."""
+        if at.site is None and self.site is not None:
+            at = replace(at, site=self.site)
+        if at.mount is ALTAZ and self.mount is not ALTAZ:
+            at = replace(at, mount=self.mount)
+        return at
 
 
 def _linear(name: str, ids: str, per: tuple[str, ...]) -> Model:

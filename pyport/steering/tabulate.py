@@ -241,7 +241,7 @@ def _any_offsets(
         columns={name: np.full(az_deg.size, one) for name, one in beside.columns.items()},
     )
     try:
-        x, y = replace(loaded, given=None).offsets(at)
+        x, y = replace(loaded, given=None).offsets_on_sky(at)
     except BadInput as error:
         wanted = "a table of azimuth and zenith distance is for one condition: --set COLUMN=VALUE"
         raise BadInput(f"{error.message}; {wanted}", model) from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -104,6 +105,21 @@ def test_that_no_weather_is_recorded_is_said_of_drifts(column, said):
     noise = NoiseRemarks([], drifting, [], [], [])
 
     assert ("no weather is recorded" in _hides(diagnosis, noise)) == said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stated", [5.0, 3.5, 2.0, 1.0])
+def test_scatter_far_beyond_the_recorded_errors_is_said(stated):
+    """Where nothing is found, too: it is no all-clear."""
+    made = recordings(200, 4, noise_arcsec=5.0)
+    error = np.full(200, stated * ARCSEC)
+    found = diagnose(replace(made, sigma_x=error, sigma_y=error), load("altaz"))
+    told = " ".join(in_words(report_of(found)).split())
+    times = re.findall(r"but offsets in [a-z-]+ scatter by ([0-9.]+) times their", told)
+
+    assert found.findings == ()
+    assert len(times) == (2 if stated <= 2 else 0)
+    assert [float(one) for one in times] == pytest.approx([5 / stated] * len(times), rel=0.15)
 
 
 @pytest.mark.slow

@@ -59,6 +59,39 @@ def test_a_wave_is_said_to_be_along_the_axes_of_its_mount():
     assert "(seen in declination), amplitude in declination 8.00 +- 0.50 arcsec:" in said
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("wind_tilt", 19.7, "downwind that grows as the square of the wind (seen in elevation)"),
+        ("wind_tilt", -19.7, "square of the wind, with the opposite sign (seen in elevation)"),
+        ("wind_tilt", -0.7, "downwind that grows as the square of the wind (seen in elevation)"),
+        ("wind_tilt", -19.7, "its direction may be where it blows to, not where it is from"),
+        ("thermal_tilt", -9.0, "an offset, or the Sun's direction, may have the wrong sign"),
+        ("servo_lag_azimuth", -9.0, "the azimuth drive runs ahead of the moving sky"),
+        ("servo_lag_azimuth", 9.0, "the azimuth drive lags behind the moving sky"),
+        ("refraction", -25.0, "more refraction was taken off than there is"),
+        ("skew", -25.0, "skew -25.0"),
+    ],
+)
+def test_a_size_of_the_wrong_sign_is_said_to_be_so(name, value, said):
+    """Beyond two sigmas; where either sign is possible nothing is said."""
+    size = [Parameter(name, value, 0.4, "arcsec")]
+
+    assert said in words.sentence(CATALOGUE[name], size, Where(("el",)))
+
+
+def test_a_finding_of_too_many_names_lists_them():
+    """No effect explains it where none fits, not where more than six do."""
+    many = SimpleNamespace(members=("skew", "tilt", "refraction"))
+
+    assert words.nameless(CATALOGUE["skew"], many, few=False) == (
+        "something is left that 3 effects draw alike: skew, tilt, refraction"
+    )
+    assert "no effect of the catalogue" in words.nameless(CATALOGUE["skew"], many, few=True)
+    shape = replace(CATALOGUE["skew"], physical=False)
+    assert "no effect of the catalogue" in words.nameless(shape, many, few=False)
+
+
 def test_a_parameter_beyond_the_data_is_known():
     """Angles and their errors are compared with the largest offset, other units are not."""
     assert beyond(Parameter("a", 50.0, 1.0, "arcsec"), 40 * ARCSEC)

@@ -21,7 +21,7 @@ from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
 from pyport.formats.models import load
 from pyport.models import toml
-from pyport.models.complete import PAST, lines
+from pyport.models.complete import PAST, decimals, lines
 from pyport.models.conditions import Completed, Value
 from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
@@ -97,6 +97,17 @@ def test_every_table_prints_the_same_number(old):
     written = {row["name"]: row["value"] for row in fit_json(done)["parameters"]}
     assert shown == written == {name: one.value for name, one in fitted.items()}
     assert f"{fitted['IA'].value:10.2f}" in text(done)
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "digits"),
+    [(1100.25, None, 2), (45.78, None, 4), (-177.416, None, 3), (45.78, 0.23, 2), (0.0, None, 3)],
+)
+def test_what_was_held_is_shown_to_its_last_digit(value, sigma, digits):
+    """It is entered into a control system; what was fitted has two digits of its error."""
+    one = Value("IA", "azimuth_zero", "arcsec", value, sigma, value, {}, None, determined=True)
+
+    assert decimals(one) == digits
 
 
 def test_labels_and_what_was_held_come_back(tmp_path):

@@ -7,12 +7,14 @@ import pytest
 from mounts.steel import offsets, steel
 
 from pyport.angles import ARCSEC, DEG
-from pyport.effects import Circumstances, Site, catalogue, known
+from pyport.effects import Circumstances, MissingColumn, Site, catalogue, known
+from pyport.models.model import Model, Term
 from pyport.mounts import KINDS
 
 LATITUDES = (53.1, -33.9)
 BUILT = {"fork": "equatorial", "german": "equatorial", "horseshoe": "equatorial"}
 SIZE = 20 * ARCSEC
+ZEROS = ("azimuth_zero", "elevation_zero")
 
 
 def pointings(mount, latitude_deg, n=100):
@@ -134,6 +136,37 @@ def test_pier_flip_is_what_the_encoders_say():
     told = SIZE * np.concatenate(known("pier_flip").columns(at)) @ [1.0, 0.5]
 
     assert np.abs(told - true).max() < 1e-9
+
+
+def test_a_flip_is_fitted_from_both_sides_and_applied_on_either():
+    """On one side alone it is the zeros: it is not looked for there."""
+    at = pointings("german", 53.1)
+    east = at.take(at.columns["pier_side"] == "east")
+    flip = catalogue(at.mount)["pier_flip"]
+
+    np.testing.assert_array_equal(
+        flip.columns(east)[0], flip.columns(at)[0][at.columns["pier_side"] == "east"]
+    )
+    assert [one.id for one in flip.variants(at)] == ["pier_flip"]
+    with pytest.raises(MissingColumn, match="both sides of the pier"):
+        flip.variants(east)
+
+
+@pytest.mark.parametrize("mount", ["fork", "german", "xy-ns"])
+def test_offsets_along_the_axes_are_offsets_on_the_sky(mount):
+    """What moves both axes moves where the mount points to, in azimuth and elevation."""
+    at = pointings(mount, -33.9)
+    zeros = [one for one in catalogue(at.mount).values() if one.on_altaz in ZEROS]
+    model = Model("zeros", tuple(Term(one, values=(SIZE,)) for one in zeros))
+    x, y = model.offsets(at)
+    across, along = model.offsets_on_sky(at)
+    over = np.equal(at.side, -1.0)
+    moved = at.mount.angles(at.az + across / np.cos(at.el), at.el + along, at.site.latitude, over)
+
+    assert np.abs(np.hypot(x, y) - np.hypot(across, along)).max() < 1e-12
+    turn = (moved[0] - at.axes.az + np.pi) % (2 * np.pi) - np.pi
+    assert np.abs(turn * at.onto_sky - x).max() < 1e-3 * SIZE
+    assert np.abs((moved[1] - at.axes.el) * at.side - y).max() < 1e-3 * SIZE
 
 
 def test_an_equatorial_drive_follows_with_one_axis():

@@ -40,6 +40,8 @@ _HEADER = {
 GROWS = 1.25
 #: A drift that widens the scatter by less is not worth one.
 DRIFTS = 1.1
+#: Scatter of so many times the recorded errors is more than that these are a little small.
+BEYOND_ERRORS = 2.0
 #: The lowest and the highest share of the readings that are compared.
 END = 0.2
 
@@ -53,6 +55,7 @@ class NoiseRemarks:
     growing: Sequence[dict[str, Any]]  #: `by_elevation`
     uneven: Sequence[str]  #: `uneven`
     outlying: Sequence[str]  #: `outliers.shared`
+    beyond: Sequence[str] = ()  #: `beyond_errors`
 
 
 def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
@@ -64,6 +67,7 @@ def noise_remarks(diagnosis: Diagnosis) -> NoiseRemarks:
         by_elevation(diagnosis),
         uneven(diagnosis, left),
         list(outliers.shared(problem.recordings, problem.stack, diagnosis.weighed.used)),
+        beyond_errors(diagnosis, left),
     )
 
 
@@ -190,6 +194,24 @@ def uneven(diagnosis: Diagnosis, left: Array) -> list[str]:
     return found
 
 
+def beyond_errors(diagnosis: Diagnosis, left: Array) -> list[str]:
+    """Return a sentence for each axis whose offsets scatter far beyond their recorded errors.
+
+    Of the residuals `left` (m,) by everything found, over those errors, drifts and all.
+    """
+    recordings, stack = diagnosis.problem.recordings, diagnosis.problem.stack
+    found = []
+    for is_y, name in enumerate(recordings.at.mount.names):
+        error = (recordings.sigma_x, recordings.sigma_y)[is_y][stack.row]
+        own = (stack.is_y == is_y) & diagnosis.weighed.used & (error > 0)
+        if own.sum() < FEWEST:
+            continue
+        times = robust.scale(left[own] / error[own])
+        if times > BEYOND_ERRORS:
+            found.append(f"Offsets in {name} scatter by {times:.2g} times their recorded errors")
+    return found
+
+
 def _of_drift(one: dict[str, Any]) -> str:
     several = one["lowest_session"] != one["highest_session"]
     if one["memory_s"] is None:
@@ -224,6 +246,6 @@ def sentences(noise: NoiseRemarks, meta: Mapping[str, str]) -> list[str]:
         f"{one['high_el_deg']:.0f} deg"
         for one in noise.growing
     ]
-    said += noise.uneven
+    said += [*noise.uneven, *noise.beyond]
     said += [words + meta[key] for key, words in _HEADER.items() if key in meta]
     return said

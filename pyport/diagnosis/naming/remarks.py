@@ -124,4 +124,5 @@ def _hides(diagnosis: Diagnosis, noise: NoiseRemarks) -> str:
         remarks.append(f"{largest['source']}, which counts as noise")
     alone = "which is worth a diagnosis of its own"
     remarks += [f"{one[0].lower()}{one[1:]}, {alone}" for one in noise.uneven]
+    remarks += [f"but {one[0].lower()}{one[1:]}" for one in noise.beyond]
     return "".join(f"; {one}" for one in remarks)

@@ -494,3 +494,24 @@ def test_what_the_fitted_terms_draw_nearly_all_of_is_not_tested(share, tested, m
 
     assert bool(found) == tested
     assert bool(untestable) != tested
+
+
+@pytest.mark.parametrize(("shown", "said"), [(1.0, []), (0.0, ["family"])])
+def test_a_family_is_not_testable_where_none_of_it_shows(monkeypatch, shown, said):
+    """It is listed once, however many members it has."""
+    one = CATALOGUE["elevation_zero"]
+    still, moved = (
+        replace(
+            one,
+            id="family",
+            basis=lambda at, k=k: (np.zeros((len(at), 1)), np.full((len(at), 1), k)),
+        )
+        for k in (0.0, shown)
+    )
+    family = replace(one, id="family", profile=lambda _: (still, still, moved))
+    monkeypatch.setattr(candidates, "catalogue", lambda _: {"family": family})
+    given = recordings(50, 0)
+    _, found, untestable = candidates.design(given, stack(given))
+
+    assert [each.effect for each in untestable] == said
+    assert len(found) == (not said)

@@ -9,6 +9,7 @@ from diagnosis.decisions.stubs import beside, candidate, problem_with, step, tri
 from effects.sky import campaign, replaced
 from scipy.stats import chi2
 
+from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import case, diagnose
 from pyport.diagnosis.candidates import Blocks
 from pyport.diagnosis.case import Chosen
@@ -1017,7 +1018,7 @@ def test_what_sessions_may_do_as_well_needs_a_larger_gain(sessions):
     assert gain_needed(one, 12.0, 2, 25.0) == np.inf
 
 
-@pytest.mark.parametrize("scale", [1.0, 3.0])
+@pytest.mark.parametrize("scale", [ARCSEC, 3 * ARCSEC])
 @pytest.mark.parametrize(("names", "gain"), [(1, 9.22), (6, 13.16)])
 def test_a_limit_is_the_size_at_which_half_would_be_seen(scale, names, gain):
     """Ten readings of a column of two, one sigma 1 / sqrt(10): the gain of what convinces."""
@@ -1045,18 +1046,29 @@ def test_a_limit_is_that_of_the_middle_member_and_of_a_change_that_of_its_sessio
         pointing=np.arange(30),
         stack=SimpleNamespace(is_y=np.zeros(30, int)),
     )
-    trials = (*(trial(sigma=1.0) for _ in range(3)), trial("epoch_tilt", sigma=1.0))
+    sigma = {"sigma": ARCSEC}
+    trials = (*(trial(**sigma) for _ in range(3)), trial("epoch_tilt", **sigma))
     limits = diagnose._limits(problem, SimpleNamespace(last=trials))
 
-    assert limits == {"refraction": pytest.approx(3.0)}
+    assert limits == {"refraction": pytest.approx(3.0 * ARCSEC)}
     assert [given[2:] for given in asked] == [(1, np.inf)] * 3 + [(3, 10.0)]
+
+
+@pytest.mark.parametrize(("size_deg", "seen"), [(9.5, True), (10.5, False)])
+def test_what_would_have_to_be_ten_degrees_cannot_be_seen(monkeypatch, size_deg, seen):
+    """A clock's step of 256 deg, known from the pole alone, is no size to look for."""
+    monkeypatch.setattr(diagnose, "gain_needed", lambda *_: size_deg**2)
+    problem = problem_with(picked=lambda _: np.ones((10, 1)), candidates=())
+    found = diagnose._limits(problem, SimpleNamespace(last=(trial(sigma=DEG),)))
+
+    assert bool(found) == seen
 
 
 def test_what_rounding_alone_sees_has_no_limit():
     """Nor has the part of a single antenna."""
     blind, own = trial("skew", sigma=1e101), trial("tilt", scope="antenna")
     problem = problem_with(picked=lambda _: np.ones((10, 1)), candidates=())
-    found = diagnose._limits(problem, SimpleNamespace(last=(trial(), blind, own)))
+    found = diagnose._limits(problem, SimpleNamespace(last=(trial(sigma=ARCSEC), blind, own)))
 
     assert list(found) == ["refraction"]
 
