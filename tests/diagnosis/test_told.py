@@ -70,7 +70,7 @@ def test_a_wave_is_said_to_be_along_the_axes_of_its_mount():
         ("servo_lag_azimuth", -9.0, "the azimuth drive runs ahead of the moving sky"),
         ("servo_lag_azimuth", 9.0, "the azimuth drive lags behind the moving sky"),
         ("refraction", -25.0, "more refraction was taken off than there is"),
-        ("skew", -25.0, "skew -25.0"),
+        ("skew", -25.0, "the elevation axis is not perpendicular to the azimuth axis"),
     ],
 )
 def test_a_size_of_the_wrong_sign_is_said_to_be_so(name, value, said):
