@@ -16,6 +16,7 @@ from pyport.cli.manners import (
     option,
     refuse_without_columns,
     say,
+    site_among,
 )
 from pyport.errors import BadInput
 
@@ -121,7 +122,7 @@ def _words(done: Applied) -> list[str]:
         lowest = "below 0.5 deg of elevation, where refraction is that of 0.5 deg"
         found.append(f"{done.low} rows lie {lowest}")
     if done.rms:
-        parts = ", ".join(f"{name} {value:.2f}" for name, value in done.rms.items())
+        parts = ", ".join(f"{done.axes[name]} {value:.2f}" for name, value in done.rms.items())
         found.append(f"rms of what is left [arcsec]: {parts} (sky: both axes, by the row)")
     return found
 
@@ -177,7 +178,7 @@ def compare(
     needs = {*both[0].needs(), *both[1].needs()} - KEYS
     about = {key: one for key, one in given.keys.items() if is_condition(key) or key in needs}
     refuse_slips(set(given.keys) - set(about) - KEYS, needs)
-    found = compare(*both, measured, columns_of(about, needs))
+    found = compare(*both, measured, columns_of(about, needs), site_among(given.keys)[0])
     if picture is not None:
         draw(found, picture, f"{new} - {old}", beam_arcsec)
     say("\n".join(text(found, beam_arcsec)), for_programs(found, beam_arcsec), as_json=as_json)

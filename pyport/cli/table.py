@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pyport.cli.manners import flag, in_json, option, say
+from pyport.cli.manners import flag, in_json, option, say, site_among
 
 if TYPE_CHECKING:
     from pyport.steering import Grid, Table
@@ -42,15 +42,17 @@ def conditions_of(
     from pyport.models.conditions import columns_of
     from pyport.steering.tabulate import Conditions
 
-    named: dict[str, object] = {}
+    named: dict[str, str] = {}
     for one in conditions:
         name, equals, value = one.partition("=")
         if not equals:
             raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
         named[name.strip()] = value.strip()
-    if not named:
-        return Conditions(azimuth_zero)
-    return Conditions(azimuth_zero, columns_of(named, load(model).needs() if model else ()))
+    site, beside = site_among(named)
+    if not beside:
+        return Conditions(azimuth_zero, site=site)
+    known = load(model).needs() if model else ()
+    return Conditions(azimuth_zero, columns_of(beside, known), site)
 
 
 @click.command(

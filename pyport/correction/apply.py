@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.columns import LABELS, NUMBERS, SCAN_RATE, SET_ASIDE, TIME, angle_of
-from pyport.correction.compare import rms_of
+from pyport.correction.compare import rms_of, spoken_axes
 from pyport.correction.use import PointingModel, turned
 from pyport.effects import Circumstances
 from pyport.effects.sky.atmosphere import LOWEST_EL
@@ -44,6 +44,7 @@ class Applied:
     #: Of what is left of recordings, by axis and over the sky [arcsec], excluded rows not counted;
     #: empty without offsets.
     rms: dict[str, float]
+    axes: Mapping[str, str]  #: what is said for `xel` and `el` of those, see `spoken_axes`
     notes: tuple[str, ...] = ()  #: whose coefficients were taken for others
 
 
@@ -75,7 +76,8 @@ def applied(
     rows = Recordings(at, nothing, nothing, nothing, nothing, raw.line, raw.file)
     kept = _kept(rows, where)
     there &= kept
-    known = with_nights(rows).at.take(there) if residuals else at.take(there)
+    met = model.met(with_nights(rows).at, raw.file) if residuals else at
+    known = met.take(there)
     try:
         found = _inverse(model, known) if inverse else _forward(model, known)
         if residuals:
@@ -98,6 +100,7 @@ def applied(
         _unknown(model, known),
         int((known.el < LOWEST_EL).sum()) if bent else 0,
         _rms(raw, there, found) if residuals else {},
+        spoken_axes(at.mount),
         tuple(taken_for(model.model.completed, known.columns)),
     )
 
@@ -154,7 +157,14 @@ def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:
 
 def _inverse(model: PointingModel, at: Circumstances) -> dict[str, Array]:
     az, el = model.inverse_at(at)
-    return {"true_az_deg": az / DEG, "true_el_deg": el / DEG}
+    found = {"true_az_deg": az / DEG, "true_el_deg": el / DEG}
+    if at.mount is ALTAZ:
+        return found
+    names, (first, second) = names_of(at.mount), axes_of(replace(at, az=az, el=el))
+    return found | {
+        f"true_{names.first.removeprefix('d_')}_deg": first / DEG,
+        f"true_{names.along.removeprefix('d_')}_deg": second / DEG,
+    }
 
 
 def _residuals(

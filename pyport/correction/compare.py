@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.correction.use import PointingModel
-from pyport.effects import Circumstances, MissingColumn
+from pyport.effects import Circumstances, MissingColumn, Site
+from pyport.effects.circumstances import PIER_SIDE
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.models.conditions import Columns, Value
+from pyport.mounts import ALTAZ, Mount
 from pyport.recordings.schema import Recordings, as_input
 from pyport.recordings.sky import with_nights
 
@@ -73,6 +75,7 @@ class Rows:
     #: `rms_before`, `rms_after`: by axis, and `sky` over both by the recording [arcsec].
     rms_before: dict[str, float]
     rms_after: dict[str, float]
+    axes: Mapping[str, str]  #: what is said for `xel` and `el`, see `spoken_axes`
 
     @property
     def worse(self) -> NDArray[np.intp]:
@@ -134,12 +137,14 @@ def compare(
     new: PointingModel,
     recordings: Recordings | None = None,
     conditions: Columns | None = None,
+    site: Site | None = None,
 ) -> Comparison:
     """Return how far a new model moves commanded positions, and what it does to recordings.
 
     `old`, `new`: models with coefficients.
     `recordings`: measured offsets; also where the sky was observed and in which conditions.
     `conditions`: what holds for the whole sky beside directions, by column.
+    `site`: where the telescope stands, if neither the models nor the recordings tell.
     Raises `BadInput`: a model needs a condition that neither the recordings nor `conditions` tell.
     """
     recordings = None if recordings is None else with_nights(recordings)
@@ -147,13 +152,18 @@ def compare(
     scatter = None if rows is None else rows.rms_after["sky"]
     if scatter is None and new.model.completed is not None:
         scatter = new.model.completed.made.get("sky_rms_arcsec")
-    sky = _sky(old, new, recordings, conditions or {})
+    site = recordings.at.site if recordings is not None and recordings.at.site else site
+    sky = _sky(old, new, recordings, conditions or {}, site)
     source = None if recordings is None else as_input(recordings)
     return Comparison(sky, rows, _unsound(new, scatter), scatter, source)
 
 
 def _sky(
-    old: PointingModel, new: PointingModel, recordings: Recordings | None, conditions: Columns
+    old: PointingModel,
+    new: PointingModel,
+    recordings: Recordings | None,
+    conditions: Columns,
+    site: Site | None,
 ) -> Sky:
     az_deg, el_deg = (
         one.ravel()
@@ -162,12 +172,14 @@ def _sky(
         )
     )
     given = {name: np.asarray(one).reshape(-1)[:1] for name, one in conditions.items()}
-    for name in {*old.columns_needed(), *new.columns_needed()} - set(given):
+    needed = {name for one in (old, new) for name in one.columns_needed()}
+    if any(one.model.mount.turns_over for one in (old, new)):
+        needed.add(PIER_SIDE)
+    for name in needed - set(given):
         usual = None if recordings is None else _usual(recordings, name)
         if usual is not None:
             given[name] = usual
     columns = {name: np.repeat(one, len(az_deg)) for name, one in given.items()}
-    site = None if recordings is None else recordings.at.site
     at = Circumstances(az_deg * DEG, el_deg * DEG, site, columns)
     x, y = (n - o for n, o in zip(new.at(at), old.at(at), strict=True))
     observed = np.ones(len(az_deg), bool)
@@ -208,9 +220,20 @@ def _near(az: Array, el: Array, seen_az: Array, seen_el: Array) -> NDArray[np.bo
 
 def _rows(old: PointingModel, new: PointingModel, recordings: Recordings) -> Rows:
     measured = np.stack([recordings.x, recordings.y])
-    left = [(measured - np.stack(one.at(recordings.at))) / ARCSEC for one in (old, new)]
-    sizes = [np.sqrt(np.nansum(one**2, axis=0)) for one in left]
-    return Rows(recordings.line, *sizes, *(rms_of(one) for one in left))
+    met = [one.met(recordings.at, recordings.file) for one in (old, new)]
+    left = [
+        (measured - np.stack(one.at(there))) / ARCSEC
+        for one, there in zip((old, new), met, strict=True)
+    ]
+    was, now = (np.sqrt(np.nansum(one**2, axis=0)) for one in left)
+    before, after = (rms_of(one) for one in left)
+    return Rows(recordings.line, was, now, before, after, spoken_axes(recordings.at.mount))
+
+
+def spoken_axes(mount: Mount) -> dict[str, str]:
+    """Return what `xel`, `el` and `sky` are called on a mount."""
+    names = ("xel", "el") if mount is ALTAZ else mount.names
+    return dict(zip(("xel", "el", "sky"), (*names, "sky"), strict=True))
 
 
 def rms_of(left: Array) -> dict[str, float]:

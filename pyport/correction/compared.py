@@ -40,9 +40,8 @@ def text(found: Comparison, beam_arcsec: float | None = None, worst: int = 5) ->
         )
     if (rows := found.rows) is not None:
         for name, before in rows.rms_before.items():
-            lines.append(
-                f"recordings, {name}: rms {before:.2f} -> {rows.rms_after[name]:.2f} arcsec"
-            )
+            change = f"rms {before:.2f} -> {rows.rms_after[name]:.2f} arcsec"
+            lines.append(f"recordings, {rows.axes[name]}: {change}")
         worse = rows.worse
         lines.append(f"rows that get worse: {len(worse)} of {len(rows.line)}")
         left = zip(rows.line, rows.before_arcsec, rows.after_arcsec, strict=True)

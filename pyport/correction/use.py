@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,6 +17,7 @@ from pyport.correction.directions import Pointing, directions, formed
 from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, MissingColumn, Site
 from pyport.errors import BadInput
+from pyport.files import sha256
 from pyport.models import complete
 from pyport.models.conditions import Columns, Value
 from pyport.models.model import INSIDE, Model
@@ -151,6 +152,19 @@ class PointingModel:
         """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
         site = there.site or self.model.site
         return self._solved(Pointing(there.az, there.el, there.az.shape, dict(there.columns), site))
+
+    def met(self, there: Circumstances, file: Path) -> Circumstances:
+        """Return the recordings of a file as the model meets them.
+
+        What changed at some row changed in the file that the model was made from: in any other it
+        is as it was after the last of those rows, whatever the order of its own.
+        """
+        made = {} if self.model.completed is None else self.model.completed.made
+        own = file.is_file() and made.get("sha256") == sha256(file)
+        if own or not self._by_row or "order" not in there:
+            return there
+        columns = {name: one for name, one in there.columns.items() if name != "order"}
+        return replace(there, columns=columns)
 
     def columns_needed(self) -> list[str]:
         """Return the columns that the model follows, as they are called inside the program."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
+from pyport.effects.base import Site
 from pyport.effects.sky.atmosphere import ITERATIONS, mean_refraction
 from pyport.errors import BadInput
 from pyport.mounts import turned
@@ -39,14 +40,16 @@ BLIND_DEG = 0.1
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a table holds for: `north` or `south`, where azimuth starts, and conditions.
+    """What a table holds for: `north` or `south`, where azimuth starts, conditions, and the site.
 
     `azimuth_zero`: None for the model's own: south for the RT32's.
     `columns`: conditions under the names of columns inside the program: `temperature_c`, ...
+    `site`: None for the model's own.
     """
 
     azimuth_zero: str | None = None
     columns: Mapping[str, Any] = field(default_factory=dict)
+    site: Site | None = None
 
 
 NOTHING = Conditions()
@@ -238,6 +241,7 @@ def _any_offsets(
     at = Circumstances(
         az=az_deg.ravel() * DEG + turn,
         el=math.pi / 2 - zd_deg.ravel() * DEG,
+        site=beside.site,
         columns={name: np.full(az_deg.size, one) for name, one in beside.columns.items()},
     )
     try:

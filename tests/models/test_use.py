@@ -22,7 +22,9 @@ from pyport.effects.empirical.fields import field
 from pyport.effects.telescope.structure import FreeEdge, curved_jump, jump_above
 from pyport.effects.telescope.track import azimuth_track
 from pyport.errors import BadInput
+from pyport.files import sha256
 from pyport.formats.models import load
+from pyport.models.conditions import Completed
 from pyport.models.model import Model, Term
 from pyport.pointing import exact_offsets, printed
 from pyport.pointing.one import exact_one
@@ -245,3 +247,25 @@ def test_a_model_without_coefficients_is_refused():
         pyport.load_model("altaz")
     assert pyport.load_model("rt32-3model").offsets(10, 45).d_el.value != 0
     assert PointingModel(Model("none", ())).offsets(10, 45).d_el.value == 0
+
+
+def test_what_changed_at_a_row_changed_in_its_own_file_alone(tmp_path):
+    """In any other file it is as it was after the last row, whatever the order of that one's."""
+    own, other = tmp_path / "own.csv", tmp_path / "other.csv"
+    own.write_text("az_deg,el_deg\n")
+    other.write_text("az_deg, el_deg\n")
+    step = epoch_step(9.5, of_order=True)
+    made = {"sha256": sha256(own), "rows": 20}
+    known = Completed(made, (), np.zeros((0, 0)))
+    values = np.array([0.0, 30 * ARCSEC])
+    model = PointingModel(Model("step", (Term(step, values=tuple(values)),), completed=known))
+    level = np.full(20, 0.7)
+    at = Circumstances(level, level, columns={"order": np.arange(20.0)})
+    after = np.arange(20) > 9.5
+
+    _, y = model.at(model.met(at, own))
+    np.testing.assert_allclose(y, values[1] * after)
+    _, y = model.at(model.met(at, other))
+    np.testing.assert_allclose(y, values[1])
+    _, y = model.at(model.met(at, tmp_path / "gone.csv"))
+    np.testing.assert_allclose(y, values[1])
