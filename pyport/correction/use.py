@@ -98,7 +98,7 @@ class PointingModel:
             one = self.offsets_rad(where[0] * DEG, where[1] * DEG)
             return Offsets(one[0] / ARCSEC * units.arcsec, one[1] / ARCSEC * units.arcsec)
         there = directions(where, conditions, self.model.site, self._others)
-        x, y = self._offsets(there.az, there.el, there.columns, there.site)
+        x, y = self._on_sky(there.az, there.el, there.columns, there.site)
         return Offsets(*(one.reshape(there.shape) / ARCSEC * units.arcsec for one in (x, y)))
 
     def offsets_rad(self, az_rad: float, el_rad: float, **columns: Any) -> tuple[float, float]:  # noqa: ANN401
@@ -110,7 +110,7 @@ class PointingModel:
         """
         if self.model.mount is not ALTAZ:
             arrays = {key: np.array([one]) for key, one in columns.items()}
-            x, y = self._offsets(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
+            x, y = self._on_sky(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
             return float(x[0]), float(y[0])
         ready = self._kernel(tuple((key, columns[key]) for key in self._labels if key in columns))
         if self._by_row:
@@ -141,10 +141,14 @@ class PointingModel:
         return formed(there, *self._solved(there))
 
     def at(self, there: Circumstances) -> tuple[Array, Array]:
-        """Return the offsets across and along elevation of n pointings [rad], shape (n,)."""
+        """Return the offsets of n pointings [rad], shape (n,): along the axes of their mount.
+
+        Across and along elevation, where they are directions alone.
+        """
         site = there.site or self.model.site
-        if there.mount is not ALTAZ:
-            self.model.on(there.mount)  # a model of another mount is refused
+        if there.mount is ALTAZ:
+            return self._on_sky(there.az, there.el, dict(there.columns), site)
+        self.model.on(there.mount)  # a model of another mount is refused
         # a model's file may say less of its mount than what was recorded with it: on which side
         return self._offsets(there.az, there.el, dict(there.columns), site, there.mount)
 
@@ -249,6 +253,16 @@ class PointingModel:
             if len(single) < len(known) or not plain:
                 return self.model.offsets(Circumstances(az, el, site, columns, mount=axes))
             return self._kernel(tuple(single.items())).many(az, el, columns, site)
+        except MissingColumn:
+            raise self._lacking(set(columns)) from None
+
+    def _on_sky(
+        self, az: Array, el: Array, columns: Columns, site: Site | None
+    ) -> tuple[Array, Array]:
+        """Return offsets across and along elevation, on whatever mount."""
+        x, y = self._offsets(az, el, columns, site)
+        try:
+            return Circumstances(az, el, site, columns, mount=self.model.mount).along_sky(x, y)
         except MissingColumn:
             raise self._lacking(set(columns)) from None
 

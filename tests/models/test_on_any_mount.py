@@ -7,8 +7,11 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
+from astropy import units as u
+from astropy.coordinates import EarthLocation
 from click.testing import CliRunner
 
+import pyport
 from pyport.angles import ARCSEC, DEG
 from pyport.cli import pyport as program
 from pyport.effects import Site, catalogue
@@ -140,3 +143,19 @@ def test_readings_of_a_fork_come_back_in_its_own_angles(old, tmp_path):
 
     assert float(true["true_ha_deg"]) == pytest.approx(30, abs=1e-6)
     assert float(true["true_dec_deg"]) == pytest.approx(20, abs=1e-6)
+
+
+def test_a_model_of_another_mount_is_asked_for_directions(old):
+    """In azimuth and elevation it answers in them, and says where to drive as ever."""
+    model = pyport.load_model(old)
+    site = EarthLocation.from_geodetic(0 * u.deg, LATITUDE_DEG * u.deg)
+    az, el = np.array([0.0, 90.0, 200.0]), np.array([60.0, 20.0, 45.0])
+    true = np.array([moved(*one) for one in zip(az, el, strict=True)])
+    x, y = model.offsets(az, el, location=site)
+
+    np.testing.assert_allclose(x.to_value("deg") / np.cos(el * DEG), true[:, 0], atol=3e-5)
+    np.testing.assert_allclose(y.to_value("deg"), true[:, 1], atol=3e-5)
+    there = model.correct(az, el, location=site)
+    np.testing.assert_allclose(there[1].to_value("deg") - el, true[:, 1], atol=3e-5)
+    one = model.offsets(az[1], el[1], location=site)
+    np.testing.assert_allclose(one.d_xel.value, x[1].value)
