@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from pyport.errors import BadInput
 from pyport.formats.convert import table_of
 from pyport.models.conditions import refuse_slips
 from pyport.models.labels import taken_for
-from pyport.mounts import ALTAZ
+from pyport.mounts import ALTAZ, Mount
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
 from pyport.recordings.naming import KEYS
@@ -45,7 +45,7 @@ class Applied:
     #: empty without offsets.
     rms: dict[str, float]
     axes: Mapping[str, str]  #: what is said for `xel` and `el` of those, see `spoken_axes`
-    notes: tuple[str, ...] = ()  #: whose coefficients were taken for others
+    notes: tuple[str, ...] = ()  #: whose coefficients were taken for others, and which columns
 
 
 def applied(
@@ -101,7 +101,10 @@ def applied(
         int((known.el < LOWEST_EL).sum()) if bent else 0,
         _rms(raw, there, found) if residuals else {},
         spoken_axes(at.mount),
-        tuple(taken_for(model.model.completed, known.columns)),
+        (
+            *taken_for(model.model.completed, known.columns),
+            *(_readings(raw, at.mount) if inverse else ()),
+        ),
     )
 
 
@@ -165,6 +168,15 @@ def _inverse(model: PointingModel, at: Circumstances) -> dict[str, Array]:
         f"true_{names.first.removeprefix('d_')}_deg": first / DEG,
         f"true_{names.along.removeprefix('d_')}_deg": second / DEG,
     }
+
+
+def _readings(raw: Raw, mount: Mount) -> Iterator[str]:
+    """Yield what a file has the mount's readings under, besides the names that are taken."""
+    names = names_of(mount)
+    for one in (names.first, names.along):
+        taken = one.removeprefix("d_")
+        if f"mount_{taken}_deg" in raw.columns:
+            yield f"the readings are those under {taken}_deg, not under mount_{taken}_deg"
 
 
 def _residuals(

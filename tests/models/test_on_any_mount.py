@@ -159,3 +159,14 @@ def test_a_model_of_another_mount_is_asked_for_directions(old):
     np.testing.assert_allclose(there[1].to_value("deg") - el, true[:, 1], atol=3e-5)
     one = model.offsets(az[1], el[1], location=site)
     np.testing.assert_allclose(one.d_xel.value, x[1].value)
+
+
+def test_readings_are_taken_under_their_own_names(old, tmp_path):
+    """An answer of `apply` holds the true angles under them, and is said to."""
+    there, answer = tmp_path / "there.csv", tmp_path / "answer.csv"
+    there.write_text(f"# mount: fork\n# latitude_deg: {LATITUDE_DEG}\nha_deg,dec_deg\n30,20\n")
+    run("apply", old, there, "-o", answer)
+
+    said = "the readings are those under ha_deg, not under mount_ha_deg"
+    assert said in run("apply", old, answer, "--inverse", "-o", tmp_path / "back.csv")
+    assert said not in run("apply", old, there, "--inverse", "-o", tmp_path / "back.csv")
