@@ -760,8 +760,7 @@ def tracked(exposures, stars=20, step_s=STEP_S, slew_s=90.0, drift_rad=0.0, **co
     given = recordings(
         stars * exposures,
         time=1e9 + star * (slew_s + (exposures - 1) * step_s) + shot * step_s,
-        session=np.full(stars * exposures, "one"),
-        **columns,
+        **({"session": np.full(stars * exposures, "one")} | columns),
     )
     el = el + shot * step_s * (0.9 * TURN_S + drift_rad / STEP_S)
     return replace(given, at=replace(given.at, az=az, el=el))
@@ -788,10 +787,12 @@ def test_exposures_of_a_star_without_a_slew_are_one_pointing(exposures, step_s, 
 
 
 def test_exposures_of_named_sources_are_pointings_of_their_own():
-    """What they share is the source's; and each scan direction is by itself."""
+    """What they share is the source's; each session and each scan direction is by itself."""
     named = tracked(3, source=np.repeat(np.arange(20).astype(str), 3))
     scanned = tracked(4, scan_direction=np.tile([1.0, -1.0], 40))
+    parted = tracked(3, stars=1, session=np.array(["one", "one", "two"]))
 
+    assert len(np.unique(pointings(parted))) == 2
     assert len(np.unique(pointings(named))) == 60
     assert len(np.unique(pointings(scanned))) == 40
 
