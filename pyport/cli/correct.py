@@ -16,8 +16,8 @@ from pyport.cli.manners import (
     option,
     refuse_without_columns,
     say,
-    site_among,
 )
+from pyport.cli.table import site_among
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:

@@ -163,9 +163,10 @@ class PointingModel:
         What changed at some row changed in the file that the model was made from: in any other it
         is as it was after the last of those rows, whatever the order of its own.
         """
+        if not self._by_row or "order" not in there:
+            return there
         made = {} if self.model.completed is None else self.model.completed.made
-        own = file.is_file() and made.get("sha256") == sha256(file)
-        if own or not self._by_row or "order" not in there:
+        if file.is_file() and made.get("sha256") == sha256(file):
             return there
         columns = {name: one for name, one in there.columns.items() if name != "order"}
         return replace(there, columns=columns)
